@@ -1,0 +1,1 @@
+"""The host: from a point cloud to the code words that an engine draws."""

@@ -1,0 +1,47 @@
+"""A point cloud in memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Cloud"]
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Oriented, coloured points: every array has one row a point.
+
+    Parameters
+    ----------
+    positions
+        Shape (n, 3), float64, in the file's own unit, relative to ``origin``.
+    normals
+        Shape (n, 3), float32, of unit length, pointing out of the surface.
+    colours
+        Shape (n, 3), uint8: red, green, blue.
+    two_sided
+        Shape (n,), bool: the normal was estimated, so its sign means nothing and is turned to the
+        viewer; such a point never faces away.
+    origin
+        Shape (3,), float64: the cloud's own centre. Keeping positions relative to it lets a scan in
+        map coordinates (10^7) draw as exactly as one at zero.
+    name
+        What to call it in reports.
+    dropped
+        Points left out when the cloud was read, by reason.
+    """
+
+    positions: npt.NDArray[np.float64]
+    normals: npt.NDArray[np.float32]
+    colours: npt.NDArray[np.uint8]
+    two_sided: npt.NDArray[np.bool_]
+    origin: npt.NDArray[np.float64]
+    name: str
+    dropped: dict[str, int]
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.positions)

@@ -1,0 +1,1 @@
+"""The hardware: a rendering engine for oriented points, written in Amaranth."""

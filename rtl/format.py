@@ -1,0 +1,278 @@
+"""The engine's configuration and every bit position of its contract, in plain Python.
+
+The hardware, the host and the golden renderer all take their widths and positions from here and
+from nowhere else; this file imports no Amaranth, so reading it costs nothing. What the fields mean
+is written in ``docs/contract.md``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+__all__ = ["BLOCK", "PAPER", "PRESETS", "ROWS", "EngineConfig", "Field", "Register", "get_preset"]
+
+BLOCK = 8
+"""Rows and columns of the block of pixels that one code word can cover."""
+
+ROWS = 4
+"""Rows of the block that a code word carries; symmetry gives the rest."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """A run of bits: ``(word >> lsb) & mask``."""
+
+    lsb: int
+    width: int
+
+    @property
+    def mask(self) -> int:
+        """Largest value that the field holds."""
+        return (1 << self.width) - 1
+
+    @property
+    def end(self) -> int:
+        """First bit above the field."""
+        return self.lsb + self.width
+
+
+class Register:
+    """Offsets of the frame registers, counted from ``EngineConfig.register_base``."""
+
+    AMBIENT_RED = 0
+    AMBIENT_GREEN = 1
+    AMBIENT_BLUE = 2
+    WIDTH = 3
+    HEIGHT = 4
+    CONTROL = 5
+
+    CONTROL_LOAD = 0
+    """Bit of CONTROL: the frame starts from the raster on the ``initial`` port."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineConfig:
+    """Everything about an engine that is fixed when its Verilog is written.
+
+    Parameters
+    ----------
+    name
+        Name of the preset.
+    x_bits
+        Bits of a code word's X, the image column of the block's first column; an image has at most
+        ``2**x_bits`` columns.
+    line_bits
+        Bits of a line number; an image has at most ``2**line_bits`` lines.
+    depth_bits
+        Bits of a stored depth and of a code word's Z. The largest value is the background.
+    channel_bits
+        Bits of each of the three channels of a stored colour.
+    intensity_bits
+        Bits of a code word's DIFFUSE and SPECULAR.
+    material_bits
+        Bits of a code word's MATERIAL; the table has ``2**material_bits`` entries.
+    coefficient_bits
+        Bits of each of a material's six coefficients: kd and ks for red, green and blue.
+    colour_shift
+        Fraction bits of the colour sum, dropped after the addition.
+    window_lines
+        Lines of the sliding window. Eight are drawn into; the others wait to be flushed.
+    pixels_per_word
+        Pixels in one word of the window's memory.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its range or the code word does not come out at 64 bits.
+    """
+
+    name: str = "custom"
+    x_bits: int = 9
+    line_bits: int = 10
+    depth_bits: int = 9
+    channel_bits: int = 3
+    intensity_bits: int = 7
+    material_bits: int = 7
+    coefficient_bits: int = 6
+    colour_shift: int = 10
+    window_lines: int = 16
+    pixels_per_word: int = 4
+
+    def __post_init__(self) -> None:
+        """Check every parameter, so that no component need check it again."""
+        ranges = {
+            "x_bits": (4, 12),
+            "line_bits": (5, 14),
+            "depth_bits": (1, 16),
+            "channel_bits": (1, 8),
+            "intensity_bits": (1, 9),
+            "material_bits": (1, 9),
+            "coefficient_bits": (1, 12),
+            "colour_shift": (1, self.coefficient_bits + self.intensity_bits),
+        }
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if not isinstance(value, int) or not low <= value <= high:
+                raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
+        if self.window_lines != 16:
+            raise ValueError(f"window_lines must be 16, not {self.window_lines!r}")
+        if self.pixels_per_word != 4:
+            raise ValueError(f"pixels_per_word must be 4, not {self.pixels_per_word!r}")
+        if self.z.end != 64:
+            raise ValueError(f"the code word must have 64 bits, not {self.z.end}")
+
+    def replace(self, **changes: object) -> EngineConfig:
+        """Return a copy with some parameters changed; the name becomes ``custom`` unless given."""
+        return dataclasses.replace(self, **{"name": "custom", **changes})  # type: ignore[arg-type]
+
+    # The code word, bit 0 first.
+
+    @property
+    def mode(self) -> Field:
+        """0: the rows 0..3 and their half turn; 1: the rows 0..3 alone (a fraction)."""
+        return Field(0, 1)
+
+    @property
+    def scans(self) -> Field:
+        """Four rows of six bits."""
+        return Field(1, 6 * ROWS)
+
+    def first(self, row: int) -> Field:
+        """First column of a row, inclusive."""
+        return Field(self.scans.lsb + 6 * row, 3)
+
+    def last(self, row: int) -> Field:
+        """Last column of a row, inclusive; a row with ``first > last`` is empty."""
+        return Field(self.scans.lsb + 6 * row + 3, 3)
+
+    @property
+    def diffuse(self) -> Field:
+        """Diffuse intensity D."""
+        return Field(self.scans.end, self.intensity_bits)
+
+    @property
+    def specular(self) -> Field:
+        """Specular intensity S."""
+        return Field(self.diffuse.end, self.intensity_bits)
+
+    @property
+    def material(self) -> Field:
+        """Index into the material table."""
+        return Field(self.specular.end, self.material_bits)
+
+    @property
+    def x(self) -> Field:
+        """Image column of the block's column 0; of a control word: lines to advance."""
+        return Field(self.material.end, self.x_bits)
+
+    @property
+    def z(self) -> Field:
+        """Depth, smaller is nearer."""
+        return Field(self.x.end, self.depth_bits)
+
+    @property
+    def control_end(self) -> Field:
+        """End of frame; counts in control words alone."""
+        return Field(self.diffuse.lsb, 1)
+
+    # The image.
+
+    @property
+    def max_width(self) -> int:
+        """Most columns of an image."""
+        return 1 << self.x_bits
+
+    @property
+    def max_height(self) -> int:
+        """Most lines of an image."""
+        return 1 << self.line_bits
+
+    @property
+    def background_depth(self) -> int:
+        """Depth of a pixel that nothing was drawn into."""
+        return (1 << self.depth_bits) - 1
+
+    @property
+    def colour_bits(self) -> int:
+        """Bits of a stored colour: red lowest, then green, then blue."""
+        return 3 * self.channel_bits
+
+    @property
+    def channel_max(self) -> int:
+        """Largest value of a stored channel, at which the colour sum saturates."""
+        return (1 << self.channel_bits) - 1
+
+    # The tables: a write is (address, data).
+
+    @property
+    def register_base(self) -> int:
+        """Address of the first register; below it, each address is a material."""
+        return 1 << self.material_bits
+
+    @property
+    def table_address(self) -> Field:
+        """Address bits of a table write."""
+        return Field(self.table_data.end, self.material_bits + 1)
+
+    @property
+    def table_data(self) -> Field:
+        """Data bits of a table write: wide enough for a material and for every register."""
+        return Field(0, max(6 * self.coefficient_bits, self.ambient_bits, self.line_bits + 1,
+                            self.x_bits + 1))
+
+    def coefficient(self, kind: int, channel: int) -> Field:
+        """Bits of a material's kd (``kind`` 0) or ks (``kind`` 1) of a channel in 0..2."""
+        return Field((3 * kind + channel) * self.coefficient_bits, self.coefficient_bits)
+
+    @property
+    def ambient_bits(self) -> int:
+        """Bits of I0, which has ``colour_shift`` fraction bits: as many as ``kd D + ks S`` has."""
+        return self.coefficient_bits + self.intensity_bits + 1
+
+    # The raster: a beat is one word of the window's memory with its place, or the end of the frame.
+
+    @property
+    def word_bits(self) -> int:
+        """Bits of the number of a word in its line."""
+        return self.x_bits - (self.pixels_per_word.bit_length() - 1)
+
+    def raster_depth(self, pixel: int) -> Field:
+        """Depth of a pixel of the beat; pixel 0 is the leftmost."""
+        return Field(pixel * self.depth_bits, self.depth_bits)
+
+    def raster_colour(self, pixel: int) -> Field:
+        """Colour of a pixel of the beat."""
+        base = self.pixels_per_word * self.depth_bits
+        return Field(base + pixel * self.colour_bits, self.colour_bits)
+
+    @property
+    def raster_word(self) -> Field:
+        """Number of the word in its line: it holds columns ``4 word`` and up."""
+        return Field(self.raster_colour(self.pixels_per_word - 1).end, self.word_bits)
+
+    @property
+    def raster_line(self) -> Field:
+        """Line of the image."""
+        return Field(self.raster_word.end, self.line_bits)
+
+    @property
+    def raster_end(self) -> Field:
+        """1: the frame is over, and the beat's other fields are 0."""
+        return Field(self.raster_line.end, 1)
+
+
+PAPER = EngineConfig(name="paper")
+"""The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
+
+PRESETS = {config.name: config for config in (PAPER,)}
+"""Named configurations."""
+
+
+def get_preset(name: str) -> EngineConfig:
+    """Return a named configuration, or raise ``ValueError`` with the names there are."""
+    try:
+        return PRESETS[name]
+    except KeyError:
+        names = ", ".join(sorted(PRESETS))
+        raise ValueError(f"no preset named {name!r}; there are: {names}") from None

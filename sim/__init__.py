@@ -1,0 +1,1 @@
+"""Simulation: the golden renderer, the exact reference, metrics and cosimulation."""
