@@ -43,8 +43,8 @@ class Register:
     AMBIENT_RED = 0
     AMBIENT_GREEN = 1
     AMBIENT_BLUE = 2
-    WIDTH = 3
-    HEIGHT = 4
+    LAST_COLUMN = 3
+    LAST_LINE = 4
     CONTROL = 5
 
     CONTROL_LOAD = 0
@@ -218,8 +218,9 @@ class EngineConfig:
     @property
     def table_data(self) -> Field:
         """Data bits of a table write: wide enough for a material and for every register."""
-        return Field(0, max(6 * self.coefficient_bits, self.ambient_bits, self.line_bits + 1,
-                            self.x_bits + 1))
+        return Field(
+            0, max(6 * self.coefficient_bits, self.ambient_bits, self.line_bits, self.x_bits)
+        )
 
     def coefficient(self, kind: int, channel: int) -> Field:
         """Bits of a material's kd (``kind`` 0) or ks (``kind`` 1) of a channel in 0..2."""

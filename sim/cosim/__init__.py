@@ -1,0 +1,1 @@
+"""Cosimulation: cocotb drives the generated Verilog in Verilator or Icarus."""

@@ -1,0 +1,170 @@
+"""The decoder: from a code word's rows to the spans that each line of the window receives."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .format import EngineConfig
+from .layouts import ColouredLayout, FootprintLayout, SpanLayout
+
+__all__ = ["Decoder", "SpanDecoder"]
+
+
+class SpanDecoder(wiring.Component):
+    """One row of a block, placed on the words of a line.
+
+    **Latency**: 0, combinational.
+
+    Members
+    -------
+    first, last : In(3)
+        Columns of the block, inclusive.
+    enable : In(1)
+        The row is not empty and its line lies in the image.
+    offset : In(2)
+        Pixel of its word in which the block's column 0 lies.
+    inside : In(3)
+        Which of that word and its two neighbours on the right lie in the image.
+    span : Out(SpanLayout)
+        The pixels covered. Where ``words`` is 0, ``first`` and ``last`` mean nothing.
+    """
+
+    first: In(3)
+    last: In(3)
+    enable: In(1)
+    offset: In(2)
+    inside: In(3)
+    span: Out(SpanLayout())
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        span = self.span
+        m.d.comb += [
+            span.first.eq(self.first + self.offset),
+            span.last.eq(self.last + self.offset),
+        ]
+        for word in range(3):
+            touched = (span.first[2:] <= word) & (span.last[2:] >= word)
+            m.d.comb += span.words[word].eq(self.enable & self.inside[word] & touched)
+        return m
+
+
+class Decoder(wiring.Component):
+    """Unfolds an element's rows, clips them to the image and deals them to the lines' residues.
+
+    **Latency**: 1 cycle. **Throughput**: one element a cycle.
+
+    Members
+    -------
+    i : In(stream of ColouredLayout)
+        Elements with a colour, and ``end`` tokens.
+    o : Out(stream of FootprintLayout)
+        What the window draws. An end token and an element outside the image have no words.
+    last_column : In(x_bits)
+        Width of the image less 1; steady during a frame, as is the height.
+    last_line : In(line_bits)
+        Height of the image less 1.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "i": In(stream.Signature(ColouredLayout(config))),
+                "o": Out(stream.Signature(FootprintLayout(config))),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        element = self.i.payload
+
+        footprint = Signal(FootprintLayout(config))
+        m.d.comb += [
+            footprint.word.eq(element.x[2:]),
+            footprint.z.eq(element.z),
+            footprint.colour.eq(element.colour),
+            footprint.top.eq(element.top),
+            footprint.end.eq(element.end),
+        ]
+        for residue, group in enumerate(footprint.upper_group):
+            # The first line from the top on with this residue: past a multiple of 4 or not.
+            m.d.comb += group.eq(element.top[2:4] + (residue < element.top[:2]))
+        self._deal(m, element, self._rows(m, element), footprint)
+
+        valid = Signal()
+        held = Signal(FootprintLayout(config), reset_less=True)
+        m.d.comb += [
+            self.o.valid.eq(valid),
+            self.o.payload.eq(held),
+            self.i.ready.eq(~valid | self.o.ready),
+        ]
+        with m.If(self.i.ready):
+            m.d.sync += [valid.eq(self.i.valid), held.eq(footprint)]
+        return m
+
+    def _rows(self, m, element):
+        """Return the block's rows, upper and lower four, with ``enable`` for those to draw."""
+        # Lines of the image from the block's first row on, less 1; 7 stands for more.
+        left = Signal(signed(len(element.top) + 1))
+        near = Signal(3)
+        m.d.comb += [
+            left.eq(self.last_line - element.top),
+            near.eq(Mux(left[3:].any(), 7, left[:3])),
+        ]
+        above = element.top < 0  # then it lies in -4 .. -1
+        row = data.StructLayout({"first": 3, "last": 3, "enable": 1})
+        upper, lower = (
+            [Signal(row, name=f"{half}_row_{k}") for k in range(4)] for half in ("upper", "lower")
+        )
+        drawn = Signal()
+        filled = Signal(4)
+        m.d.comb += [
+            drawn.eq(~element.end & (left >= 0)),
+            filled.eq(Cat(scan.first <= scan.last for scan in element.scans)),
+        ]
+        for k in range(4):
+            scan, turned = element.scans[k], element.scans[3 - k]
+            below_border = ~above | (element.top[:3] >= 8 - k)
+            m.d.comb += [
+                upper[k].first.eq(scan.first),
+                upper[k].last.eq(scan.last),
+                upper[k].enable.eq(drawn & filled[k] & below_border & (near >= k)),
+                lower[k].first.eq(~turned.last),
+                lower[k].last.eq(~turned.first),
+                lower[k].enable.eq(drawn & filled[3 - k] & ~element.mode & (near >= k + 4)),
+            ]
+        return {"upper": upper, "lower": lower}
+
+    def _deal(self, m, element, rows, footprint):
+        """Turn the rows from the block's order into the order of residues, and place them."""
+        # Words of the image from X's word on, less 1.
+        words_left = Signal(signed(self.config.word_bits + 1))
+        inside = Signal(3)
+        m.d.comb += [
+            words_left.eq(self.last_column[2:] - element.x[2:]),
+            inside.eq(Cat(words_left >= word for word in range(3))),
+        ]
+        for name, block in rows.items():
+            for residue in range(4):
+                span = SpanDecoder()
+                m.submodules[f"{name}_{residue}"] = span
+                m.d.comb += [
+                    span.offset.eq(element.x[:2]),
+                    span.inside.eq(inside),
+                    footprint[name][residue].eq(span.span),
+                ]
+                with m.Switch(element.top[:2]):
+                    for turn in range(4):
+                        with m.Case(turn):
+                            source = block[(residue - turn) % 4]
+                            m.d.comb += [
+                                span.first.eq(source.first),
+                                span.last.eq(source.last),
+                                span.enable.eq(source.enable),
+                            ]

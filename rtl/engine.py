@@ -1,0 +1,103 @@
+"""The engine: code words in, raster out."""
+
+from amaranth.hdl import Module, Signal
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from .bank import bank_address_bits
+from .colour import ColourUnit
+from .decoder import Decoder
+from .format import PAPER, EngineConfig
+from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+from .sequencer import Sequencer
+from .tables import Tables
+from .window import Window
+
+__all__ = ["Engine"]
+
+
+class Engine(wiring.Component):
+    """Draws frames of code words; the contract is ``docs/contract.md``.
+
+    A frame opens with its first code word and closes with its end beat on ``raster``. Between
+    frames, table writes go before the next frame's first code word.
+
+    **Latency**: 8 cycles from a code word to its pixels; a line leaves once a code word follows that
+    lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code word,
+    one more where two follow each other into the same word of memory.
+
+    Parameters
+    ----------
+    config
+        Widths and sizes; see :class:`EngineConfig`.
+
+    Members
+    -------
+    codewords : In(stream of CodeWordLayout)
+        The frame, sorted by line.
+    tables : In(stream of TableWriteLayout)
+        Material table and frame registers; waits while a frame is open.
+    initial : In(stream of RasterLayout)
+        What the frame starts from, if the control register's load bit is set; else ignored.
+    raster : Out(stream of RasterLayout)
+        The picture: every word that is not all background, sorted by line; then the end beat.
+    """
+
+    LATENCY = 8
+    """Cycles from the one that takes a code word to the one that writes its first pixels."""
+
+    @property
+    def clear_cycles(self) -> int:
+        """Cycles after reset in which the window's memory is cleared; code words wait."""
+        return 1 << bank_address_bits(self.config)
+
+    def __init__(self, config: EngineConfig = PAPER):
+        self.config = config
+        super().__init__(
+            {
+                "codewords": In(stream.Signature(CodeWordLayout(config))),
+                "tables": In(stream.Signature(TableWriteLayout(config))),
+                "initial": In(stream.Signature(RasterLayout(config))),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        m.submodules.tables = tables = Tables(config)
+        m.submodules.sequencer = sequencer = Sequencer(config)
+        m.submodules.colour = colour = ColourUnit(config)
+        m.submodules.decoder = decoder = Decoder(config)
+        m.submodules.window = window = Window(config)
+
+        connect(m, flipped(self.tables), tables.i)
+        connect(m, flipped(self.codewords), sequencer.i)
+        connect(m, sequencer.o, colour.i)
+        connect(m, colour.o, decoder.i)
+        connect(m, decoder.o, window.i)
+        connect(m, flipped(self.initial), window.initial)
+        connect(m, window.raster, flipped(self.raster))
+
+        # From the end word until the end beat the frame's last lines are still on their way out.
+        draining = Signal()
+        with m.If(window.finished):
+            m.d.sync += draining.eq(0)
+        with m.Elif(sequencer.o.valid & sequencer.o.payload.end):
+            m.d.sync += draining.eq(1)
+        ending = sequencer.o.valid & sequencer.o.payload.end
+        registers = tables.registers
+        m.d.comb += [
+            tables.idle.eq(~sequencer.open & ~draining & ~ending),
+            sequencer.admit.eq(tables.idle & ~self.tables.valid),
+            colour.ambient.eq(registers.ambient),
+            colour.material.eq(tables.material),
+            decoder.last_column.eq(registers.last_column),
+            decoder.last_line.eq(registers.last_line),
+            window.last_column.eq(registers.last_column),
+            window.last_line.eq(registers.last_line),
+            window.load.eq(registers.load),
+            window.active.eq(sequencer.open | draining | ending),
+        ]
+        return m

@@ -1,0 +1,144 @@
+"""What travels on each stream of the engine: one layout for both ends of a link.
+
+The layouts of the outer ports follow the bit positions of :mod:`splatline.rtl.format`; the inner
+ones are the engine's own.
+"""
+
+from amaranth.hdl import signed
+from amaranth.lib import data
+
+from .format import EngineConfig
+
+__all__ = [
+    "CodeWordLayout",
+    "ColouredLayout",
+    "ElementLayout",
+    "FootprintLayout",
+    "RasterLayout",
+    "SpanLayout",
+    "TableWriteLayout",
+    "WordLayout",
+]
+
+
+class CodeWordLayout(data.StructLayout):
+    """A code word as the host sends it."""
+
+    def __init__(self, config: EngineConfig):
+        row = data.StructLayout({"first": 3, "last": 3})
+        super().__init__(
+            {
+                "mode": config.mode.width,
+                "scans": data.ArrayLayout(row, 4),
+                "diffuse": config.diffuse.width,
+                "specular": config.specular.width,
+                "material": config.material.width,
+                "x": config.x.width,
+                "z": config.z.width,
+            }
+        )
+
+
+class TableWriteLayout(data.StructLayout):
+    """A write to the material table or a frame register."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"data": config.table_data.width, "address": config.table_address.width})
+
+
+class WordLayout(data.StructLayout):
+    """A word of the window's memory: neighbouring pixels, the leftmost first."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(
+            {
+                "depth": data.ArrayLayout(config.depth_bits, config.pixels_per_word),
+                "colour": data.ArrayLayout(config.colour_bits, config.pixels_per_word),
+            }
+        )
+
+
+class RasterLayout(data.StructLayout):
+    """A beat of a raster: a word with its place in the image, or the end of the frame."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(
+            {
+                "pixels": WordLayout(config),
+                "word": config.word_bits,
+                "line": config.line_bits,
+                "end": 1,
+            }
+        )
+
+
+def _geometry(config: EngineConfig) -> dict:
+    """Fields that the decoder needs: what the code word says of shape and place, and the line.
+
+    ``top`` is the line of the block's first row, y - 4: from -4 up.
+    """
+    codeword = CodeWordLayout(config).members
+    return {
+        **{name: codeword[name] for name in ("mode", "scans", "x", "z")},
+        "top": signed(config.line_bits + 2),
+        "end": 1,
+    }
+
+
+class ElementLayout(data.StructLayout):
+    """An element and its line, or the end of the frame: ``end``, and the largest ``top``."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(
+            {
+                "diffuse": config.diffuse.width,
+                "specular": config.specular.width,
+                "material": config.material.width,
+                **_geometry(config),
+            }
+        )
+
+
+class ColouredLayout(data.StructLayout):
+    """An element whose colour is known."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"colour": config.colour_bits, **_geometry(config)})
+
+
+class SpanLayout(data.StructLayout):
+    """Which pixels of one line an element covers, counted from the word that X lies in.
+
+    ``first`` and ``last`` (inclusive) count pixels from the left edge of that word; ``words`` has a
+    bit for it and each of its two neighbours on the right: set if the span touches the word, and
+    the word lies in the image. In an image's last word a span may reach past the right border.
+    """
+
+    def __init__(self):
+        super().__init__({"first": 4, "last": 4, "words": 3})
+
+
+class FootprintLayout(data.StructLayout):
+    """An element clipped to the image and laid out as the window's banks need it.
+
+    The eight lines that an element may touch are two of each residue modulo 4: for residue q,
+    ``upper[q]`` is the span on that one of the lines y - 4 .. y - 1 and ``lower[q]`` the span four
+    lines below. ``upper_group[q]`` is bits 3:2 of the upper line's number; the lower line's is
+    one more.
+
+    ``top`` is y - 4: no later element touches a line above it.
+    """
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(
+            {
+                "upper": data.ArrayLayout(SpanLayout(), 4),
+                "lower": data.ArrayLayout(SpanLayout(), 4),
+                "upper_group": data.ArrayLayout(2, 4),
+                "word": config.word_bits,
+                "z": config.z.width,
+                "colour": config.colour_bits,
+                "top": signed(config.line_bits + 2),
+                "end": 1,
+            }
+        )

@@ -1,0 +1,95 @@
+"""Loading the initial raster: the previous engine's picture, or none."""
+
+from amaranth.hdl import Module, Signal, signed
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .format import EngineConfig
+from .layouts import RasterLayout
+
+__all__ = ["Loader"]
+
+
+class Loader(wiring.Component):
+    """Offers the initial raster's words as their lines enter the window.
+
+    A word goes to memory like an element of four pixels with their own depths and colours: the
+    window is background where nothing was loaded, so the depth test lets all but background pass.
+    Words outside the image, and words of lines that have left, are dropped.
+
+    **Latency**: 0. **Throughput**: one word a cycle.
+
+    Members
+    -------
+    i : In(stream of RasterLayout)
+        The initial raster. Taken during a frame alone, and only if ``enable`` is set.
+    o : Out(stream of RasterLayout)
+        Words to write; their lines are in the window.
+    enable : In(1)
+        The frame starts from an initial raster.
+    active : In(1)
+        A frame is being drawn.
+    last_line : In(line_bits)
+        Height of the image less 1.
+    last_word : In(word_bits)
+        Number of the last word of a line.
+    oldest : In(line_bits + 1)
+        First line in the window.
+    restart : In(1)
+        The frame is over.
+    finished : Out(1)
+        No initial raster will come any more in this frame.
+    oldest_loaded : Out(1)
+        Nothing more will come for line ``oldest``.
+    window_loaded : Out(1)
+        Nothing more will come for any line of the window.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        lines = config.line_bits + 1
+        super().__init__(
+            {
+                "i": In(stream.Signature(RasterLayout(config))),
+                "o": Out(stream.Signature(RasterLayout(config))),
+                "enable": In(1),
+                "active": In(1),
+                "last_line": In(config.line_bits),
+                "last_word": In(config.word_bits),
+                "oldest": In(lines),
+                "restart": In(1),
+                "finished": Out(1),
+                "oldest_loaded": Out(1),
+                "window_loaded": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        beat = self.i.payload
+        ended = Signal()
+        waiting = Signal()
+        drop = Signal()
+        in_window = Signal()
+        ahead = Signal(signed(config.line_bits + 2))
+        m.d.comb += [
+            waiting.eq(self.i.valid & self.enable & self.active & ~ended),
+            ahead.eq(beat.line - self.oldest),
+            in_window.eq(ahead < config.window_lines),
+            drop.eq(
+                beat.end | (ahead < 0) | (beat.line > self.last_line) | (beat.word > self.last_word)
+            ),
+            self.o.valid.eq(waiting & ~drop & in_window),
+            self.o.payload.eq(beat),
+            self.i.ready.eq((waiting & drop) | (self.o.valid & self.o.ready)),
+            self.finished.eq(~self.enable | ended),
+            self.oldest_loaded.eq(self.finished | (waiting & ~drop & (ahead != 0))),
+            self.window_loaded.eq(self.finished | (waiting & ~drop & ~in_window)),
+        ]
+        with m.If(waiting & beat.end):
+            m.d.sync += ended.eq(1)
+        with m.If(self.restart):
+            m.d.sync += ended.eq(0)
+        return m

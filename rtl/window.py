@@ -1,0 +1,230 @@
+"""The sliding window: eight banks, and who may use them in a cycle."""
+
+from amaranth.hdl import Array, Cat, Module, Mux, Signal
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from .bank import Bank
+from .format import EngineConfig
+from .layouts import FootprintLayout, RasterLayout, WordLayout
+from .loader import Loader
+from .ring import PlaceLayout, Ring
+from .scatter import BANKS, Scatter
+
+__all__ = ["Window"]
+
+
+class Window(wiring.Component):
+    """Draws footprints into sixteen lines that slide down the image.
+
+    Three stages: *request* (an address a bank), *merge* (the banks write back; a flushed word stands
+    on its bank's output) and *emit* (the word waits on ``raster``). In the request stage the initial
+    raster goes first, then the element, and the flush takes what banks are left. A word that
+    ``raster`` does not take stops all three.
+
+    After reset the banks are cleared, which takes as many cycles as a bank has words.
+
+    **Latency**: 3 cycles from a retired line to its first beat. **Throughput**: 1 to 3 cycles an
+    element (see :class:`Scatter`), one more where it follows into the word that its predecessor
+    wrote last; a word a cycle of the initial raster, and of ``raster`` while its bank is free.
+
+    Members
+    -------
+    i : In(stream of FootprintLayout)
+        Elements in the order of their lines; the ``end`` token is taken when its frame is out.
+    initial : In(stream of RasterLayout)
+        Initial raster; read if ``load`` is set.
+    raster : Out(stream of RasterLayout)
+        The words of lines that were written into, then an ``end`` beat.
+    last_column, last_line : In
+        Size of the image less 1; steady during a frame, as is ``load``.
+    load : In(1)
+        The frame starts from the initial raster.
+    active : In(1)
+        A frame is open: from its first code word until ``finished``.
+    finished : Out(1)
+        High for one cycle: the frame's end beat goes into the emit stage.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "i": In(stream.Signature(FootprintLayout(config))),
+                "initial": In(stream.Signature(RasterLayout(config))),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+                "load": In(1),
+                "active": In(1),
+                "finished": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        footprint = self.i.payload
+
+        m.submodules.ring = ring = Ring(config)
+        m.submodules.loader = loader = Loader(config)
+        m.submodules.scatter = scatter = Scatter(config)
+        banks = [Bank(config) for _ in range(BANKS)]
+        for index, bank in enumerate(banks):
+            m.submodules[f"bank_{index}"] = bank
+
+        # A stage's contents: a word on its way out (merge), and the beat on the port (emit).
+        leaving_valid = Signal()
+        leaving = Signal(PlaceLayout(config), reset_less=True)
+        emit_valid = Signal()
+        emit = Signal(RasterLayout(config), reset_less=True)
+        running = Signal()
+        m.d.comb += [
+            self.raster.valid.eq(emit_valid),
+            self.raster.payload.eq(emit),
+            running.eq(~(leaving_valid & emit_valid & ~self.raster.ready)),
+        ]
+
+        sweeping = Signal(init=1)
+        sweep = Signal(len(banks[0].request.address))
+        with m.If(sweeping):
+            m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
+
+        last_word = self.last_column[2:]
+        m.d.comb += [
+            ring.last_word.eq(last_word),
+            ring.loaded.eq(loader.oldest_loaded),
+            ring.jump.eq(loader.finished),
+            ring.restart.eq(self.finished),
+            loader.enable.eq(self.load),
+            loader.active.eq(self.active),
+            loader.last_line.eq(self.last_line),
+            loader.last_word.eq(last_word),
+            loader.oldest.eq(ring.oldest),
+            loader.restart.eq(self.finished),
+        ]
+        connect(m, flipped(self.initial), loader.i)
+
+        # Request: the initial raster, else the element, and a flush in a bank that neither wants.
+        top = Signal.like(footprint.top, init=-4)
+        loading = Signal()
+        flushing = Signal()
+        m.d.comb += [
+            ring.top.eq(top),
+            scatter.footprint.eq(footprint),
+            scatter.go.eq(
+                self.i.valid
+                & ~footprint.end
+                & running
+                & ~sweeping
+                & ~loader.o.valid
+                & loader.window_loaded
+                & (footprint.top - ring.oldest < config.window_lines - BANKS)
+            ),
+            scatter.conflict.eq(Cat(bank.conflict for bank in banks)),
+        ]
+        with m.If(self.i.valid):
+            m.d.sync += top.eq(footprint.top)
+
+        service = Signal(PlaceLayout(config))
+        service_address = Signal.like(sweep)
+        service_bank = Signal(range(BANKS))
+        m.d.comb += [
+            service.eq(ring.flush.payload),
+            service_address.eq(Cat(service.word[1:], service.line[2:4])),
+            service_bank.eq(Cat(service.line[:2], service.line[2] ^ service.word[0])),
+        ]
+        with m.If(loader.o.valid):
+            m.d.comb += [
+                service.word.eq(loader.o.payload.word),
+                service.line.eq(loader.o.payload.line),
+            ]
+        with m.If(sweeping):
+            m.d.comb += service_address.eq(sweep)
+        served = Signal(BANKS)
+        for index, bank in enumerate(banks):
+            drawn = scatter.requests[index]
+            mine = Signal(name=f"service_{index}")
+            wanted = Signal(name=f"wanted_{index}")
+            m.d.comb += [
+                wanted.eq(scatter.go & scatter.want[index]),
+                mine.eq((service_bank == index) & ~wanted),
+                served[index].eq(mine & ~bank.conflict),
+                bank.enable.eq(running),
+                bank.request.address.eq(Mux(wanted, drawn.address, service_address)),
+                bank.request.mask.eq(drawn.mask | ~wanted.replicate(config.pixels_per_word)),
+                bank.request.draw.eq(drawn.draw | (loading & mine)),
+                bank.request.clear.eq((flushing & mine) | sweeping),
+            ]
+        m.d.comb += [
+            loader.o.ready.eq(running & ~sweeping & served.any()),
+            ring.flush.ready.eq(running & ~sweeping & ~loader.o.valid & served.any()),
+            loading.eq(loader.o.valid & loader.o.ready),
+            flushing.eq(ring.flush.valid & ring.flush.ready),
+        ]
+        self._touch(m, ring, scatter, loading, service)
+
+        # Merge: what the banks draw, and which of them holds the word that leaves.
+        new = Signal(WordLayout(config), reset_less=True)
+        leaving_bank = Signal(range(BANKS), reset_less=True)
+        for bank in banks:
+            m.d.comb += bank.new.eq(new)
+        with m.If(running):
+            m.d.sync += [
+                leaving_valid.eq(flushing),
+                leaving.eq(service),
+                leaving_bank.eq(service_bank),
+            ]
+            for pixel in range(config.pixels_per_word):
+                m.d.sync += [
+                    new.depth[pixel].eq(
+                        Mux(loader.o.valid, loader.o.payload.pixels.depth[pixel], footprint.z)
+                    ),
+                    new.colour[pixel].eq(
+                        Mux(loader.o.valid, loader.o.payload.pixels.colour[pixel], footprint.colour)
+                    ),
+                ]
+
+        # Emit.
+        over = Signal()
+        m.d.comb += [
+            over.eq(self.i.valid & footprint.end & ring.clean & loader.finished & ~leaving_valid),
+            self.finished.eq(over & (~emit_valid | self.raster.ready)),
+            self.i.ready.eq(scatter.done | self.finished),
+        ]
+        word = Array(bank.old for bank in banks)[leaving_bank]
+        with m.If(~emit_valid | self.raster.ready):
+            m.d.sync += [
+                emit_valid.eq(leaving_valid | over),
+                emit.word.eq(leaving.word),
+                emit.line.eq(leaving.line),
+                emit.end.eq(over),
+            ]
+            for pixel in range(config.pixels_per_word):
+                # Elements are clipped by whole words; the rest of the last word stays inside.
+                outside = (leaving.word == last_word) & (pixel > self.last_column[:2])
+                m.d.sync += [
+                    emit.pixels.depth[pixel].eq(
+                        Mux(outside, config.background_depth, word.depth[pixel])
+                    ),
+                    emit.pixels.colour[pixel].eq(Mux(outside, 0, word.colour[pixel])),
+                ]
+        with m.If(self.finished):
+            m.d.sync += top.eq(top.init)
+        return m
+
+    def _touch(self, m, ring, scatter, loading, service):
+        """Tell the ring which of its places are written into."""
+        places = data.ArrayLayout(4, 4)  # by bits 3:2 of the line, then by bits 1:0
+        touched = Signal(places)
+        for residue in range(4):
+            upper, lower = scatter.footprint.upper[residue], scatter.footprint.lower[residue]
+            group = scatter.footprint.upper_group[residue]
+            for place in range(4):
+                m.d.comb += touched[place][residue].eq(
+                    (scatter.go & (group == place) & upper.words.any())
+                    | (scatter.go & (group == (place - 1) % 4) & lower.words.any())
+                    | (loading & (service.line[:4] == 4 * place + residue))
+                )
+        m.d.comb += ring.touch.eq(touched)

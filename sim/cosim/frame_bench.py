@@ -1,0 +1,83 @@
+"""The cocotb side of whole frames: runs inside the simulator, on ``frame_player.v``.
+
+What to play stands in ``jobs.json`` of the folder that the environment variable
+``SPLATLINE_FOLDER`` names; what came out is written to ``outcomes.json`` beside it. The pictures are
+compared outside, so that nothing here needs the golden renderer.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, FallingEdge, First, RisingEdge
+
+__all__ = ["play_frames"]
+
+PERIOD_NS = 10
+
+
+@cocotb.test()
+async def play_frames(dut: Any) -> None:
+    """Play every job's frame and write down what happened."""
+    folder = Path(os.environ["SPLATLINE_FOLDER"])
+    jobs = json.loads((folder / "jobs.json").read_text())
+    Clock(dut.clk, PERIOD_NS, unit="ns").start()
+    dut.start.value = 0
+    await reset(dut)
+    outcomes = []
+    for index, job in enumerate(jobs):
+        if "reset_after" in job:
+            await start(dut, index, job)
+            await ClockCycles(dut.clk, job["reset_after"])
+            await reset(dut)
+        await start(dut, index, job)
+        outcomes.append(await watch(dut, job))
+        (folder / "outcomes.json").write_text(json.dumps(outcomes))
+        if not outcomes[-1]["finished"]:
+            break
+
+
+async def reset(dut: Any) -> None:
+    """Hold the reset for two clock edges."""
+    await FallingEdge(dut.clk)
+    dut.rst.value = 1
+    await ClockCycles(dut.clk, 2)
+    await FallingEdge(dut.clk)
+    dut.rst.value = 0
+
+
+async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
+    """Set the rates and let the player open its files."""
+    await FallingEdge(dut.clk)
+    dut.frame.value = index
+    dut.seed.value = job["seed"]
+    for stream in ("codeword", "table", "initial", "raster"):
+        getattr(dut, f"{stream}_rate").value = job["rates"][stream]
+    dut.start.value = 1
+    await FallingEdge(dut.clk)
+    dut.start.value = 0
+
+
+async def watch(dut: Any, job: dict[str, Any]) -> dict[str, Any]:
+    """Wait for the end of the frame, and a little for what must not follow it."""
+    tick = 20_000
+    waited = 0
+    while not int(dut.finished.value) and waited < job["most_cycles"]:
+        await First(RisingEdge(dut.finished), ClockCycles(dut.clk, tick))
+        waited += tick
+        taken = int(dut.taken.value)
+        print(f"progress {taken}", file=sys.__stderr__, flush=True)
+    await ClockCycles(dut.clk, 20)
+    return {
+        "finished": bool(int(dut.finished.value)),
+        "cycles": int(dut.cycles.value),
+        "taken": int(dut.taken.value),
+        "stray": int(dut.stray.value),
+        "breaches": int(dut.breaches.value),
+    }

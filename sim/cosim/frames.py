@@ -1,0 +1,266 @@
+"""Whole frames through the generated Verilog: code words in, rasters and cycle counts out."""
+
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ...host.frame import Frame, Tables
+from ...rtl.format import EngineConfig, Register
+from ..beats import from_beats, to_beats
+from ..raster import Raster
+from . import simulator
+from .simulator import Build, SimulationError
+
+__all__ = ["Job", "Outcome", "build_engine", "play", "simulate_frame", "table_writes"]
+
+STREAMS = ("codeword", "table", "initial", "raster")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """A frame to play, and how to disturb it.
+
+    Parameters
+    ----------
+    frame
+        Code words, tables and size.
+    initial
+        Raster to start from; none if not given.
+    rates
+        Share of the cycles in which each stream is willing, 1/256..1 (1 if not named): code words,
+        table writes and the initial raster are offered, the result is taken.
+    seed
+        Of the random gaps.
+    reset_after
+        Cycles from the first table write on after which the engine is reset and the frame started anew.
+    write_tables
+        False leaves the tables as the frame before set them.
+    """
+
+    frame: Frame
+    initial: Raster | None = None
+    rates: dict[str, float] = field(default_factory=dict)
+    seed: int = 1
+    reset_after: int | None = None
+    write_tables: bool = True
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the Verilog made of a job.
+
+    Parameters
+    ----------
+    raster
+        The picture.
+    beats
+        The stream it came in: shape (n, words of 64 bits), uint64.
+    cycles
+        From the first code word taken to the end beat, both included.
+    seconds
+        Time the simulator took to build and to run, which all jobs of a run share.
+    """
+
+    raster: Raster
+    beats: npt.NDArray[np.uint64]
+    cycles: int
+    seconds: dict[str, float]
+
+
+def simulate_frame(
+    frame: Frame, *, initial: Raster | None = None, stall: float = 0.0, seed: int = 1
+) -> Outcome:
+    """Draw one frame with the generated Verilog of its configuration.
+
+    Parameters
+    ----------
+    frame
+        What to draw.
+    initial
+        Raster to start from.
+    stall
+        Share of the cycles, 0..1, in which each port is held back at random.
+    seed
+        Of the random stalls.
+
+    Raises
+    ------
+    SimulationError
+        If the simulator fails or the engine breaks a rule of its contract.
+    """
+    rates = dict.fromkeys(STREAMS, 1.0 - stall)
+    return play([Job(frame=frame, initial=initial, rates=rates, seed=seed)])[0]
+
+
+def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Build:
+    """Build the player around the engine's Verilog, or find it built."""
+    from ...rtl.verilog import generate
+
+    sources = {"splatline.v": _without_tools(generate(config)[0])}
+    for name in ("stream_source.v", "stream_sink.v", "stream_check.v", "frame_player.v"):
+        sources[name] = resources.files(__package__).joinpath(name).read_text()
+    parameters = {"TABLE_BITS": config.table_address.end, "RASTER_BITS": config.raster_end.end}
+    return simulator.build(sources, "frame_player", simulator=simulator_name, parameters=parameters)
+
+
+def play(
+    jobs: Sequence[Job], *, simulator_name: str = "verilator", built: Build | None = None
+) -> list[Outcome]:
+    """Play frames one after the other, in one run of the simulator.
+
+    Parameters
+    ----------
+    jobs
+        At least one; all of one configuration.
+    simulator_name
+        One of ``simulator.SIMULATORS``.
+    built
+        A build of ``frame_player`` to use instead of the configuration's own, such as a broken one.
+
+    Raises
+    ------
+    SimulationError
+        If the simulator fails, a frame does not end, or a port breaks the stream rules.
+    """
+    configs = {job.frame.config for job in jobs}
+    if len(configs) != 1:
+        raise ValueError(f"the jobs of one run share a configuration; there are {len(configs)}")
+    config = configs.pop()
+    begin = time.perf_counter()
+    if built is None:
+        built = build_engine(config, simulator_name)
+    seconds = {"build": time.perf_counter() - begin}
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        folder = Path(scratch)
+        for index, job in enumerate(jobs):
+            _write_job(folder, index, job)
+        (folder / "jobs.json").write_text(json.dumps([_describe(job) for job in jobs]))
+        begin = time.perf_counter()
+        simulator.run(
+            built,
+            f"{__package__}.frame_bench",
+            plusargs=[f"+folder={folder}"],
+            environment={"SPLATLINE_FOLDER": str(folder)},
+        )
+        seconds["run"] = time.perf_counter() - begin
+        reports = json.loads((folder / "outcomes.json").read_text())
+        outcomes = []
+        for index, job in enumerate(jobs):
+            _check(index, reports[index] if index < len(reports) else None)
+            beats = read_hex(folder / f"{index}.raster", config.raster_end.end)
+            raster = from_beats(beats, job.frame.width, job.frame.height, config)
+            outcomes.append(Outcome(raster, beats, reports[index]["cycles"], seconds))
+    return outcomes
+
+
+def table_writes(
+    tables: Tables, width: int, height: int, load: bool, config: EngineConfig
+) -> npt.NDArray[np.uint64]:
+    """Return the table writes of a frame: shape (n, 1), uint64, address above data."""
+    entries = np.zeros(len(tables.diffuse), np.uint64)
+    for kind, table in enumerate((tables.diffuse, tables.specular)):
+        for channel in range(3):
+            lsb = config.coefficient(kind, channel).lsb
+            entries |= table[:, channel].astype(np.uint64) << np.uint64(lsb)
+    entries |= np.arange(len(entries), dtype=np.uint64) << np.uint64(config.table_address.lsb)
+    registers = {
+        Register.AMBIENT_RED: int(tables.ambient[0]),
+        Register.AMBIENT_GREEN: int(tables.ambient[1]),
+        Register.AMBIENT_BLUE: int(tables.ambient[2]),
+        Register.LAST_COLUMN: width - 1,
+        Register.LAST_LINE: height - 1,
+        Register.CONTROL: int(load) << Register.CONTROL_LOAD,
+    }
+    written = [
+        (config.register_base + offset) << config.table_address.lsb | value
+        for offset, value in registers.items()
+    ]
+    return np.concatenate([entries, np.array(written, np.uint64)])[:, np.newaxis]
+
+
+def write_hex(path: Path, words: npt.NDArray[np.uint64], bits: int) -> None:
+    """Write words of any width, one a line; ``words`` has shape (n, limbs), lowest limb first."""
+    digits = math.ceil(bits / 4)
+    data = np.ascontiguousarray(words[:, ::-1]).astype(">u8").tobytes().hex()
+    row = 16 * words.shape[1]
+    text = np.frombuffer(data.encode(), np.uint8).reshape(-1, row)[:, row - digits :]
+    lines = np.full((len(text), digits + 1), ord("\n"), np.uint8)
+    lines[:, :-1] = text
+    path.write_bytes(lines.tobytes())
+
+
+def read_hex(path: Path, bits: int) -> npt.NDArray[np.uint64]:
+    """Read what a simulator wrote with ``%h``, one word of ``bits`` bits a line."""
+    digits = math.ceil(bits / 4)
+    limbs = math.ceil(bits / 64)
+    text = np.frombuffer(path.read_bytes(), np.uint8)
+    if len(text) % (digits + 1):
+        raise SimulationError(f"{path.name}: not whole lines of {digits} digits")
+    lines = np.full((len(text) // (digits + 1), 16 * limbs), ord("0"), np.uint8)
+    lines[:, 16 * limbs - digits :] = text.reshape(-1, digits + 1)[:, :-1]
+    try:
+        data = bytes.fromhex(lines.tobytes().decode())
+    except ValueError:
+        raise SimulationError(f"{path.name}: the Verilog put out undefined bits (x)") from None
+    return np.frombuffer(data, ">u8").reshape(-1, limbs)[:, ::-1].astype(np.uint64)
+
+
+def _write_job(folder: Path, index: int, job: Job) -> None:
+    """Write the files that the player reads for a job."""
+    frame = job.frame
+    write_hex(folder / f"{index}.codewords", frame.codewords[:, np.newaxis], 64)
+    if job.write_tables:
+        writes = table_writes(
+            frame.tables, frame.width, frame.height, job.initial is not None, frame.config
+        )
+        write_hex(folder / f"{index}.tables", writes, frame.config.table_address.end)
+    if job.initial is not None:
+        beats = to_beats(job.initial)
+        write_hex(folder / f"{index}.initial", beats, frame.config.raster_end.end)
+
+
+def _describe(job: Job) -> dict[str, object]:
+    """Return what the bench inside the simulator needs to know of a job."""
+    unknown = set(job.rates) - set(STREAMS)
+    if unknown:
+        raise ValueError(f"no streams named {sorted(unknown)}; there are {STREAMS}")
+    rates = {name: job.rates.get(name, 1.0) for name in STREAMS}
+    slowest = min(rates.values())
+    if not slowest > 0.0:
+        raise ValueError("a rate of 0 would never end")
+    # A code word takes four cycles at the most, a word of the image five with loading and flush.
+    pixels = job.frame.width * job.frame.height
+    work = 20_000 + 4 * len(job.frame.codewords) + 2 * pixels + 20 * job.frame.height
+    description: dict[str, object] = {
+        "seed": job.seed,
+        "rates": {name: max(0, round(256 * rate) - 1) for name, rate in rates.items()},
+        "most_cycles": int(4 * work / max(slowest, 1 / 256)),
+    }
+    if job.reset_after is not None:
+        description["reset_after"] = job.reset_after
+    return description
+
+
+def _check(index: int, report: dict[str, int] | None) -> None:
+    """Raise if a frame did not end or a port broke the rules."""
+    if report is None or not report["finished"]:
+        raise SimulationError(f"frame {index} did not end")
+    if report["breaches"]:
+        raise SimulationError(f"frame {index}: {report['breaches']} breaches of the stream rules")
+    if report["stray"]:
+        raise SimulationError(f"frame {index}: beats outside the frame in {report['stray']} cycles")
+
+
+def _without_tools(text: str) -> str:
+    """Drop comments, which carry versions: only the circuit decides whether to build anew."""
+    return "\n".join(line for line in text.splitlines() if not line.startswith(("//", "/*")))

@@ -1,0 +1,66 @@
+// Offers the words of a file on a valid/ready stream, with random gaps.
+//
+// `start` opens "<folder>/<frame>.<NAME>", one hexadecimal word a line; a missing file is an empty one. While `run`
+// is high, each word is offered after a gap that ends with probability (rate + 1) / 256 a cycle; once offered, it
+// stays until it is taken.
+module stream_source #(
+    parameter WIDTH = 64,
+    parameter NAME = "words",
+    parameter [31:0] SALT = 1
+) (
+    input clk,
+    input rst,
+    input start,
+    input [31:0] frame,
+    input [31:0] seed,
+    input [7:0] rate,
+    input run,
+    output reg valid,
+    output reg [WIDTH-1:0] payload,
+    input ready,
+    output exhausted
+);
+    reg [8*512-1:0] folder;
+    reg [8*600-1:0] path;
+    integer file;
+    integer got;
+    reg [WIDTH-1:0] next;
+    reg more;
+    reg [31:0] random;
+
+    initial begin
+        file = 0;
+        more = 0;
+        valid = 0;
+        payload = 0;
+        random = 1;
+        if (!$value$plusargs("folder=%s", folder)) folder = ".";
+    end
+
+    assign exhausted = !more && !valid;
+
+    always @(posedge clk) begin
+        random <= {random[30:0], random[31] ^ random[21] ^ random[1] ^ random[0]};
+        if (rst) begin
+            valid <= 0;
+            more <= 0;
+        end else if (start) begin
+            if (file != 0) $fclose(file);
+            $sformat(path, "%0s/%0d.%0s", folder, frame, NAME);
+            file = $fopen(path, "r");
+            got = 0;
+            if (file != 0) got = $fscanf(file, "%h", next);
+            more <= got == 1;
+            valid <= 0;
+            random <= (seed * 32'd2654435761 + SALT) | 32'd1;
+        end else if (!valid || ready) begin
+            valid <= 0;
+            if (more && run && random[12:5] <= rate) begin
+                valid <= 1;
+                payload <= next;
+                got = $fscanf(file, "%h", next);
+                more <= got == 1;
+            end
+        end
+    end
+endmodule
