@@ -160,6 +160,7 @@ def run(
     plusargs: Sequence[str] = (),
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
+    module_folder: Path | None = None,
 ) -> None:
     """Run a module's cocotb tests on a built simulator.
 
@@ -177,6 +178,8 @@ def run(
         Environment variables for the run.
     folder
         Where to run; a temporary folder if not given.
+    module_folder
+        Folder in which the module lies, if it is not installed.
 
     Raises
     ------
@@ -189,7 +192,9 @@ def run(
         log = folder / "run.log"
         results = folder / "results.xml"
         stack.enter_context(_tools_on_path())
-        # cocotb logs each step at INFO; a caller that wants it reads run.log.
+        if module_folder is not None:  # cocotb's runner hands sys.path on to the simulator
+            sys.path.insert(0, str(module_folder))
+            stack.callback(sys.path.remove, str(module_folder))
         try:
             _runner(built.simulator).test(
                 test_module=module,

@@ -1,0 +1,160 @@
+"""The decoder, against the contract's own words: which pixels a code word covers."""
+
+import random
+from functools import cache
+
+import cocotb
+
+from splatline.rtl.decoder import Decoder
+from splatline.rtl.format import PAPER
+from splatline.rtl.layouts import ColouredLayout, FootprintLayout
+from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.streams import StreamBench
+
+COLOURED_PLACES = {name: (f.offset, f.width) for name, f in ColouredLayout(PAPER)}
+FOOTPRINT = FootprintLayout(PAPER)
+
+
+def element(rows, mode, x, top, **rest):
+    scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(rows))
+    values = {"scans": scans, "mode": mode, "x": x, "top": top, **rest}
+    bits = 0
+    for name, value in values.items():
+        offset, width = COLOURED_PLACES[name]
+        bits |= (value & (1 << width) - 1) << offset
+    return bits
+
+
+def contract_pixels(rows, mode, x, top, width, height):
+    """Pixels that docs/contract.md says are covered."""
+    block = list(rows)
+    if mode == 0:
+        block += [(7 - last, 7 - first) for first, last in reversed(rows)]
+    return {
+        (top + row, x + column)
+        for row, (first, last) in enumerate(block)
+        for column in range(first, last + 1)
+        if 0 <= top + row < height and x + column < width
+    }
+
+
+@cache
+def place(*path):
+    """First bit and mask of a field deep in the footprint."""
+    offset, layout = 0, FOOTPRINT
+    for key in path:
+        field = layout[key]
+        offset, layout = offset + field.offset, field.shape
+    return offset, (1 << field.width) - 1
+
+
+def get(bits, *path):
+    offset, mask = place(*path)
+    return bits >> offset & mask
+
+
+def footprint_pixels(bits, top, width):
+    """Pixels that a footprint names, and a check that each line stands where it belongs."""
+    pixels = set()
+    word0 = get(bits, "word")
+    for residue in range(4):
+        upper_line = top + (residue - top) % 4
+        assert get(bits, "upper_group", residue) == upper_line // 4 % 4
+        for line, half in ((upper_line, "upper"), (upper_line + 4, "lower")):
+            words = get(bits, half, residue, "words")
+            if not words:
+                continue
+            begin = get(bits, half, residue, "first")
+            end = get(bits, half, residue, "last")
+            for word in range(3):
+                if words >> word & 1:
+                    first, last = max(begin, 4 * word), min(end, 4 * word + 3)
+                    assert first <= last, "a word is named that the span does not touch"
+                    pixels |= {(line, 4 * word0 + p) for p in range(first, last + 1)}
+    # The last word of a line may reach past the border; the window clips it.
+    return {(line, x) for line, x in pixels if x < width or x // 4 != (width - 1) // 4}
+
+
+async def check(dut, cases, width, height, rates, seed):
+    bench = StreamBench(dut, seed)
+    bench.source("i", (element(*case) for case in cases), rates[0])
+    sink = bench.sink("o", rates[1])
+    dut.last_column.value = width - 1
+    dut.last_line.value = height - 1
+    await bench.reset()
+    cycles = await bench.run(lambda: len(sink.received) == len(cases), most_cycles=200_000)
+    for (rows, mode, x, top), bits in zip(cases, sink.received, strict=True):
+        expected = contract_pixels(rows, mode, x, top, width, height)
+        found = footprint_pixels(bits, top, width)
+        assert found == expected, (rows, mode, x, top, width, height)
+    return cycles
+
+
+ROW_CODES = [(first, last) for first in range(8) for last in range(8)]
+
+
+@cocotb.test()
+async def all_pairs_of_rows(dut):
+    """Every pair of row codes, in neighbouring rows, both modes, every offset in a word."""
+    cases = []
+    for number, (a, b) in enumerate((a, b) for a in ROW_CODES for b in ROW_CODES):
+        for mode in (0, 1):
+            for offset in range(4):
+                rows = [(a, b, b, a), (b, a, a, b)][number % 2]
+                cases.append((rows, mode, 100 + offset, 40 + (number + offset) % 8))
+    cycles = await check(dut, cases, 512, 512, (1.0, 1.0), 1)
+    assert cycles <= len(cases) + 4, "one element a cycle"
+
+
+@cocotb.test()
+async def all_columns(dut):
+    """Every X of the image, at the borders too, for images of several widths."""
+    rng = random.Random(2)
+    for width in (512, 511, 510, 509, 5, 1):
+        cases = [
+            ([rng.choice(ROW_CODES) for _ in range(4)], x % 2, x, 4 + x % 16) for x in range(512)
+        ]
+        await check(dut, cases, width, 512, (0.9, 0.7), width)
+
+
+@cocotb.test()
+async def all_lines(dut):
+    """Every line near the upper and lower border, for images of several heights."""
+    rng = random.Random(3)
+    for height in (1, 2, 7, 8, 512, 1024):
+        tops = [*range(-4, 20), *range(max(-4, height - 12), height + 12), 1023, 2046, 2047]
+        cases = [
+            ([rng.choice(ROW_CODES) for _ in range(4)], mode, rng.randrange(512), top)
+            for top in tops
+            for mode in (0, 1)
+            for _ in range(8)
+        ]
+        await check(dut, cases, 512, height, (0.7, 0.9), height)
+
+
+@cocotb.test()
+async def what_passes_through(dut):
+    """Depth, colour, line and the end token arrive unchanged; an end token covers nothing."""
+    rng = random.Random(4)
+    fields = [
+        {"z": rng.randrange(512), "colour": rng.randrange(512), "end": rng.randrange(2)}
+        for _ in range(200)
+    ]
+    tops = [rng.randrange(-4, 500) for _ in fields]
+    bench = StreamBench(dut, 4)
+    full = [(0, 7)] * 4
+    bench.source("i", (element(full, 0, 50, t, **f) for t, f in zip(tops, fields, strict=True)), 0.5)
+    sink = bench.sink("o", 0.5)
+    dut.last_column.value = 511
+    dut.last_line.value = 511
+    await bench.reset()
+    await bench.run(lambda: len(sink.received) == len(fields), most_cycles=5000)
+    for top, field, bits in zip(tops, fields, sink.received, strict=True):
+        assert get(bits, "top") == top % (1 << FOOTPRINT["top"].width)
+        assert {name: get(bits, name) for name in field} == field
+        if field["end"]:
+            assert not footprint_pixels(bits, top, 512)
+
+
+def test_decoder_covers_the_pixels_of_the_contract(simulator_name):
+    run_bench(Decoder(PAPER), __file__, simulator_name=simulator_name)
