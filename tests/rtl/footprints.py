@@ -1,0 +1,53 @@
+"""Footprints for the benches of what comes after the decoder, packed from pixels."""
+
+from splatline.rtl.format import PAPER
+from splatline.rtl.layouts import FootprintLayout
+from splatline.sim.cosim.blocks import pack
+
+__all__ = ["FOOTPRINT", "end_token", "footprint", "place_of_word"]
+
+FOOTPRINT = FootprintLayout(PAPER)
+
+
+def place_of_word(line, word):
+    """Bank and address of a word: bank (line + 4 (word mod 2)) mod 8."""
+    return (line + 4 * (word % 2)) % 8, (line // 4 % 4) << PAPER.word_bits - 1 | word // 2
+
+
+def footprint(top, x, spans, z=0, colour=0, width=512, height=512):
+    """A footprint of spans {row of the block: (first column, last column)}, clipped.
+
+    Return its bits and the pixels it covers, {(line, column)}.
+    """
+    word = x // 4
+    halves = {"upper": [None] * 4, "lower": [None] * 4}
+    empty = {"first": 0, "last": 0, "words": 0}
+    pixels = set()
+    for row in range(8):
+        line = top + row
+        span = empty
+        if row in spans and 0 <= line < height:
+            first, last = (x % 4 + column for column in spans[row])
+            touched = [
+                first // 4 <= j <= last // 4 and word + j <= (width - 1) // 4 for j in range(3)
+            ]
+            span = {
+                "first": first,
+                "last": last,
+                "words": sum(bit << j for j, bit in enumerate(touched)),
+            }
+            covered = {(line, 4 * word + p) for p in range(first, last + 1)}
+            pixels |= {(line, column) for line, column in covered if column < width}
+        halves["upper" if row < 4 else "lower"][line % 4] = span
+    groups = [(top + (q - top) % 4) // 4 % 4 for q in range(4)]
+    bits = pack(
+        FOOTPRINT, **halves, upper_group=groups, word=word, z=z, colour=colour, top=top, end=0
+    )
+    return bits, pixels
+
+
+def end_token():
+    """The token that ends a frame."""
+    empty = [{"first": 0, "last": 0, "words": 0}] * 4
+    lowest = (1 << PAPER.line_bits + 1) - 1
+    return pack(FOOTPRINT, upper=empty, lower=empty, end=1, top=lowest)

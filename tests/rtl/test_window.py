@@ -1,0 +1,161 @@
+"""The window: footprints in, raster out, as if it were one large image."""
+
+import random
+
+import cocotb
+from footprints import end_token, footprint
+from test_scatter import random_spans
+
+from splatline.rtl.format import PAPER
+from splatline.rtl.layouts import RasterLayout
+from splatline.rtl.window import Window
+from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.streams import StreamBench
+
+RASTER = RasterLayout(PAPER)
+BACKGROUND = (511, 0)
+END = 1 << PAPER.raster_end.lsb
+
+
+def draw(image, pixels, z, colour):
+    for pixel in pixels:
+        if z < image.get(pixel, BACKGROUND)[0]:
+            image[pixel] = (z, colour)
+
+
+def beats_of(image, width, height):
+    """Raster beats of an image {(line, column): (depth, colour)}, sparse."""
+    places = sorted({(line, column // 4) for line, column in image})
+    beats = []
+    for line, word in places:
+        pixels = [image.get((line, 4 * word + i), BACKGROUND) for i in range(4)]
+        depth, colour = [p[0] for p in pixels], [p[1] for p in pixels]
+        word_bits = {"depth": depth, "colour": colour}
+        beats.append(pack(RASTER, pixels=word_bits, word=word, line=line))
+    return [*beats, END]
+
+
+def image_of(received, width, height):
+    """The image that beats describe; checks their order and places."""
+    image, before = {}, (-1, -1)
+    for bits in received:
+        beat = RASTER.from_bits(bits)
+        assert not beat.end
+        assert before < (beat.line, beat.word), "beats out of order"
+        before = (beat.line, beat.word)
+        assert beat.line < height
+        assert beat.word <= (width - 1) // 4
+        for i in range(4):
+            pixel = (beat.pixels.depth[i], beat.pixels.colour[i])
+            if 4 * beat.word + i >= width:
+                assert pixel == BACKGROUND, "drawn outside the image"
+            elif pixel[0] != 511:
+                image[beat.line, 4 * beat.word + i] = pixel
+    return image
+
+
+def random_image(rng, width, height, share):
+    return {
+        (line, column): (rng.randrange(511), rng.randrange(512))
+        for line in range(height)
+        for column in range(width)
+        if rng.random() < share
+    }
+
+
+async def check(dut, frames, rates, seed):
+    """Play frames of (elements, initial image or None) of one size, one after the other."""
+    rng = random.Random(seed)
+    bench = StreamBench(dut, seed)
+    source = bench.source("i", [], rates[0])
+    initial = bench.source("initial", [], rates[1])
+    raster = bench.sink("raster", rates[2])
+    dut.active.value = 0
+    await bench.reset()
+    for width, height, count, start in frames:
+        tops = sorted(rng.randrange(-4, height + 2) for _ in range(count))
+        image, tokens = dict(start or {}), []
+        for top in tops:
+            z, colour = rng.randrange(511), rng.randrange(512)
+            x = rng.randrange(min(512, width + 4))
+            bits, pixels = footprint(top, x, random_spans(rng), z, colour, width, height)
+            tokens.append(bits)
+            draw(image, pixels, z, colour)
+        source.payloads, source.sent = [*tokens, end_token()], 0
+        if start is not None:
+            initial.payloads, initial.sent = beats_of(start, width, height), 0
+        raster.received.clear()
+        dut.last_column.value = width - 1
+        dut.last_line.value = height - 1
+        dut.load.value = start is not None
+        dut.active.value = 1
+        await bench.run(
+            lambda: bool(raster.received) and raster.received[-1] >= END,
+            most_cycles=200_000,
+            after=0,
+        )
+        dut.active.value = 0
+        for _ in range(5):
+            await bench.step()
+        assert raster.received[-1] >= END, "something followed the end"
+        assert image_of(raster.received[:-1], width, height) == image
+
+
+@cocotb.test()
+async def without_stalls(dut):
+    """Frames of several sizes back to back, with and without an initial raster."""
+    rng = random.Random(1)
+    frames = [
+        (40, 30, 400, None),
+        (40, 30, 400, random_image(rng, 40, 30, 0.3)),
+        (512, 9, 300, None),
+        (37, 21, 0, None),
+        (37, 21, 0, random_image(rng, 37, 21, 1.0)),
+        (1, 1, 5, None),
+        (6, 200, 60, random_image(rng, 6, 200, 0.1)),
+    ]
+    await check(dut, frames, (1.0, 1.0, 1.0), 1)
+
+
+@cocotb.test()
+async def with_stalls(dut):
+    """The same pictures whatever each port's rate."""
+    for seed, rates in enumerate([(0.3, 1.0, 1.0), (1.0, 0.1, 0.9), (1.0, 1.0, 0.15), (0.5, 0.5, 0.5)]):
+        rng = random.Random(seed)
+        frames = [
+            (33, 25, 250, None),
+            (33, 25, 250, random_image(rng, 33, 25, 0.4)),
+            (8, 40, 100, random_image(rng, 8, 40, 0.05)),
+        ]
+        await check(dut, frames, rates, seed)
+
+
+@cocotb.test()
+async def nonsense_in_the_initial_raster(dut):
+    """Beats outside the image or out of order fall nowhere but on their own place."""
+    rng = random.Random(5)
+    width, height = 20, 24
+    image = random_image(rng, width, height, 0.5)
+    good = beats_of(image, width, height)[:-1]
+    full = {"depth": [1] * 4, "colour": [7] * 4}
+    outside = [
+        pack(RASTER, pixels=full, word=word, line=line)
+        for word, line in ((5, 3), (127, 0), (0, 24), (3, 1023))
+    ]
+    beats = [*good]
+    for bits in outside:
+        beats.insert(rng.randrange(len(beats)), bits)
+    beats.append(good[0])  # its line has left long ago
+    bench = StreamBench(dut, 5)
+    bench.source("i", [end_token()])
+    bench.source("initial", [*beats, END])
+    raster = bench.sink("raster", 0.7)
+    dut.last_column.value, dut.last_line.value = width - 1, height - 1
+    dut.load.value, dut.active.value = 1, 1
+    await bench.reset()
+    await bench.run(lambda: bool(raster.received) and raster.received[-1] >= END, most_cycles=20_000)
+    assert image_of(raster.received[:-1], width, height) == image
+
+
+def test_window_draws_every_frame(simulator_name):
+    run_bench(Window(PAPER), __file__, simulator_name=simulator_name)
