@@ -102,9 +102,7 @@ def fit_view(
     return View(eye, axes, focal * zoom, width, height, near)
 
 
-def _orbit_axes(
-    orbit: tuple[float, float], up: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
+def _orbit_axes(orbit: tuple[float, float], up: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return the right, down and forward axes of an eye that looks in from an orbit."""
     azimuth, elevation = np.radians(orbit)
     # At azimuth 0 the eye stands on the axis that follows up's in cyclic order (z for y up).

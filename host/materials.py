@@ -1,0 +1,71 @@
+"""Materials: a cloud's colours, reduced to what the engine's table holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..rtl.format import EngineConfig
+from .cloud import Cloud
+from .frame import Tables
+from .lighting import Lighting
+
+__all__ = ["Materials", "find_materials", "material_tables"]
+
+MOST_MATERIALS = 127
+
+
+@dataclass(frozen=True)
+class Materials:
+    """A palette, and which of its colours each point has.
+
+    Parameters
+    ----------
+    palette
+        Shape (m, 3), uint8, m in 1..127.
+    index
+        Shape (n,), uint8.
+    """
+
+    palette: npt.NDArray[np.uint8]
+    index: npt.NDArray[np.uint8]
+
+
+def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
+    """Return a palette for a cloud: its own colours if they are few, else Pillow's median cut."""
+    colours = np.ascontiguousarray(cloud.colours, np.uint8)
+    if (colours == colours[:1]).all():
+        return Materials(colours[:1].copy(), np.zeros(len(colours), np.uint8))
+    key = colours.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)
+    distinct, index = np.unique(key, return_inverse=True)
+    if len(distinct) <= most:
+        palette = np.stack([distinct >> 16, distinct >> 8 & 255, distinct & 255], axis=-1)
+        return Materials(palette.astype(np.uint8), index.astype(np.uint8))
+
+    from PIL import Image
+
+    image = Image.fromarray(colours[np.newaxis])
+    reduced = image.quantize(most, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    flat = reduced.getpalette()
+    assert flat is not None  # a quantised image always has one
+    palette = np.array(flat[: 3 * most], np.uint8).reshape(-1, 3)
+    return Materials(palette, np.asarray(reduced, np.uint8)[0])
+
+
+def material_tables(materials: Materials, lighting: Lighting, config: EngineConfig) -> Tables:
+    """Return the engine's tables for a palette under a lighting.
+
+    kd is scaled so that white at the largest D gives the largest level, and I0 holds one half, so
+    that the shift rounds to nearest. In ``paper``: kd <= round(7 * 1024 / 127) = 56 and
+    ks <= 56 gloss, both within 6 bits for a gloss up to 1; I0 = 512.
+    """
+    scale = config.channel_max * (1 << config.colour_shift) / config.diffuse.mask
+    largest = (1 << config.coefficient_bits) - 1
+    diffuse = np.zeros((1 << config.material_bits, 3), np.int64)
+    diffuse[: len(materials.palette)] = np.rint(materials.palette / 255.0 * scale)
+    gloss = min(round(lighting.gloss * scale), largest)
+    specular = np.full_like(diffuse, gloss)
+    ambient = np.full(3, 1 << config.colour_shift - 1, np.int64)
+    return Tables(ambient, np.minimum(diffuse, largest), specular)

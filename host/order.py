@@ -1,0 +1,82 @@
+"""Sorting code words by line, in linear time, with the control words between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from ..rtl.format import EngineConfig
+from .shapes import EMPTY_SCANS
+
+__all__ = ["advance_word", "end_word", "sort_by_line"]
+
+
+def advance_word(lines: int, config: EngineConfig) -> int:
+    """Return the control word that advances the engine's line."""
+    return _control(config) | lines << config.x.lsb
+
+
+def end_word(config: EngineConfig) -> int:
+    """Return the control word that ends a frame."""
+    return _control(config) | 1 << config.control_end.lsb
+
+
+def sort_by_line(
+    words: npt.NDArray[np.uint64], lines: npt.NDArray[np.int16], config: EngineConfig
+) -> tuple[npt.NDArray[np.uint64], int]:
+    """Return a frame's stream: the words by line, control words between, the end word last.
+
+    A counting sort: words of a line keep their order. Consecutive lines with words cost one control
+    word, whatever lies between them, unless the gap is beyond what X holds.
+
+    Parameters
+    ----------
+    words
+        Code words of elements: shape (n,).
+    lines
+        The engine's line for each, at least 0: shape (n,).
+    config
+        Where the fields are.
+
+    Returns
+    -------
+    stream
+        Shape (n + control words,), uint64.
+    control_words
+        How many of them there are.
+    """
+    counts = np.bincount(lines, minlength=1)
+    used = np.flatnonzero(counts)
+    gaps = np.diff(used, prepend=0)
+    steps = -(-gaps // config.x.mask)  # control words before each used line
+    ends = np.cumsum(counts[used] + steps)
+    starts = np.zeros(len(counts), np.int64)
+    starts[used] = ends - counts[used]
+    total = int(ends[-1]) if len(used) else 0
+    stream = np.empty(total + 1, np.uint64)
+    for line, gap in zip(used, gaps, strict=True):  # once a line of the image
+        at = int(starts[line])
+        while gap > 0:
+            at -= 1
+            step = min(int(gap), config.x.mask)
+            stream[at] = advance_word(step, config)
+            gap -= step
+    _scatter(words, lines, starts, stream)
+    stream[-1] = end_word(config)
+    return stream, int(steps.sum()) + 1
+
+
+def _control(config: EngineConfig) -> int:
+    return 1 << config.mode.lsb | EMPTY_SCANS << config.scans.lsb
+
+
+@nb.njit(cache=True)
+def _scatter(words: Any, lines: Any, starts: Any, stream: Any) -> None:
+    """Put each word at the next free place of its line."""
+    for i in range(len(words)):
+        line = lines[i]
+        stream[starts[line]] = words[i]
+        starts[line] += 1
