@@ -173,12 +173,12 @@ def _encode_one(
 ) -> int:
     """Write a splat's words from ``at`` on, and return where the next splat's begin."""
     to = (words, lines, width, height, x_lsb, write)
-    size = int(math.floor(diameter + 0.5))
+    size = math.floor(diameter + 0.5)
     if size <= 1:
         return _emit(EMPTY_SCANS & ~63, math.floor(column), math.floor(line), common, at, to)
 
-    x = int(math.floor(column + 0.5))
-    y = int(math.floor(line + 0.5))
+    x = math.floor(column + 0.5)
+    y = math.floor(line + 0.5)
     level_x, level_y = shape // LEVELS, shape % LEVELS
     if size <= BLOCK:
         scans = int(table[size, level_x, level_y, 0])
@@ -208,7 +208,7 @@ def _encode_large(
 ) -> int:
     """Write the fractions of an ellipse of any size about the pixel corner (x, y)."""
     _, _, width, height, _, _ = to
-    blocks = int(math.ceil(radius / ROWS))
+    blocks = math.ceil(radius / ROWS)
     for block in range(-blocks, blocks):
         top = y + ROWS * block
         if top >= height or top + ROWS <= 0:
@@ -234,7 +234,7 @@ def _row_pixels(
 ) -> tuple[int, int]:
     """Return the first and last pixel, from the centre on, of a row of the ellipse."""
     left, right = row_span(ROWS * block + row + 0.5, slope_x, slope_y, radius)
-    return int(math.ceil(left - 0.5)), int(math.floor(right - 0.5))
+    return math.ceil(left - 0.5), math.floor(right - 0.5)
 
 
 @nb.njit

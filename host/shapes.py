@@ -69,10 +69,10 @@ def shape_table() -> npt.NDArray[np.uint32]:
     Indices: diameter in pixels, level of n'x, level of n'y, fraction. The ellipse's centre is a
     corner of the pixel grid.
 
-    Diameters up to 8 have the four upper rows of an 8 x 8 block in fraction 0; the lower four are
-    their half turn (MODE 0). Diameters 9..16 have the upper eight rows of a 16 x 16 block: fractions
-    0 and 1 hold columns 0..7 and 8..15 of rows 0..3, fractions 2 and 3 of rows 4..7; the lower rows
-    are their half turn. Fractions that hold nothing are ``EMPTY_SCANS``.
+    Diameters up to 8 have the four upper rows of an 8 x 8 block in fraction 0; the lower four
+    are their half turn (MODE 0). Diameters 9..16 have the upper eight rows of a 16 x 16 block:
+    fractions 0 and 1 hold columns 0..7 and 8..15 of rows 0..3, fractions 2 and 3 of rows 4..7; the
+    lower rows are their half turn. Fractions that hold nothing are ``EMPTY_SCANS``.
 
     No entry is wholly empty, so that a closed surface gets no holes at its silhouette: an ellipse
     that covers no pixel's centre has the pair of pixels, each other's half turn, nearest to its
@@ -121,7 +121,7 @@ def _set_row(fractions: Any, row: int, first: int, last: int) -> None:
 
 @nb.njit
 def _nearest_column(half: int, slope_x: float, slope_y: float) -> int:
-    """Return the column, in the row above the centre, of the nearest pixel by the ellipse's metric."""
+    """Return the column of the nearest pixel, by the ellipse's metric, of the row above it."""
     nearest = half
     least = math.inf
     for column in range(2 * half):

@@ -83,12 +83,11 @@ class Ring(wiring.Component):
         ]
         m.d.sync += written.eq((written | self.touch) & ~flushed)
         with m.If(leaving):
-            with m.If(self.flush.valid):
-                with m.If(self.flush.ready):
-                    m.d.sync += word.eq(word + 1)
-                    with m.If(word == self.last_word):
-                        m.d.comb += flushed.bit_select(slot, 1).eq(1)
-                        m.d.sync += [word.eq(0), self.oldest.eq(self.oldest + 1)]
+            with m.If(self.flush.valid), m.If(self.flush.ready):
+                m.d.sync += word.eq(word + 1)
+                with m.If(word == self.last_word):
+                    m.d.comb += flushed.bit_select(slot, 1).eq(1)
+                    m.d.sync += [word.eq(0), self.oldest.eq(self.oldest + 1)]
             with m.Elif(self.jump & self.clean):
                 m.d.sync += self.oldest.eq(self.top)
             with m.Else():

@@ -17,10 +17,10 @@ __all__ = ["Window"]
 class Window(wiring.Component):
     """Draws footprints into sixteen lines that slide down the image.
 
-    Three stages: *request* (an address a bank), *merge* (the banks write back; a flushed word stands
-    on its bank's output) and *emit* (the word waits on ``raster``). In the request stage the initial
-    raster goes first, then the element, and the flush takes what banks are left. A word that
-    ``raster`` does not take stops all three.
+    Three stages: *request* (an address a bank), *merge* (the banks write back; a flushed word
+    stands on its bank's output) and *emit* (the word waits on ``raster``). In the request stage the
+    initial raster goes first, then the element, and the flush takes what banks are left. A word
+    that ``raster`` does not take stops all three.
 
     After reset the banks are cleared, which takes as many cycles as a bank has words.
 

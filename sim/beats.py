@@ -1,128 +1,157 @@
-"""The raster stream of ``docs/contract.md``: pictures to beats and back."""
+"""The raster stream of ``docs/contract.md``: a raster as beats, and beats as a raster.
+
+A beat has more bits than the machine's words: a stream is an array of 64-bit limbs, the lowest
+first, one row a beat.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import EngineConfig, Field
+from ..rtl.format import PAPER, EngineConfig, Field
 from .raster import Raster
 
 __all__ = ["from_beats", "to_beats"]
 
+_Limbs = npt.NDArray[np.uint64]
 LIMB = 64
+"""Bits of a limb."""
 
 
 def to_beats(raster: Raster) -> npt.NDArray[np.uint64]:
-    """Return a picture as raster beats, the end beat last; words of background are left out.
+    """Return the beats that a raster is made of.
 
     Parameters
     ----------
     raster
-        The picture.
+        Depth and colour of every pixel.
 
     Returns
     -------
     numpy.ndarray
-        Shape (n, limbs), uint64: each beat's bits, the lowest 64 in column 0.
-    """
-    config = raster.config
-    height, width = raster.depth.shape
-    across = config.pixels_per_word
-    words = -(-width // across)
-    depth = np.full((height, words * across), config.background_depth, np.uint64)
-    colour = np.zeros((height, words * across), np.uint64)
-    depth[:, :width] = raster.depth
-    for channel in range(3):
-        level = raster.colour[:, :, channel].astype(np.uint64)
-        colour[:, :width] |= level << np.uint64(channel * config.channel_bits)
-    depth = depth.reshape(height, words, across)
-    colour = colour.reshape(height, words, across)
-    line, word = np.nonzero((depth != config.background_depth).any(axis=2))
-
-    beats = np.zeros((len(line) + 1, -(-config.raster_end.end // LIMB)), np.uint64)
-    body = beats[:-1]
-    for pixel in range(across):
-        _put(body, config.raster_depth(pixel), depth[line, word, pixel])
-        _put(body, config.raster_colour(pixel), colour[line, word, pixel])
-    _put(body, config.raster_word, word.astype(np.uint64))
-    _put(body, config.raster_line, line.astype(np.uint64))
-    _put(beats[-1:], config.raster_end, np.ones(1, np.uint64))
-    return beats
-
-
-def from_beats(
-    beats: npt.NDArray[np.uint64], width: int, height: int, config: EngineConfig
-) -> Raster:
-    """Return the picture that raster beats describe, and hold them to the contract.
-
-    Parameters
-    ----------
-    beats
-        As :func:`to_beats` returns them.
-    width, height
-        Size of the image in pixels.
-    config
-        The engine that they come from.
+        Shape (n, limbs), uint64, lowest limb first: the words that are not all background, in order
+        of lines and of words in a line, and the end beat.
 
     Raises
     ------
     ValueError
-        If a beat lies outside the image, is out of order or repeated, holds anything but
-        background outside the image or colour in the background, or if the end beat is not the
-        last and only one.
+        If the image is larger than the raster's configuration allows.
     """
-    across = config.pixels_per_word
-    ends = _get(beats, config.raster_end)
-    if not len(beats) or not ends[-1]:
-        raise ValueError("the raster stream has no end beat")
-    if ends[:-1].any():
-        raise ValueError(f"beats follow the end beat {int(np.argmax(ends))}")
-    body = beats[:-1]
-    line = _get(body, config.raster_line).astype(np.int64)
-    word = _get(body, config.raster_word).astype(np.int64)
-    words = -(-width // across)
-    outside = (line >= height) | (word >= words)
-    if outside.any():
-        at = int(np.argmax(outside))
-        raise ValueError(f"beat {at} lies outside the image: line {line[at]}, word {word[at]}")
-    place = line * words + word
-    unsorted = np.diff(place) <= 0
-    if unsorted.any():
-        raise ValueError(f"beat {int(np.argmax(unsorted)) + 1} is out of order or repeated")
+    config = raster.config
+    pixels = config.pixels_per_word
+    height, width = raster.depth.shape
+    if width > config.max_width or height > config.max_height:
+        raise ValueError(f"a raster of {width}x{height} pixels does not fit {config.name!r}")
+    spare = -width % pixels
+    depth = np.pad(
+        raster.depth, ((0, 0), (0, spare)), constant_values=np.uint16(config.background_depth)
+    )
+    colour = np.pad(raster.colour_words, ((0, 0), (0, spare)))
+    drawn = (depth != config.background_depth).reshape(height, -1, pixels)
+    lines, words = np.nonzero(drawn.any(axis=2))
 
-    depth = np.full((height, words * across), config.background_depth, np.uint16)
-    colour = np.zeros((height, words * across), np.uint64)
-    for pixel in range(across):
-        depth[line, word * across + pixel] = _get(body, config.raster_depth(pixel))
-        colour[line, word * across + pixel] = _get(body, config.raster_colour(pixel))
-    background = depth == config.background_depth
-    if not background[:, width:].all():
-        raise ValueError("a pixel is drawn outside the image")
-    if colour[background].any():
-        raise ValueError("a pixel at the background's depth has a colour")
-    channels = [
-        colour[:, :width] >> np.uint64(channel * config.channel_bits)
-        & np.uint64(config.channel_max)
-        for channel in range(3)
-    ]
-    return Raster(depth[:, :width].copy(), np.stack(channels, axis=-1).astype(np.uint8), config)
+    beats = np.zeros((len(lines) + 1, -(-config.raster_end.end // LIMB)), np.uint64)
+    for pixel in range(pixels):
+        columns = words * pixels + pixel
+        _put(beats[:-1], config.raster_depth(pixel), depth[lines, columns])
+        _put(beats[:-1], config.raster_colour(pixel), colour[lines, columns])
+    _put(beats[:-1], config.raster_word, words)
+    _put(beats[:-1], config.raster_line, lines)
+    _put(beats[-1:], config.raster_end, np.ones(1))
+    return beats
 
 
-def _put(
-    beats: npt.NDArray[np.uint64], field: Field, values: npt.NDArray[np.uint64]
+def from_beats(
+    beats: npt.NDArray[np.uint64], width: int, height: int, config: EngineConfig = PAPER
+) -> Raster:
+    """Return the raster that beats describe, and check that an engine may send them.
+
+    Parameters
+    ----------
+    beats
+        Shape (n, limbs), uint64, lowest limb first; the end beat comes last.
+    width, height
+        Size of the image in pixels.
+    config
+        The configuration of the engine that sent them.
+
+    Raises
+    ------
+    ValueError
+        If the end beat is missing or not the last; if a beat lies outside the image, comes out of
+        order or twice, or has bits above its fields; if a pixel beyond the last column is drawn, or
+        one at background depth has a colour.
+    """
+    limbs = -(-config.raster_end.end // LIMB)
+    if beats.ndim != 2 or beats.shape[1] != limbs:
+        raise ValueError(f"beats must have the shape (n, {limbs}), not {beats.shape}")
+    beats = beats.astype(np.uint64, copy=False)
+    ends = np.flatnonzero(_get(beats, config.raster_end))
+    if len(ends) == 0:
+        raise ValueError(f"none of {len(beats)} beats is the end of the frame")
+    if ends[0] != len(beats) - 1:
+        raise ValueError(f"beat {ends[0]} of {len(beats)} ends the frame, but is not the last")
+    unused = Field(config.raster_end.end, LIMB * limbs - config.raster_end.end)
+    if unused.width and _get(beats, unused).any():
+        raise ValueError("a beat has bits above its end bit")
+    beats = beats[:-1]
+    lines = _get(beats, config.raster_line).astype(np.int64)
+    words = _get(beats, config.raster_word).astype(np.int64)
+    _check_places(lines, words, width, height, config)
+
+    pixels = config.pixels_per_word
+    padded = (height, width + -width % pixels)
+    depth = np.full(padded, config.background_depth, np.uint16)
+    colour = np.zeros(padded, np.uint32)
+    for pixel in range(pixels):
+        columns = words * pixels + pixel
+        depth[lines, columns] = _get(beats, config.raster_depth(pixel))
+        colour[lines, columns] = _get(beats, config.raster_colour(pixel))
+    if colour[depth == config.background_depth].any():
+        raise ValueError("a pixel at background depth has a colour")
+    if (depth[:, width:] != config.background_depth).any():
+        raise ValueError("a pixel beyond the last column was drawn")
+    return Raster.from_words(depth[:, :width], colour[:, :width], config)
+
+
+def _check_places(
+    lines: npt.NDArray[np.int64],
+    words: npt.NDArray[np.int64],
+    width: int,
+    height: int,
+    config: EngineConfig,
 ) -> None:
-    """Write a field into beats that hold zeros there; it may lie across two limbs."""
-    limb, shift = divmod(field.lsb, LIMB)
-    beats[:, limb] |= values << np.uint64(shift)
-    if shift + field.width > LIMB:
-        beats[:, limb + 1] |= values >> np.uint64(LIMB - shift)
+    """Raise if words of the image come out of order, twice or from outside."""
+    outside = np.flatnonzero((lines >= height) | (words * config.pixels_per_word >= width))
+    if len(outside):
+        beat = outside[0]
+        raise ValueError(
+            f"beat {beat} is word {words[beat]} of line {lines[beat]}, outside {width}x{height}"
+        )
+    places = lines << config.word_bits | words
+    wrong = np.flatnonzero(places[1:] <= places[:-1])
+    if len(wrong):
+        beat = wrong[0] + 1
+        raise ValueError(
+            f"beat {beat} is word {words[beat]} of line {lines[beat]}, after word"
+            f" {words[beat - 1]} of line {lines[beat - 1]}"
+        )
 
 
-def _get(beats: npt.NDArray[np.uint64], field: Field) -> npt.NDArray[np.uint64]:
-    """Return a field of beats."""
+def _put(beats: _Limbs, field: Field, values: npt.NDArray[np.generic]) -> None:
+    """Set a field of at most 64 bits, which must be 0 before; it may reach into the next limb."""
     limb, shift = divmod(field.lsb, LIMB)
-    values = beats[:, limb] >> np.uint64(shift)
+    bits = values.astype(np.uint64)
+    beats[:, limb] |= bits << np.uint64(shift)
     if shift + field.width > LIMB:
-        values = values | beats[:, limb + 1] << np.uint64(LIMB - shift)
-    return values & np.uint64(field.mask)
+        beats[:, limb + 1] |= bits >> np.uint64(LIMB - shift)
+
+
+def _get(beats: _Limbs, field: Field) -> _Limbs:
+    """Return a field of at most 64 bits."""
+    limb, shift = divmod(field.lsb, LIMB)
+    bits = beats[:, limb] >> np.uint64(shift)
+    if shift + field.width > LIMB:
+        bits = bits | beats[:, limb + 1] << np.uint64(LIMB - shift)
+    return bits & np.uint64(field.mask)

@@ -1,235 +1,284 @@
-"""The golden renderer: what an engine draws, to the bit.
+"""The golden renderer: ``docs/contract.md`` as a program, and the judge of the hardware.
 
-This file is the contract (``docs/contract.md``) made code, and the specification that the hardware is
-held to. It shares nothing with the hardware but the bit positions of :mod:`splatline.rtl.format`.
+It is written from the contract and ``rtl/format.py`` alone and shares nothing else with the
+hardware. ``_draw`` is the engine; what stands around it checks the frame and turns its tables and
+images into arrays.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-import numba as nb
+import numba
 import numpy as np
 import numpy.typing as npt
 
 from ..host.errors import InputError
 from ..host.frame import Frame, Tables
-from ..rtl.format import BLOCK, ROWS, EngineConfig
+from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig, Field
 from .raster import Raster
 
 __all__ = ["decode", "render"]
 
-ABOVE = ROWS
-"""Lines of the block above the engine's current line."""
+ABOVE = BLOCK // 2
+"""Lines of an element's block that lie above the engine's current line."""
+
+# The scans have the same place in every configuration, so that the compiler may know it.
+FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
+LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
+COLUMN_MASK = PAPER.first(0).mask
+
+
+CODEWORD = np.dtype(
+    [
+        ("mode", np.uint8),
+        ("first", np.uint8, (ROWS,)),
+        ("last", np.uint8, (ROWS,)),
+        ("diffuse", np.uint16),
+        ("specular", np.uint16),
+        ("material", np.uint16),
+        ("x", np.uint16),
+        ("z", np.uint16),
+        ("control", np.bool_),
+        ("end", np.bool_),
+    ]
+)
+"""A code word, taken apart."""
+
+
+class Positions(NamedTuple):
+    """The configuration as ``_draw`` needs it: lowest bit and mask of each field, and widths."""
+
+    mode: tuple[int, int]
+    diffuse: tuple[int, int]
+    specular: tuple[int, int]
+    material: tuple[int, int]
+    x: tuple[int, int]
+    z: tuple[int, int]
+    control_end: tuple[int, int]
+    colour_shift: int
+    channel_bits: int
+    channel_max: int
 
 
 def render(frame: Frame, initial: Raster | None = None) -> Raster:
-    """Draw a frame.
+    """Draw a frame, exact to the bit.
 
     Parameters
     ----------
     frame
-        Code words, tables and size of the image. Words after the first end word are not drawn.
+        Code words, tables and the size of the image. Any 64 bits are a code word; those after the
+        end-of-frame word are not part of the frame and are ignored.
     initial
-        The picture that the frame starts from, of the frame's size; background if not given.
+        The raster to start from, as the engine before in a chain has left it; nothing but
+        background if not given. It is not changed.
 
     Returns
     -------
     Raster
-        Depth and colour of every pixel.
+        Depth and colour of every pixel, in new arrays.
 
     Raises
     ------
     InputError
-        If the code words have no end word.
+        If there is no end-of-frame word, the image does not fit the engine, or the tables have
+        another shape or larger values than the engine's.
     ValueError
-        If the initial picture has another size or configuration.
+        If the initial raster has another size or configuration than the frame, a value that no
+        pixel holds, or a colour at background depth.
     """
     config = frame.config
-    if initial is None:
-        initial = Raster.background(frame.width, frame.height, config)
-    elif initial.depth.shape != (frame.height, frame.width) or initial.config != config:
-        raise ValueError("the initial raster differs from the frame in size or configuration")
+    _check_image(frame)
+    _check_tables(frame.tables, config)
+    if initial is not None:
+        _check_initial(initial, frame)
 
-    # Around the image stands a margin as wide as a block, so that clipping needs no test: what
-    # falls outside is drawn into the margin and cut away at the end. A pixel is one integer,
-    # depth above colour.
-    depth_lsb = config.colour_bits
-    kind = np.uint32 if config.depth_bits + config.colour_bits <= 32 else np.uint64
-    canvas = np.zeros((frame.height + 2 * BLOCK, frame.width + BLOCK), kind)
-    image = canvas[BLOCK : BLOCK + frame.height, : frame.width]
-    image[:] = initial.depth.astype(kind) << kind(depth_lsb)
-    image |= pack_colour(initial.colour, config).astype(kind)
+    # A canvas with a margin into which every block fits that reaches over a border, so that nothing
+    # is clipped while drawing. The image is cut out of it afterwards.
+    canvas = (frame.height + ABOVE + BLOCK - 1, config.max_width + BLOCK - 1)
+    image = (slice(ABOVE, ABOVE + frame.height), slice(frame.width))
+    depth = np.full(canvas, config.background_depth, np.uint16)
+    colour = np.zeros(canvas, np.uint32)
+    if initial is not None:
+        depth[image] = initial.depth
+        colour[image] = initial.colour_words
+
     ended = _draw(
-        canvas,
-        frame.width,
-        frame.height,
-        frame.codewords,
+        # Signed, since numba turns a mixture of uint64 and int64 into float64. The fields come out
+        # the same: each is masked after its shift.
+        np.ascontiguousarray(frame.codewords, np.uint64).view(np.int64),
+        np.ascontiguousarray(frame.tables.ambient, np.int64),
+        np.ascontiguousarray(frame.tables.diffuse, np.int64),
+        np.ascontiguousarray(frame.tables.specular, np.int64),
         _positions(config),
-        _rate_tables(frame.tables),
-        config.colour_shift,
-        config.channel_bits,
+        depth,
+        colour,
     )
     if not ended:
-        raise InputError("the code words have no end-of-frame word; the stream is cut short")
-
-    depth = (image >> kind(depth_lsb)).astype(np.uint16)
-    return Raster(depth, unpack_colour(image.astype(np.uint32), config), config)
+        raise InputError("the code words have no end-of-frame word: the stream is cut short")
+    return Raster.from_words(depth[image], colour[image], config)
 
 
-def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.void]:
-    """Return the fields of code words by name.
+def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> npt.NDArray[Any]:
+    """Take code words apart.
 
     Parameters
     ----------
     codewords
         Shape (n,), uint64.
     config
-        Where the fields are.
+        The engine that they are made for.
 
     Returns
     -------
     numpy.ndarray
-        Structured, shape (n,): ``mode``, ``first`` and ``last`` (four rows each), ``diffuse``,
-        ``specular``, ``material``, ``x``, ``z`` (all int64), and ``control``, ``end`` (bool).
+        Shape (n,), with the named fields of ``docs/contract.md`` as unsigned integers: ``mode``,
+        ``first`` and ``last`` (four rows each), ``diffuse``, ``specular``, ``material``, ``x``,
+        ``z``; and as bool ``control`` (a control word) and ``end`` (that ends the frame).
     """
-    scalars = ("mode", "diffuse", "specular", "material", "x", "z")
-    rows: list[tuple[Any, ...]] = [(name, np.int64, ROWS) for name in ("first", "last")]
-    kinds = [*((name, np.int64) for name in scalars), *rows, ("control", bool), ("end", bool)]
     words = np.asarray(codewords, np.uint64)
-    fields = np.zeros(len(words), kinds)
+    fields = np.empty(words.shape, CODEWORD)
 
-    def get(field: Any) -> npt.NDArray[np.int64]:
-        return (words >> np.uint64(field.lsb) & np.uint64(field.mask)).astype(np.int64)
+    def take(field: Field) -> npt.NDArray[np.uint64]:
+        return (words >> np.uint64(field.lsb)) & np.uint64(field.mask)
 
-    for name in scalars:
-        fields[name] = get(getattr(config, name))
+    for name in ("mode", "diffuse", "specular", "material", "x", "z"):
+        fields[name] = take(getattr(config, name))
     for row in range(ROWS):
-        fields["first"][:, row] = get(config.first(row))
-        fields["last"][:, row] = get(config.last(row))
+        fields["first"][:, row] = take(config.first(row))
+        fields["last"][:, row] = take(config.last(row))
     empty = (fields["first"] > fields["last"]).all(axis=1)
-    fields["control"] = (fields["mode"] == 1) & empty
-    fields["end"] = fields["control"] & (get(config.control_end) == 1)
+    fields["control"] = empty & (fields["mode"] == 1)
+    fields["end"] = fields["control"] & (take(config.control_end) == 1)
     return fields
 
 
-def pack_colour(
-    colour: npt.NDArray[np.uint8], config: EngineConfig
-) -> npt.NDArray[np.uint32]:
-    """Return stored colours, red lowest, of levels of shape (..., 3)."""
-    wide = colour.astype(np.uint32)
-    bits = np.uint32(config.channel_bits)
-    packed: npt.NDArray[np.uint32] = (
-        wide[..., 0] | wide[..., 1] << bits | wide[..., 2] << (bits + bits)
-    )
-    return packed
-
-
-def unpack_colour(
-    packed: npt.NDArray[np.uint32], config: EngineConfig
-) -> npt.NDArray[np.uint8]:
-    """Return levels of shape (..., 3) of stored colours; bits above them are ignored."""
-    shifts = np.arange(3, dtype=np.uint32) * np.uint32(config.channel_bits)
-    levels = packed[..., np.newaxis] >> shifts & np.uint32(config.channel_max)
-    return levels.astype(np.uint8)
-
-
-def _positions(config: EngineConfig) -> npt.NDArray[np.int64]:
-    """Return (lsb, mask) of the fields, in the order that :func:`_draw` unpacks them."""
-    fields = (
-        config.mode,
-        config.diffuse,
-        config.specular,
-        config.material,
-        config.x,
-        config.z,
-        config.control_end,
-    )
-    return np.array([(field.lsb, field.mask) for field in fields], np.int64)
-
-
-def _rate_tables(tables: Tables) -> npt.NDArray[np.int64]:
-    """Return I0, kd and ks as one table: shape (materials, 3, 3), by material, channel, term."""
-    ambient = np.broadcast_to(tables.ambient, tables.diffuse.shape)
-    return np.ascontiguousarray(
-        np.stack([ambient, tables.diffuse, tables.specular], axis=-1), np.int64
-    )
-
-
-@nb.njit(cache=True, nogil=True)
+@numba.njit(cache=True)
 def _draw(
-    canvas: Any,
-    width: int,
-    height: int,
-    codewords: Any,
-    positions: Any,
-    rates: Any,
-    colour_shift: int,
-    channel_bits: int,
+    words: Any, ambient: Any, diffuse: Any, specular: Any, at: Positions, depth: Any, colour: Any
 ) -> bool:
-    """Draw code words into a canvas with margins; return whether the end word came."""
-    mode_lsb, mode_mask = positions[0]
-    diffuse_lsb, diffuse_mask = positions[1]
-    specular_lsb, specular_mask = positions[2]
-    material_lsb, material_mask = positions[3]
-    x_lsb, x_mask = positions[4]
-    z_lsb, z_mask = positions[5]
-    end_lsb, _ = positions[6]
-    largest = (1 << channel_bits) - 1
-    line = 0
-    for codeword in codewords:
-        word = np.int64(codeword)
-        mode = word >> mode_lsb & mode_mask
-        scans = word >> 1
-        x = word >> x_lsb & x_mask
-        if mode == 1 and _all_empty(scans):
-            if word >> end_lsb & 1:
+    """Draw code words into a canvas, and return whether there was an end of frame.
+
+    Canvas line i is image line ``i - ABOVE``: row 0 of a block at line y lies on canvas line y.
+    """
+    lines = len(depth)
+    y = 0
+    for word in words:
+        fraction = _field(word, at.mode) == 1
+        x = _field(word, at.x)
+
+        if fraction and _is_empty(word):
+            if _field(word, at.control_end) == 1:
                 return True
-            line += x
+            y += x
             continue
-        if x >= width or line >= height + ABOVE:
+        if y + BLOCK > lines:  # the whole block lies below the image
             continue
 
-        diffuse = word >> diffuse_lsb & diffuse_mask
-        specular = word >> specular_lsb & specular_mask
-        material = word >> material_lsb & material_mask
-        colour = 0
+        z = _field(word, at.z)
+        material = _field(word, at.material)
+        d = _field(word, at.diffuse)
+        s = _field(word, at.specular)
+        element = 0
         for channel in range(3):
-            ambient, kd, ks = rates[material, channel]
-            level = ambient + kd * diffuse + ks * specular >> colour_shift
-            colour |= min(level, largest) << channel * channel_bits
+            product = diffuse[material, channel] * d + specular[material, channel] * s
+            level = min((ambient[channel] + product) >> at.colour_shift, at.channel_max)
+            element |= level << (at.channel_bits * channel)
 
-        z = word >> z_lsb & z_mask
-        pixel = canvas.dtype.type(z << 3 * channel_bits | colour)
-        behind = canvas.dtype.type(z + 1 << 3 * channel_bits)  # the least value that is further
-        top = line - ABOVE + BLOCK  # of the block, on the canvas
         for row in range(ROWS):
-            first = scans >> 6 * row & 7
-            last = scans >> 6 * row + 3 & 7
-            if first <= last:
-                _draw_row(canvas[top + row], x, first, last, pixel, behind)
-                if mode == 0:
-                    turned = canvas[top + BLOCK - 1 - row]
-                    _draw_row(turned, x, 7 - last, 7 - first, pixel, behind)
+            first = _column(word, FIRST[row])
+            last = _column(word, LAST[row])
+            _draw_row(depth, colour, y + row, x + first, x + last, z, element)
+            if not fraction:  # the row turned by 180 degrees
+                below = y + BLOCK - 1 - row
+                left, right = x + BLOCK - 1 - last, x + BLOCK - 1 - first
+                _draw_row(depth, colour, below, left, right, z, element)
     return False
 
 
-@nb.njit(inline="always")
-def _all_empty(scans: int) -> bool:
-    """Return whether all four rows are empty."""
+@numba.njit(cache=True, inline="always")
+def _draw_row(
+    depth: Any, colour: Any, line: int, left: int, right: int, z: int, element: int
+) -> None:
+    """Draw ``left .. right`` of a line, nothing if ``left > right``; what is nearer stays."""
+    for column in range(left, right + 1):
+        if z < depth[line, column]:
+            depth[line, column] = z
+            colour[line, column] = element
+
+
+@numba.njit(cache=True, inline="always")
+def _field(word: int, position: tuple[int, int]) -> int:
+    lsb, mask = position
+    return (word >> lsb) & mask
+
+
+@numba.njit(cache=True, inline="always")
+def _column(word: int, lsb: int) -> int:
+    return (word >> lsb) & COLUMN_MASK
+
+
+@numba.njit(cache=True, inline="always")
+def _is_empty(word: int) -> bool:
+    """Return whether all rows are empty."""
+    empty = True
     for row in range(ROWS):
-        if scans >> 6 * row & 7 <= scans >> 6 * row + 3 & 7:
-            return False
-    return True
+        empty &= _column(word, FIRST[row]) > _column(word, LAST[row])
+    return empty
 
 
-@nb.njit(inline="always")
-def _draw_row(line: Any, x: int, first: int, last: int, pixel: Any, behind: Any) -> None:
-    """Depth-test and write columns ``x + first .. x + last`` of a line.
+def _positions(config: EngineConfig) -> Positions:
+    def place(field: Field) -> tuple[int, int]:
+        return field.lsb, field.mask
 
-    All eight columns are visited, without a branch, which compiles to a few vector instructions.
-    """
-    for column in range(BLOCK):
-        stored = line[x + column]
-        drawn = (column >= first) & (column <= last) & (stored >= behind)
-        line[x + column] = pixel if drawn else stored
+    return Positions(
+        mode=place(config.mode),
+        diffuse=place(config.diffuse),
+        specular=place(config.specular),
+        material=place(config.material),
+        x=place(config.x),
+        z=place(config.z),
+        control_end=place(config.control_end),
+        colour_shift=config.colour_shift,
+        channel_bits=config.channel_bits,
+        channel_max=config.channel_max,
+    )
+
+
+def _check_image(frame: Frame) -> None:
+    config = frame.config
+    fits = 1 <= frame.width <= config.max_width and 1 <= frame.height <= config.max_height
+    if not fits:
+        raise InputError(
+            f"an image of {frame.width}x{frame.height} pixels does not fit the engine"
+            f" {config.name!r}, which draws 1x1 to {config.max_width}x{config.max_height}"
+        )
+
+
+def _check_tables(tables: Tables, config: EngineConfig) -> None:
+    coefficients = ((1 << config.material_bits, 3), config.coefficient_bits)
+    for name, table, (shape, bits) in (
+        ("ambient", tables.ambient, ((3,), config.ambient_bits)),
+        ("diffuse", tables.diffuse, coefficients),
+        ("specular", tables.specular, coefficients),
+    ):
+        if table.shape != shape:
+            raise InputError(f"the table {name!r} must have the shape {shape}, not {table.shape}")
+        if table.min() < 0 or table.max() >> bits:
+            raise InputError(f"the table {name!r} has values that do not fit {bits} bits")
+
+
+def _check_initial(initial: Raster, frame: Frame) -> None:
+    config = frame.config
+    if initial.config != config:
+        raise ValueError("the initial raster has another configuration than the frame")
+    if initial.depth.shape != (frame.height, frame.width):
+        height, width = initial.depth.shape
+        raise ValueError(
+            f"the initial raster has {width}x{height} pixels,"
+            f" the frame {frame.width}x{frame.height}"
+        )
+    if initial.depth.max() > config.background_depth or initial.colour.max() > config.channel_max:
+        raise ValueError("the initial raster has a depth or a colour that no pixel holds")
+    if initial.colour[~initial.drawn].any():
+        raise ValueError("the initial raster has a colour where it has background")

@@ -1,4 +1,4 @@
-"""The picture that an engine draws: depth and colour, as the golden renderer and the RTL give it."""
+"""The picture that an engine draws: depth and colour, as golden renderer and Verilog give it."""
 
 from __future__ import annotations
 
@@ -37,13 +37,48 @@ class Raster:
         depth = np.full((height, width), config.background_depth, np.uint16)
         return cls(depth, np.zeros((height, width, 3), np.uint8), config)
 
+    @classmethod
+    def from_words(
+        cls,
+        depth: npt.NDArray[np.uint16],
+        colour_words: npt.NDArray[np.uint32],
+        config: EngineConfig = PAPER,
+    ) -> Raster:
+        """Return an image whose colours are stored as the engine stores them.
+
+        Parameters
+        ----------
+        depth
+            Shape (height, width), uint16; copied.
+        colour_words
+            Shape (height, width), uint32: a stored colour of ``config.colour_bits`` bits, red
+            lowest, then green, then blue.
+        config
+            The engine's configuration.
+        """
+        colour = np.empty((*depth.shape, 3), np.uint8)
+        for channel in range(3):
+            shift = np.uint32(channel * config.channel_bits)
+            colour[..., channel] = (colour_words >> shift) & np.uint32(config.channel_max)
+        return cls(depth.copy(), colour, config)
+
+    @property
+    def colour_words(self) -> npt.NDArray[np.uint32]:
+        """The stored colours, as ``from_words`` takes them: shape (height, width)."""
+        words = np.zeros(self.depth.shape, np.uint32)
+        for channel in range(3):
+            shift = np.uint32(channel * self.config.channel_bits)
+            words |= self.colour[..., channel].astype(np.uint32) << shift
+        return words
+
     @property
     def drawn(self) -> npt.NDArray[np.bool_]:
         """Where anything was drawn: shape (height, width)."""
-        return self.depth != self.config.background_depth
+        return np.not_equal(self.depth, self.config.background_depth)
 
-    def to_rgb(self, background: tuple[float, float, float] = (1.0, 1.0, 1.0)
-               ) -> npt.NDArray[np.float64]:
+    def to_rgb(
+        self, background: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    ) -> npt.NDArray[np.float64]:
         """Return the picture as float64 RGB in 0..1, shape (height, width, 3).
 
         Parameters
@@ -55,8 +90,26 @@ class Raster:
         return np.where(self.drawn[..., np.newaxis], rgb, np.asarray(background, np.float64))
 
     def mismatches(self, other: Raster) -> int:
-        """Count the pixels whose depth or colour differs from another raster's."""
+        """Count the pixels whose depth or colour differs from another raster's.
+
+        Raises
+        ------
+        ValueError
+            If the rasters have different sizes or configurations.
+        """
+        return int(np.count_nonzero(self.differs(other)))
+
+    def differs(self, other: Raster) -> npt.NDArray[np.bool_]:
+        """Return where depth or colour differs from another raster's: shape (height, width).
+
+        Raises
+        ------
+        ValueError
+            If the rasters have different sizes or configurations.
+        """
         if self.depth.shape != other.depth.shape:
             raise ValueError(f"rasters of {self.depth.shape} and {other.depth.shape} pixels")
-        differs = (self.depth != other.depth) | (self.colour != other.colour).any(axis=2)
-        return int(np.count_nonzero(differs))
+        if self.config != other.config:
+            raise ValueError("rasters of two configurations have no colour in common")
+        same = np.equal(self.colour, other.colour).all(axis=2)
+        return np.not_equal(self.depth, other.depth) | ~same

@@ -1,8 +1,8 @@
 """The cocotb side of whole frames: runs inside the simulator, on ``frame_player.v``.
 
 What to play stands in ``jobs.json`` of the folder that the environment variable
-``SPLATLINE_FOLDER`` names; what came out is written to ``outcomes.json`` beside it. The pictures are
-compared outside, so that nothing here needs the golden renderer.
+``SPLATLINE_FOLDER`` names; what came out is written to ``outcomes.json`` beside it. The pictures
+are compared outside, so that nothing here needs the golden renderer.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ class Job:
     seed
         Of the random gaps.
     reset_after
-        Cycles from the first table write on after which the engine is reset and the frame started anew.
+        Cycles after which the engine is reset and the frame started anew.
     write_tables
         False leaves the tables as the frame before set them.
     """

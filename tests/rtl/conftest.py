@@ -1,5 +1,4 @@
 import pytest
-
 from splatline.sim.cosim import simulator
 
 

@@ -5,7 +5,6 @@ from collections import Counter
 
 import cocotb
 from footprints import footprint, place_of_word
-
 from splatline.rtl.bank import BankRequestLayout
 from splatline.rtl.format import PAPER
 from splatline.rtl.scatter import BANKS, Scatter
@@ -99,7 +98,7 @@ async def four_lines_of_two_words_take_one_cycle(dut):
     dut.footprint.value = 0
     await bench.reset()
     for top in range(8):
-        bits, _ = footprint(top, 6, {row: (0, 5) for row in range(2, 6)})
+        bits, _ = footprint(top, 6, dict.fromkeys(range(2, 6), (0, 5)))
         requests, cycles = await deal(dut, bench, bits, 0.0)
         assert (len(requests), cycles) == (8, 1)
 

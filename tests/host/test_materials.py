@@ -1,0 +1,48 @@
+import numpy as np
+from clouds import cloud_of
+
+from splatline.host.lighting import Lighting
+from splatline.host.materials import find_materials, material_tables
+from splatline.rtl.format import PAPER
+
+
+def coloured(colours):
+    count = len(colours)
+    return cloud_of(np.zeros((count, 3)), np.zeros((count, 3)), colours)
+
+
+def test_few_colours_stay_exactly_as_they_are():
+    rng = np.random.default_rng(1)
+    colours = rng.integers(0, 256, (127, 3))[rng.integers(0, 127, 5000)]
+    materials = find_materials(coloured(colours))
+    assert (materials.palette[materials.index] == colours).all()
+    assert len(materials.palette) <= 127
+
+
+def test_many_colours_are_reduced_to_near_ones():
+    rng = np.random.default_rng(2)
+    colours = rng.integers(0, 256, (20_000, 3))
+    materials = find_materials(coloured(colours))
+    assert len(materials.palette) <= 127
+    error = np.abs(materials.palette[materials.index].astype(int) - colours).mean()
+    assert error < 30  # 127 cells of a uniform cube: about 256 / 127^(1/3) / 4 = 13 a channel
+
+
+def test_one_colour_is_one_material():
+    materials = find_materials(coloured(np.full((10, 3), 77)))
+    assert materials.palette.tolist() == [[77, 77, 77]]
+    assert not materials.index.any()
+
+
+def test_full_white_in_full_light_is_the_largest_level_and_rounding_is_to_nearest():
+    grey = np.linspace(0, 255, 12).astype(np.uint8)
+    materials = find_materials(coloured(np.repeat(grey[:, None], 3, axis=1)))
+    tables = material_tables(materials, Lighting(gloss=0.5), PAPER)
+    assert tables.diffuse.max() < 64
+    assert tables.specular.max() < 64
+    for intensity in range(128):
+        level = tables.ambient[0] + tables.diffuse[:12, 0] * intensity >> 10
+        exact = materials.palette[:, 0] / 255 * intensity / 127 * 7
+        # Half a level of rounding, and half a step of kd.
+        assert (np.abs(level - exact) <= 0.5 + 0.5 * 127 / 1024 + 1e-9).all()
+    assert (tables.ambient[0] + tables.diffuse[11, 0] * 127) >> 10 == 7

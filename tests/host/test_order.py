@@ -1,0 +1,39 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from splatline.host.order import advance_word, end_word, sort_by_line
+from splatline.rtl.format import PAPER
+from splatline.sim import golden
+
+
+@given(st.lists(st.integers(0, 1027), max_size=200))
+def test_words_come_by_line_and_keep_their_order_within_one(lines):
+    # Elements that no line of the test could mistake: MODE 0, and their number for a payload.
+    words = np.arange(len(lines), dtype=np.uint64) << np.uint64(25)
+    stream, control_words = sort_by_line(words, np.array(lines, np.int16), PAPER)
+    assert len(stream) == len(lines) + control_words
+    fields = golden.decode(stream, PAPER)
+    assert fields["end"].tolist() == [False] * (len(stream) - 1) + [True]
+    line, found = 0, []
+    for word, field in zip(stream, fields, strict=True):
+        if not field["control"]:
+            found.append((line, int(word) >> 25))
+        elif not field["end"]:
+            line += int(field["x"])
+    assert found == sorted((line, number) for number, line in enumerate(lines))
+
+
+def test_one_control_word_crosses_any_number_of_empty_lines_that_x_holds():
+    words = np.zeros(3, np.uint64)
+    _, control_words = sort_by_line(words, np.array([0, 511, 512], np.int16), PAPER)
+    assert control_words == 3  # to 511, to 512, the end
+    _, control_words = sort_by_line(words[:1], np.array([512], np.int16), PAPER)
+    assert control_words == 3  # 511 and 1, the end
+
+
+def test_control_words_are_the_contract_s():
+    fields = golden.decode(np.array([advance_word(300, PAPER), end_word(PAPER)], np.uint64), PAPER)
+    assert fields["control"].all()
+    assert fields["end"].tolist() == [False, True]
+    assert fields["x"][0] == 300

@@ -1,0 +1,78 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from clouds import cloud_of, sphere
+
+from splatline.host.errors import InputError
+from splatline.host.lighting import Light, Lighting
+from splatline.host.pipeline import make_frame
+from splatline.host.view import fit_view
+from splatline.sim import golden
+
+
+def frame_of(cloud, size=(96, 80), radius=0.06, **options):
+    view = fit_view(cloud, size=size)
+    return make_frame(cloud, view, radii=np.full(len(cloud), radius), **options)
+
+
+def test_counts_add_up():
+    frame = frame_of(sphere())
+    counts = frame.counts
+    assert counts["points"] == 2000
+    assert counts["elements"] + sum(counts["culled"].values()) == 2000
+    assert counts["culled"]["facing_away"] > 800
+    assert counts["codewords"] == len(frame.codewords)
+    assert counts["control_words"] == golden.decode(frame.codewords, frame.config)["control"].sum()
+    low, high = counts["depth_range"]
+    assert 0 < low < high
+    assert all(seconds >= 0 for seconds in counts["seconds"].values())
+
+
+def test_a_sphere_is_a_round_lit_closed_picture():
+    frame = frame_of(sphere(6000), radius=0.08, size=(128, 128))
+    picture = golden.render(frame)
+    y, x = np.mgrid[:128, :128] + 0.5
+    from_middle = np.hypot(x - 64, y - 64)
+    radius = from_middle[picture.drawn].max()
+    assert 55 < radius < 64
+    assert picture.drawn[from_middle < radius - 4].mean() > 0.995
+    # The middle is nearest, and the light comes from the upper left.
+    assert picture.depth[64, 64] < 60 < picture.depth[64, 16]
+    assert picture.colour[40, 40].sum() > picture.colour[100, 100].sum()
+
+
+def test_the_nearer_surface_hides_the_further():
+    near, far = [0, 0, 1.0], [0, 0, -1.0]
+    cloud = cloud_of([far, near], [[0, 0, 1]] * 2, [[0, 0, 255], [255, 0, 0]])
+    view = fit_view(cloud, orbit=(0, 0), size=(64, 64), up="y")
+    lamp = Lighting((Light((0, 0, -1), 1.0),), 0.0, 0.0)
+    for order in ([0, 1], [1, 0]):
+        shuffled = dataclasses.replace(
+            cloud, positions=cloud.positions[order], colours=cloud.colours[order]
+        )
+        picture = golden.render(
+            make_frame(shuffled, view, radii=np.array([0.2, 0.2]), lighting=lamp)
+        )
+        red, _, blue = picture.colour[32, 32]
+        assert red == 7
+        assert blue == 0
+
+
+def test_the_same_cloud_gives_the_same_words():
+    first, second = (frame_of(sphere()) for _ in range(2))
+    assert (first.codewords == second.codewords).all()
+
+
+def test_nothing_in_view_is_one_clear_line():
+    cloud = cloud_of([[0, 0, 0], [1, 1, 1]], [[0, 0, 1]] * 2)
+    view = fit_view(cloud, size=(64, 64))
+    behind = dataclasses.replace(view, eye=view.eye + 100 * view.axes[2])
+    with pytest.raises(InputError, match=r"nothing of test is in view: of 2 points, 2 outside"):
+        make_frame(cloud, behind, radii=np.ones(2))
+
+
+@pytest.mark.parametrize("size", [(513, 10), (10, 1025)])
+def test_an_image_beyond_the_engine_is_refused(size):
+    with pytest.raises(InputError, match="at most 512x1024"):
+        frame_of(sphere(10), size=size)
