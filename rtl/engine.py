@@ -23,8 +23,8 @@ class Engine(wiring.Component):
     frames, table writes go before the next frame's first code word.
 
     **Latency**: 8 cycles from a code word to its pixels; a line leaves once a code word follows
-    that lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code word,
-    one more where two follow each other into the same word of memory.
+    that lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code
+    word, one more where two follow each other into the same word of memory.
 
     Parameters
     ----------

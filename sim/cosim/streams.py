@@ -41,8 +41,8 @@ class Sink:
 class StreamBench:
     """Runs a component's streams and plain ports, cycle by cycle.
 
-    Everything is driven at the falling edge and sampled once it has settled, before the rising edge:
-    the order of events within an edge, on which simulators differ, never matters.
+    Everything is driven at the falling edge and sampled once it has settled, before the rising
+    edge: the order of events within an edge, on which simulators differ, never matters.
 
     Parameters
     ----------

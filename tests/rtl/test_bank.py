@@ -116,7 +116,12 @@ async def nearer_wins_and_equal_stays(dut):
     operator = Operator(dut, 9)
     await operator.reset()
     await operator.cycle((3, None, BACKGROUND))
-    for mask, depth, colour in ((0b1111, 100, 1), (0b0011, 100, 2), (0b0110, 99, 3), (0b1000, 101, 4)):
+    for mask, depth, colour in (
+        (0b1111, 100, 1),
+        (0b0011, 100, 2),
+        (0b0110, 99, 3),
+        (0b1000, 101, 4),
+    ):
         await operator.cycle()
         await operator.cycle((3, mask, [(depth, colour)] * 4))
     await operator.cycle()

@@ -15,9 +15,7 @@ PASSED = {"mode": 1, "x": 300, "z": 77, "top": -3, "end": 1}
 
 def expected_colour(ambient, material, diffuse, specular):
     kd, ks = material[:3], material[3:]
-    levels = [
-        min((ambient[c] + kd[c] * diffuse + ks[c] * specular) >> 10, 7) for c in range(3)
-    ]
+    levels = [min((ambient[c] + kd[c] * diffuse + ks[c] * specular) >> 10, 7) for c in range(3)]
     return levels[0] | levels[1] << 3 | levels[2] << 6
 
 

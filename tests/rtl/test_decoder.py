@@ -142,7 +142,9 @@ async def what_passes_through(dut):
     tops = [rng.randrange(-4, 500) for _ in fields]
     bench = StreamBench(dut, 4)
     full = [(0, 7)] * 4
-    bench.source("i", (element(full, 0, 50, t, **f) for t, f in zip(tops, fields, strict=True)), 0.5)
+    bench.source(
+        "i", (element(full, 0, 50, t, **f) for t, f in zip(tops, fields, strict=True)), 0.5
+    )
     sink = bench.sink("o", 0.5)
     dut.last_column.value = 511
     dut.last_line.value = 511

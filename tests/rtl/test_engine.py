@@ -1,0 +1,183 @@
+"""Whole frames through the generated Verilog, against the golden renderer, bit for bit."""
+
+import numpy as np
+import pytest
+from random_frames import frame_of, nonsense, random_raster, shapes, word
+from splatline.host.order import advance_word
+from splatline.rtl.format import PAPER
+from splatline.sim import golden
+from splatline.sim.cosim.frames import Job, play
+
+FULL = [(0, 7)] * 4
+RATES = [
+    {},
+    {"codeword": 0.4},
+    {"raster": 0.1},
+    {"codeword": 0.7, "raster": 0.5, "initial": 0.3, "table": 0.3},
+    {"codeword": 1.0, "raster": 0.9, "initial": 0.9, "table": 0.9},
+]
+
+
+def check(jobs, simulator_name="verilator"):
+    """Play the jobs in one run and compare every picture; return the outcomes."""
+    outcomes = play(jobs, simulator_name=simulator_name)
+    for number, (job, outcome) in enumerate(zip(jobs, outcomes, strict=True)):
+        expected = golden.render(job.frame, job.initial)
+        assert outcome.raster.mismatches(expected) == 0, number
+    return outcomes
+
+
+def test_random_elements_under_every_pattern_of_stalls(simulator_name):
+    rng = np.random.default_rng(1)
+    frames = [shapes(rng, 400, 64, 48), shapes(rng, 300, 61, 40), shapes(rng, 200, 509, 30)]
+    jobs = [
+        Job(frame=frame, rates=rates, seed=seed)
+        for frame in frames
+        for seed, rates in enumerate(RATES)
+    ]
+    pictures = [outcome.raster for outcome in check(jobs, simulator_name)]
+    assert pictures[0].drawn.mean() > 0.3
+
+
+def test_any_64_bits_draw_what_the_contract_says(simulator_name):
+    rng = np.random.default_rng(2)
+    sizes = [(64, 64), (512, 20), (1, 1), (3, 100), (510, 9)]
+    jobs = [
+        Job(frame=nonsense(rng, 1500, *size), rates=RATES[n % len(RATES)], seed=n)
+        for n, size in enumerate(sizes)
+    ]
+    check(jobs, simulator_name)
+
+
+def test_elements_that_all_fall_on_one_word():
+    """Each meets the word while its predecessor's is on the way back to memory."""
+    rng = np.random.default_rng(3)
+    one_pixel = [(1, 0), (1, 0), (1, 0), (2, 2)]
+    block = [(0, 3)] * 4
+    same_pixel = [word(one_pixel, 98, int(z)) for z in rng.integers(0, 512, 500)]
+    same_block = [
+        word(block, 96, int(z), diffuse=n % 128, material=n % 128)
+        for n, z in enumerate(rng.permutation(500))
+    ]
+    ties = [word(block, 96, 7, diffuse=n, material=n) for n in range(100)]
+    start = [advance_word(20, PAPER)]
+    jobs = [
+        Job(frame=frame_of(start + words, 104, 40), rates=rates, seed=seed)
+        for words in (same_pixel, same_block, ties)
+        for seed, rates in enumerate(RATES[:3])
+    ]
+    outcomes = check(jobs)
+    # A word rests for one cycle between two elements.
+    assert outcomes[3].cycles <= 2 * 501 + 200
+
+
+def test_every_border_is_clipped_exactly():
+    """Full blocks over each side and corner, for sizes that end within a word."""
+    jobs = []
+    for width, height in ((32, 20), (31, 19), (30, 18), (29, 17), (5, 3), (512, 12), (511, 12)):
+        words, before = [], 0
+        for line in range(height + 8):
+            words += [advance_word(1, PAPER)] if line > before else []
+            before = line
+            for x in {0, 1, 3, width - 9, width - 8, width - 5, width - 1, width, 510, 511}:
+                if 0 <= x < 512:
+                    words.append(word(FULL, x, (7 * x + line) % 511, mode=line % 2))
+        jobs.append(Job(frame=frame_of(words, width, height)))
+    check(jobs)
+
+
+def test_an_empty_frame_and_frames_with_nothing_visible():
+    empty_block = word([(1, 0)] * 4, 5, 5, mode=0)
+    frames = [
+        frame_of([], 512, 512),
+        frame_of([empty_block] * 50, 512, 512),
+        frame_of([advance_word(511, PAPER)] * 9 + [word(FULL, 5, 5, mode=0)] * 9, 512, 512),
+        frame_of([word(FULL, 5, 511, mode=0)] * 9, 512, 512),
+        frame_of([word(FULL, 5, 5, mode=1)], 512, 512),  # rows above the image alone
+    ]
+    outcomes = check([Job(frame=frame) for frame in frames])
+    assert len(outcomes[0].beats) == 1
+    assert outcomes[0].cycles < 30
+
+
+def test_one_full_line_of_elements():
+    rng = np.random.default_rng(4)
+    words = [advance_word(100, PAPER)]
+    words += [
+        word(FULL, int(x), int(rng.integers(511)), mode=0) for x in rng.permutation(np.arange(505))
+    ]
+    outcome = check([Job(frame=frame_of(words))])[0]
+    assert (outcome.raster.drawn.sum(axis=1) == 512).sum() == 8
+
+
+def test_empty_lines_are_skipped_not_walked():
+    """A few elements far apart: neither cleared, loaded nor flushed in between."""
+    words = [
+        word(FULL, 8, 1, mode=0),
+        advance_word(400, PAPER),
+        word(FULL, 8, 1, mode=0),
+        advance_word(100, PAPER),
+        word(FULL, 8, 1, mode=0),
+    ]
+    outcome = check([Job(frame=frame_of(words, 16, 512))])[0]
+    assert outcome.cycles < 300
+
+
+def test_a_reset_in_the_middle_leaves_no_trace():
+    rng = np.random.default_rng(5)
+    frame = shapes(rng, 1500, 96, 64)
+    other = shapes(rng, 300, 96, 64)
+    jobs = [
+        Job(frame=frame, reset_after=after, rates=RATES[after % len(RATES)], seed=after)
+        for after in (140, 300, 450, 700, 1300)
+    ]
+    check([*jobs, Job(frame=other)])
+
+
+def test_an_initial_raster_is_drawn_over():
+    rng = np.random.default_rng(6)
+    jobs = []
+    for seed, rates in enumerate(RATES):
+        for width, height, share in ((40, 30, 0.5), (37, 60, 0.02), (512, 10, 1.0)):
+            jobs.append(
+                Job(
+                    frame=shapes(rng, 200, width, height),
+                    initial=random_raster(rng, width, height, share),
+                    rates=rates,
+                    seed=seed,
+                )
+            )
+    jobs.append(Job(frame=frame_of([], 40, 30), initial=random_raster(rng, 40, 30, 0.3)))
+    check(jobs)
+
+
+def test_two_engines_chained_draw_what_one_draws():
+    rng = np.random.default_rng(7)
+    whole = shapes(rng, 600, 64, 40)
+    first = frame_of(whole.codewords[:-1], 64, 40)
+    picture = check([Job(frame=first)])[0].raster
+    second = shapes(rng, 300, 64, 40)
+    check([Job(frame=second, initial=picture, rates={"initial": 0.5})])
+
+
+def test_tables_outlast_a_frame_and_are_taken_only_between_frames():
+    rng = np.random.default_rng(8)
+    frame = shapes(rng, 300, 64, 40)
+    jobs = [Job(frame=frame), Job(frame=frame, write_tables=False), Job(frame=frame)]
+    check(jobs)
+
+
+def test_a_frame_of_the_largest_size():
+    rng = np.random.default_rng(9)
+    check([Job(frame=shapes(rng, 3000, 512, 1024))])
+
+
+@pytest.mark.parametrize("scene", ["terrain", "knot"])
+def test_the_built_in_scenes(scene):
+    from splatline.host import fit_view, load_scene, make_frame, splat_radii
+
+    loaded = load_scene(scene)
+    view = fit_view(loaded.cloud, orbit=loaded.orbit, fov=loaded.fov, up=loaded.up)
+    frame = make_frame(loaded.cloud, view, radii=splat_radii(loaded.cloud))
+    outcome = check([Job(frame=frame, rates={"raster": 0.95}, seed=3)])[0]
+    assert outcome.cycles < 4 * len(frame.codewords)

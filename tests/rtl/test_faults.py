@@ -1,0 +1,133 @@
+"""Planted faults: the benches must notice a broken circuit, or they prove nothing."""
+
+import re
+
+import numpy as np
+import pytest
+import test_bank
+import test_decoder
+import test_scatter
+import test_sequencer
+import test_window
+from random_frames import shapes
+from splatline.rtl.bank import Bank
+from splatline.rtl.decoder import Decoder
+from splatline.rtl.engine import Engine
+from splatline.rtl.format import PAPER
+from splatline.rtl.scatter import Scatter
+from splatline.rtl.sequencer import Sequencer
+from splatline.rtl.window import Window
+from splatline.sim import golden
+from splatline.sim.cosim import frames, simulator
+from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.simulator import SimulationError
+
+
+def fault(module, signal, value):
+    """An edit that fixes a signal of a module's Verilog at a value."""
+
+    def edit(text):
+        begin = re.search(rf"^module \\?{re.escape(module)} ?\(", text, re.MULTILINE).start()
+        end = text.index("endmodule", begin)
+        body, count = re.subn(
+            rf"^(  assign \\?{re.escape(signal)} ?=)[^;]*;",
+            rf"\g<1> {value};",
+            text[begin:end],
+            flags=re.MULTILINE,
+        )
+        assert count == 1, f"{module} has no {signal} to break"
+        return text[:begin] + body + text[end:]
+
+    return edit
+
+
+BLOCK_FAULTS = [
+    pytest.param(
+        Bank, test_bank, "random_requests", fault("top", "passes_2", "1'h1"), id="no depth test"
+    ),
+    pytest.param(
+        Bank, test_bank, "random_requests", fault("top", "conflict", "1'h0"), id="no conflict"
+    ),
+    pytest.param(
+        Sequencer,
+        test_sequencer,
+        "random_words",
+        fault("top", "advanced", "12'h0"),
+        id="no advance",
+    ),
+    pytest.param(
+        Decoder, test_decoder, "all_columns", fault("top", "words_left", "8'h7f"), id="right border"
+    ),
+    pytest.param(Scatter, test_scatter, "free_banks", fault("top", "end_3", "2'h3"), id="mask"),
+    pytest.param(
+        Window,
+        test_window,
+        "with_stalls",
+        fault("top.loader", "window_loaded", "1'h1"),
+        id="load late",
+    ),
+    pytest.param(
+        Window, test_window, "with_stalls", fault("top.ring", "clean", "1'h1"), id="line dropped"
+    ),
+]
+
+
+@pytest.mark.parametrize(("component", "bench", "test", "edit"), BLOCK_FAULTS)
+def test_a_fault_in_a_block_is_noticed(component, bench, test, edit):
+    with pytest.raises(SimulationError):
+        run_bench(component(PAPER), bench.__file__, test=test, edit=edit)
+
+
+def test_a_fault_in_the_engine_is_noticed(monkeypatch):
+    """One bank of eight forgets its conflicts: the picture differs where elements touch."""
+    from splatline.rtl import verilog
+
+    edit = fault("splatline.window.bank_5", "conflict", "1'h0")
+    whole = verilog.generate
+
+    def broken(config, name="splatline"):
+        text, sidecar = whole(config, name)
+        return edit(text), sidecar
+
+    monkeypatch.setattr(verilog, "generate", broken)
+    frame = shapes(np.random.default_rng(1), 2000, 64, 48)
+    outcome = frames.play([frames.Job(frame=frame)])[0]
+    assert outcome.raster.mismatches(golden.render(frame)) > 0
+
+
+def test_a_port_that_breaks_the_stream_rules_is_noticed():
+    """A raster port whose payload changes while it waits."""
+    from importlib import resources
+
+    text = verilog_with_a_restless_raster()
+    sources = {"splatline.v": text}
+    for name in ("stream_source.v", "stream_sink.v", "stream_check.v", "frame_player.v"):
+        sources[name] = resources.files("splatline.sim.cosim").joinpath(name).read_text()
+    parameters = {"TABLE_BITS": PAPER.table_address.end, "RASTER_BITS": PAPER.raster_end.end}
+    built = simulator.build(sources, "frame_player", parameters=parameters)
+    frame = shapes(np.random.default_rng(1), 200, 64, 48)
+    with pytest.raises(SimulationError, match="stream rules"):
+        frames.play([frames.Job(frame=frame, rates={"raster": 0.3})], built=built)
+
+
+def verilog_with_a_restless_raster():
+    """The engine behind a wrapper that flips a colour bit every cycle."""
+    from splatline.rtl.verilog import convert
+
+    text = convert(Engine(PAPER), "inner")
+    ports = "codewords", "tables", "initial", "raster"
+    widths = {"codewords": 64, "tables": 44, "initial": 90, "raster": 90}
+    lines = ["module splatline(input clk, input rst"]
+    for name in ports:
+        out = name == "raster"
+        forward, backward = ("output", "input") if out else ("input", "output")
+        lines.append(f", {forward} [{widths[name] - 1}:0] {name}__payload")
+        lines.append(f", {forward} {name}__valid, {backward} {name}__ready")
+    lines.append("); reg tick = 0; always @(posedge clk) tick <= !tick; wire [89:0] steady;")
+    lines.append("assign raster__payload = steady ^ (90'd1 << 40) * tick;")
+    links = [".clk(clk), .rst(rst), .raster__payload(steady)"]
+    for name in ports:
+        parts = ("valid", "ready") if name == "raster" else ("payload", "valid", "ready")
+        links += [f".{name}__{part}({name}__{part})" for part in parts]
+    lines.append(f"inner inner_engine({', '.join(links)}); endmodule")
+    return text + "\n".join(lines)

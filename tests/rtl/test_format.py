@@ -1,0 +1,67 @@
+import pytest
+from splatline.rtl.format import PAPER, PRESETS, EngineConfig, get_preset
+from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+
+
+def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
+    positions = {
+        "mode": (0, 0),
+        "scans": (1, 24),
+        "diffuse": (25, 31),
+        "specular": (32, 38),
+        "material": (39, 45),
+        "x": (46, 54),
+        "z": (55, 63),
+    }
+    for name, (low, high) in positions.items():
+        field = getattr(PAPER, name)
+        assert (field.lsb, field.end - 1) == (low, high), name
+    assert [PAPER.first(k).lsb for k in range(4)] == [1, 7, 13, 19]
+    assert [PAPER.last(k).lsb for k in range(4)] == [4, 10, 16, 22]
+    assert PAPER.control_end.lsb == 25
+
+
+@pytest.mark.parametrize("config", PRESETS.values())
+def test_the_hardware_s_layouts_lie_where_the_format_says(config):
+    word = CodeWordLayout(config)
+    assert word.size == 64
+    for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
+        field = getattr(config, name)
+        assert (word[name].offset, word[name].width) == (field.lsb, field.width)
+    beat = RasterLayout(config)
+    assert beat.size == config.raster_end.end
+    for name in ("word", "line", "end"):
+        field = getattr(config, f"raster_{name}")
+        assert (beat[name].offset, beat[name].width) == (field.lsb, field.width)
+    pixels = beat["pixels"].shape
+    for kind, locate in (("depth", config.raster_depth), ("colour", config.raster_colour)):
+        for pixel in range(4):
+            offset = pixels[kind].offset + pixels[kind].shape[pixel].offset
+            assert offset == locate(pixel).lsb
+    write = TableWriteLayout(config)
+    assert write["address"].offset == config.table_address.lsb
+    assert write.size == config.table_address.end
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"depth_bits": 0}, "depth_bits must be an integer in 1..16, not 0"),
+        ({"depth_bits": 9.0}, "depth_bits must be an integer in 1..16, not 9.0"),
+        ({"channel_bits": 9}, "channel_bits must be an integer in 1..8, not 9"),
+        ({"colour_shift": 14}, "colour_shift must be an integer in 1..13, not 14"),
+        ({"window_lines": 12}, "window_lines must be 16, not 12"),
+        ({"pixels_per_word": 3}, "pixels_per_word must be 4, not 3"),
+        ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
+    ],
+)
+def test_bad_parameters_are_named(change, message):
+    with pytest.raises(ValueError, match=message):
+        EngineConfig(**change)
+
+
+def test_presets_are_found_by_name():
+    assert get_preset("paper") is PAPER
+    with pytest.raises(ValueError, match="no preset named 'large'; there are: paper"):
+        get_preset("large")
+    assert PAPER.replace(depth_bits=8, x_bits=10).name == "custom"
