@@ -29,8 +29,12 @@ def sort_by_line(
 ) -> tuple[npt.NDArray[np.uint64], int]:
     """Return a frame's stream: the words by line, control words between, the end word last.
 
-    A counting sort: words of a line keep their order. Consecutive lines with words cost one control
-    word, whatever lies between them, unless the gap is beyond what X holds.
+    A counting sort. Consecutive lines with words cost one control word, whatever lies between them,
+    unless the gap is beyond what X holds.
+
+    The two halves of a line's words are dealt out in turn. Neighbours in a cloud tend to be
+    neighbours on the image, and an element that follows another into the same word of the engine's
+    memory costs it a cycle; half a line apart they hardly ever meet.
 
     Parameters
     ----------
@@ -64,7 +68,7 @@ def sort_by_line(
             step = min(int(gap), config.x.mask)
             stream[at] = advance_word(step, config)
             gap -= step
-    _scatter(words, lines, starts, stream)
+    _scatter(words, lines, starts, counts, stream)
     stream[-1] = end_word(config)
     return stream, int(steps.sum()) + 1
 
@@ -74,9 +78,13 @@ def _control(config: EngineConfig) -> int:
 
 
 @nb.njit(cache=True)
-def _scatter(words: Any, lines: Any, starts: Any, stream: Any) -> None:
-    """Put each word at the next free place of its line."""
+def _scatter(words: Any, lines: Any, starts: Any, counts: Any, stream: Any) -> None:
+    """Put each word at its place: of a line's words, the first half on even places."""
+    placed = np.zeros(len(counts), np.int64)
     for i in range(len(words)):
         line = lines[i]
-        stream[starts[line]] = words[i]
-        starts[line] += 1
+        number = placed[line]
+        placed[line] += 1
+        half = (counts[line] + 1) // 2
+        place = 2 * number if number < half else 2 * (number - half) + 1
+        stream[starts[line] + place] = words[i]

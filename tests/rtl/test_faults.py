@@ -52,8 +52,8 @@ BLOCK_FAULTS = [
         Sequencer,
         test_sequencer,
         "random_words",
-        fault("top", "advanced", "12'h0"),
-        id="no advance",
+        fault("top", "control", "1'h0"),
+        id="no control words",
     ),
     pytest.param(
         Decoder, test_decoder, "all_columns", fault("top", "words_left", "8'h7f"), id="right border"
