@@ -49,17 +49,18 @@ def _replace(target: Path, data: bytes) -> None:
         # A rename would get past the write protection of the file itself.
         raise PermissionError(None, "the file is write-protected")
     descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:64]}.", dir=target.parent)
+    beside = Path(name)
     try:
         with os.fdopen(descriptor, "wb") as stream:
             stream.write(data)
             stream.flush()
             # Without this, a crash of the machine after the rename can leave an empty file.
             os.fsync(stream.fileno())
-        os.chmod(name, mode)
-        os.replace(name, target)
+        beside.chmod(mode)
+        beside.replace(target)
     except BaseException:  # also on Ctrl-C
         with contextlib.suppress(OSError):
-            os.unlink(name)
+            beside.unlink()
         raise
 
 

@@ -66,6 +66,9 @@ def encode(
 ) -> Encoded:
     """Return the code words that draw splats at whole-pixel places and whole diameters.
 
+    Diameters are rounded up: about a pixel corner a disc of 3 pixels covers no more than one of 2,
+    and rounding to nearest left three to ten times the holes (``docs/decisions.md``).
+
     - Diameters up to 1 pixel: the pixel that holds the centre, one fraction (MODE 1).
     - Up to 8: the shape table's block, its middle at the pixel corner nearest to the centre, one
       symmetric word (MODE 0); as two fractions where it crosses the upper or left border.
@@ -173,7 +176,7 @@ def _encode_one(
 ) -> int:
     """Write a splat's words from ``at`` on, and return where the next splat's begin."""
     to = (words, lines, width, height, x_lsb, write)
-    size = math.floor(diameter + 0.5)
+    size = math.ceil(diameter)
     if size <= 1:
         return _emit(EMPTY_SCANS & ~63, math.floor(column), math.floor(line), common, at, to)
 

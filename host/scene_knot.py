@@ -28,8 +28,8 @@ TEAL, NAVY, GOLD = (40, 190, 180), (60, 90, 210), (255, 200, 40)
 TUBE = 0.44
 """Radius of the knot's tube; its curve lies on a torus of radii 2 and 1."""
 
-STRIPES, TURNS = 2, 18
-"""Stripes round the tube, and how often they wind in its length."""
+STRIPES, TURNS = 3, 24
+"""Stripes round the tube, and how many of them pass in its length."""
 
 RING, RING_TUBE = 0.84, 0.16
 """Radii of a ring: its circle, and its tube."""
@@ -72,8 +72,28 @@ def knot_cloud() -> Cloud:
 def _knot(count: int) -> _Part:
     """Return the knot, in two colours that wind round it."""
     positions, normals, along, around = _tube(_trefoil, TUBE, count)
-    turn = (STRIPES * around + TURNS * along) % 1.0
+    # The Frenet frame turns about the curve, fast where that is nearly straight. Stripes that are
+    # to wind evenly must not turn with it, and must meet themselves after the whole length.
+    places, turned = _frame_turns(_trefoil)
+    untwist = np.interp(along, places, turned)
+    close = np.rint(STRIPES * turned[-1]) - STRIPES * turned[-1]
+    turn = (STRIPES * (around + untwist) + (TURNS + close) * along) % 1.0
     return positions, normals, np.where((turn < 0.3)[:, None], CREAM, CORAL).astype(np.uint8)
+
+
+def _frame_turns(curve: _Curve) -> tuple[_Floats, _Floats]:
+    """Return shares of a curve's length, and the turns that its Frenet frame made up to each.
+
+    The frame's rate of turn about the tangent is the torsion, -dB/ds . N.
+    """
+    t, arc = _arc(curve)
+    _, first, second = curve(t)
+    binormal = np.cross(first, second)
+    binormal /= np.linalg.norm(binormal, axis=-1, keepdims=True)
+    tangent = first / np.linalg.norm(first, axis=-1, keepdims=True)
+    normal = np.cross(binormal, tangent)
+    steps = -np.sum(np.diff(binormal, axis=0) * 0.5 * (normal[1:] + normal[:-1]), axis=-1)
+    return arc / arc[-1], np.concatenate([[0.0], np.cumsum(steps)]) / (2.0 * math.pi)
 
 
 def _ring(count: int, t: float) -> _Part:
@@ -150,7 +170,7 @@ def _tube(curve: _Curve, radius: float, count: int) -> tuple[_Floats, _Floats, _
     along, around
         Place on the tube, each as a share in 0..1: of its length, and of its turn.
     """
-    index = np.arange(count)
+    index = np.arange(count, dtype=np.float64)
     along = (index + 0.5) / count
     t, arc = _arc(curve)
     centre, first, second = curve(np.interp(along * arc[-1], arc, t))
@@ -167,5 +187,6 @@ def _tube(curve: _Curve, radius: float, count: int) -> tuple[_Floats, _Floats, _
     for _ in range(20):  # Newton; k radius stays below 0.6 here, so it converges at once
         excess = angle - pinch * np.sin(angle) - mean
         angle = angle - excess / (1.0 - pinch * np.cos(angle))
-    out = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * binormal
-    return centre + radius * out, out, along, angle / (2.0 * math.pi)
+    out: _Floats = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * binormal
+    positions: _Floats = centre + radius * out
+    return positions, out, along, angle / (2.0 * math.pi)

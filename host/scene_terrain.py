@@ -11,11 +11,14 @@ from .cloud import Cloud
 
 __all__ = ["terrain_cloud"]
 
-EXAGGERATION = 5.0
+EXAGGERATION = 3.5
 """Heights are drawn this many times too high: 840 m of relief over 30 km would look flat."""
 
 EARTH_RADIUS = 6_371_000.0
 """Mean radius in metres."""
+
+SMOOTHING = 1.2
+"""Standard deviation in steps of the grid."""
 
 # Share of the range of heights -> red, green, blue. The steps of the ramp are wide enough apart to
 # be told from each other with three bits a channel.
@@ -55,7 +58,7 @@ def terrain_cloud() -> Cloud:
     y, x = np.meshgrid(-step_y * np.arange(rows), step_x * np.arange(columns), indexing="ij")
     positions = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
-    down_y, along_x = np.gradient(z, step_y, step_x)
+    down_y, along_x = np.gradient(_smooth(z), step_y, step_x)
     normals = np.stack([-along_x, down_y, np.ones_like(z)], axis=-1).reshape(-1, 3)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return Cloud(
@@ -67,6 +70,18 @@ def terrain_cloud() -> Cloud:
         name="terrain",
         dropped={},
     )
+
+
+def _smooth(z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return heights averaged with their neighbours', for the normals alone.
+
+    The model's heights are whole metres, and its finest relief is smaller than a pixel: without
+    this the shading of the plains would be noise.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    smooth: npt.NDArray[np.float64] = gaussian_filter(z, SMOOTHING, mode="nearest")
+    return smooth
 
 
 def _hypsometric(height: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:

@@ -55,13 +55,13 @@ def load_scene(name: str) -> Scene:
 def _terrain() -> Scene:
     from .scene_terrain import terrain_cloud
 
-    return Scene("terrain", terrain_cloud(), orbit=(-60.0, 32.0), fov=30.0, up="z", zoom=1.0)
+    return Scene("terrain", terrain_cloud(), orbit=(-75.0, 48.0), fov=30.0, up="z")
 
 
 def _knot() -> Scene:
     from .scene_knot import knot_cloud
 
-    return Scene("knot", knot_cloud(), orbit=(20.0, 25.0), fov=30.0, up="y", zoom=1.0)
+    return Scene("knot", knot_cloud(), orbit=(-8.0, 8.0), fov=30.0, up="y")
 
 
 _MAKERS: dict[str, Callable[[], Scene]] = {"terrain": _terrain, "knot": _knot}

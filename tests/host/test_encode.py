@@ -45,8 +45,8 @@ def drawn(splats, width, height):
 
 
 def ellipse_pixels(column, line, diameter, shape, width, height):
-    """The stated rule: whole diameter, centre at the nearest pixel corner; one pixel up to 1."""
-    size = int(np.floor(diameter + 0.5))
+    """The stated rule: diameter rounded up, centre at the nearest pixel corner; one pixel up to 1."""
+    size = int(np.ceil(diameter))
     y, x = np.mgrid[:height, :width]
     if size <= 1:
         return (x == np.floor(column)) & (y == np.floor(line))
