@@ -41,8 +41,7 @@ def main():
         scene = load_scene(name)
         view = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, "zoom": scene.zoom}
         runs.append(measure(name, scene.cloud, **view))
-    for path in map(Path, sys.argv[1:]):
-        runs.append(measure(path.stem, read_cloud(path)))
+    runs += [measure(Path(path).stem, read_cloud(path)) for path in sys.argv[1:]]
     layouts = list(runs[0]["least_cycles_per_codeword"])
     print("| scene | elements | cycles | an element | " + " | ".join(layouts) + " |")
     print("|---|---:|---:|---:|" + "---:|" * len(layouts))

@@ -59,7 +59,7 @@ def project(cloud: Cloud, view: View, radii: npt.NDArray[np.floating[Any]]) -> S
     A disc with centre p and unit normal n, in camera coordinates, holds the points q = p + d with
     n . d = 0 and |d| <= R. With a = p_x / p_z, b = p_y / p_z, and s, t the offset on the image
     from the centre times p_z / focal, the plane gives d_z = -(n'x s + n'y t), where
-    n' = (n_x, n_y) / (n . (a, b, 1)). To first order |d|^2 = s^2 + t^2 + d_z^2, which is the paper's
+    n' = (n_x, n_y) / (n . (a, b, 1)). To first order |d|^2 = s^2 + t^2 + d_z^2: the paper's
     ellipse of radius R focal / p_z pixels.
 
     Parameters

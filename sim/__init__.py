@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-__all__ = ["beats", "cosim", "figure", "golden", "metrics", "raster", "reference"]  # noqa: F822
+__all__ = ["beats", "cosim", "figure", "golden", "metrics", "raster", "reference"]
 
 
 def __getattr__(name: str) -> ModuleType:

@@ -113,7 +113,7 @@ def _ssim(picture: _Floats, exact: _Floats) -> float | None:
 def _share(part: _Mask, whole: _Mask) -> float | None:
     """Return how much of ``whole`` is in ``part``, or None if there is nothing of it."""
     total = np.count_nonzero(whole)
-    return np.count_nonzero(part) / total if total else None
+    return float(np.count_nonzero(part) / total) if total else None
 
 
 def _depth_rmse(

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from splatline.host.encode import depth_codes, encode
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import sort_by_line
@@ -45,7 +44,7 @@ def drawn(splats, width, height):
 
 
 def ellipse_pixels(column, line, diameter, shape, width, height):
-    """The stated rule: diameter rounded up, centre at the nearest pixel corner; one pixel up to 1."""
+    """The stated rule: diameter rounded up, centre at a pixel corner; one pixel up to 1."""
     size = int(np.ceil(diameter))
     y, x = np.mgrid[:height, :width]
     if size <= 1:

@@ -1,5 +1,4 @@
 import numpy as np
-
 from splatline.host.shapes import EMPTY_SCANS, level_slopes, quantise, shape_table
 
 
