@@ -31,8 +31,8 @@ class Lighting:
     A surface of base colour c shows, per channel and clipped to 0..1,
     ``c (ambient + sum intensity max(0, n.l)) + gloss sum intensity max(0, r.v)^shininess``
     with n the normal, l the light, r its mirror image in n and v the direction to the eye.
-    A light behind the surface (n.l <= 0) gives no highlight. Diffuse and specular intensity are each
-    clipped to 0..1 first.
+    A light behind the surface (n.l <= 0) gives no highlight. Diffuse and specular intensity are
+    each clipped to 0..1 first.
     """
 
     lights: tuple[Light, ...] = (

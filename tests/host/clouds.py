@@ -1,6 +1,7 @@
 """Small clouds that tests share."""
 
 import numpy as np
+
 from splatline.host.cloud import Cloud
 
 __all__ = ["cloud_of", "sphere"]

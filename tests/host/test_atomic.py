@@ -5,6 +5,7 @@ import stat
 import threading
 
 import pytest
+
 from splatline.host.atomic import atomic_write
 from splatline.host.errors import InputError
 

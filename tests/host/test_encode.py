@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from splatline.host.encode import depth_codes, encode
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import sort_by_line

@@ -1,5 +1,6 @@
 import numpy as np
 from clouds import cloud_of
+
 from splatline.host.lighting import Lighting
 from splatline.host.materials import find_materials, material_tables
 from splatline.rtl.format import PAPER

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from splatline.host.normals import estimate_normals
 
 

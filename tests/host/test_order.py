@@ -3,6 +3,7 @@ import itertools
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+
 from splatline.host.order import advance_word, end_word, sort_by_line
 from splatline.rtl.format import PAPER
 from splatline.sim import golden

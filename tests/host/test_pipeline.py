@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 from clouds import cloud_of, sphere
+
 from splatline.host.errors import InputError
 from splatline.host.lighting import Light, Lighting
 from splatline.host.pipeline import make_frame

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from clouds import cloud_of
+
 from splatline.host.project import project
 from splatline.host.shapes import level_slopes
 from splatline.host.view import View

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from plyfile import PlyData, PlyElement
 from pypcd4 import Encoding, PointCloud
+
 from splatline.host.colours import NEUTRAL, colours_to_bytes
 from splatline.host.errors import InputError
 from splatline.host.readers import FORMATS, read_cloud

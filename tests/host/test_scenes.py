@@ -5,6 +5,7 @@ import inspect
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+
 from splatline.host.errors import InputError
 from splatline.host.normals import estimate_normals
 from splatline.host.scene_knot import CORAL, CREAM, GOLD, NAVY, TEAL

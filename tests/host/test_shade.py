@@ -1,6 +1,7 @@
 import math
 
 import numpy as np
+
 from splatline.host.lighting import Light, Lighting
 from splatline.host.shade import shade_tables
 from splatline.host.shapes import level_slopes

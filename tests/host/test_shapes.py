@@ -1,4 +1,5 @@
 import numpy as np
+
 from splatline.host.shapes import EMPTY_SCANS, level_slopes, quantise, shape_table
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from splatline.host.assemble import Columns, assemble_cloud
 from splatline.host.errors import InputError
 from splatline.host.spacing import COVER, point_spacing, splat_radii

@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 from clouds import sphere
+
 from splatline.host.errors import InputError
 from splatline.host.pipeline import make_frame
 from splatline.host.store import describe_frame, load_frame, save_frame, sidecar_path

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from clouds import cloud_of, sphere
+
 from splatline.host.errors import InputError
 from splatline.host.view import fit_view
 

@@ -1,4 +1,5 @@
 import pytest
+
 from splatline.sim.cosim import simulator
 
 

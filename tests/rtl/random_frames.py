@@ -1,6 +1,7 @@
 """Frames for the engine's tests: random, and made to hurt."""
 
 import numpy as np
+
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word, end_word
 from splatline.rtl.format import PAPER

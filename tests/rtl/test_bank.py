@@ -3,6 +3,7 @@
 import random
 
 import cocotb
+
 from splatline.rtl.bank import Bank, BankRequestLayout, bank_address_bits
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import WordLayout

@@ -3,6 +3,7 @@
 import random
 
 import cocotb
+
 from splatline.rtl.colour import ColourUnit
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ColouredLayout, ElementLayout

@@ -4,6 +4,7 @@ import random
 from functools import cache
 
 import cocotb
+
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ColouredLayout, FootprintLayout

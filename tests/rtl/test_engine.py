@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from random_frames import frame_of, nonsense, random_raster, shapes, word
+
 from splatline.host.order import advance_word
 from splatline.rtl.format import PAPER
 from splatline.sim import golden

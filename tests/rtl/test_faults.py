@@ -10,6 +10,7 @@ import test_scatter
 import test_sequencer
 import test_window
 from random_frames import shapes
+
 from splatline.rtl.bank import Bank
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine

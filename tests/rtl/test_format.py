@@ -1,4 +1,5 @@
 import pytest
+
 from splatline.rtl.format import PAPER, PRESETS, EngineConfig, get_preset
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 

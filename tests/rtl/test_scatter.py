@@ -5,6 +5,7 @@ from collections import Counter
 
 import cocotb
 from footprints import footprint, place_of_word
+
 from splatline.rtl.bank import BankRequestLayout
 from splatline.rtl.format import PAPER
 from splatline.rtl.scatter import BANKS, Scatter

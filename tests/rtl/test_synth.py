@@ -1,4 +1,5 @@
 import pytest
+
 from splatline.rtl.format import PAPER
 from splatline.rtl.synth import DEVICE, synthesise
 

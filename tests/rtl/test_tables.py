@@ -3,6 +3,7 @@
 import random
 
 import cocotb
+
 from splatline.rtl.format import PAPER, Register
 from splatline.rtl.tables import MaterialWriteLayout, RegistersLayout, Tables
 from splatline.sim.cosim.blocks import run_bench

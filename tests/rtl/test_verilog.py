@@ -1,6 +1,7 @@
 import re
 
 import pytest
+
 from splatline.rtl.format import PAPER
 from splatline.rtl.verilog import generate
 

@@ -4,12 +4,13 @@ import random
 
 import cocotb
 from footprints import end_token, footprint
+from test_scatter import random_spans
+
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.window import Window
 from splatline.sim.cosim.blocks import pack, run_bench
 from splatline.sim.cosim.streams import StreamBench
-from test_scatter import random_spans
 
 RASTER = RasterLayout(PAPER)
 BACKGROUND = (511, 0)

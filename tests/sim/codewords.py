@@ -1,6 +1,7 @@
 """A second reading of docs/contract.md, pixel by pixel in plain Python: slow, but plain to see."""
 
 import numpy as np
+
 from splatline.host.frame import Frame, Tables
 from splatline.rtl.format import PAPER, EngineConfig
 from splatline.sim.raster import Raster

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
 from splatline.rtl.format import PAPER

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from PIL import Image
+
 from splatline.host.errors import InputError
 from splatline.rtl.format import PAPER
 from splatline.sim import figure

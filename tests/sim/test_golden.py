@@ -1,6 +1,7 @@
 import codewords as cw
 import numpy as np
 import pytest
+
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.rtl.format import PAPER

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 import pytest
+
 from splatline.sim.metrics import compare
 from splatline.sim.raster import Raster
 from splatline.sim.reference import Reference

@@ -1,6 +1,7 @@
 import codewords as cw
 import numpy as np
 import pytest
+
 from splatline.sim.raster import Raster
 
 

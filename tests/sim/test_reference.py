@@ -3,6 +3,7 @@ import math
 import numba
 import numpy as np
 import pytest
+
 from splatline.host.cloud import Cloud
 from splatline.host.lighting import Light, Lighting
 from splatline.host.view import View

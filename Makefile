@@ -1,0 +1,87 @@
+# Splatline. `make` alone says what there is.
+
+PYTHON ?= python3
+SCENE ?= terrain
+PRESET ?= paper
+
+VENV := .venv
+READY := $(VENV)/.ready
+# A file stays on one process, so that what it builds is built once.
+PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile
+
+# Amaranth would take a Yosys that it finds on PATH, and its Verilog differs from version to version.
+export AMARANTH_USE_YOSYS := builtin
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: help setup render test lint verilog synth clean distclean tools
+
+help:
+	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
+	@echo 'make render     the main job: a scene, drawn by the Verilog and checked -> build/render/'
+	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
+	@echo 'make test       all tests'
+	@echo 'make lint       style and types: ruff, mypy'
+	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
+	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'
+	@echo 'make clean      remove build/ and caches; distclean: .venv as well'
+
+setup: $(READY)
+
+# Installed from requirements.txt alone: nothing is resolved, so every machine has the same versions.
+# setuptools is in there too, which is why the build needs no isolation.
+$(READY): pyproject.toml requirements.txt | tools
+	@echo 'Setting up $(VENV) (a minute or two) ...'
+	@test -x $(VENV)/bin/pip || $(PYTHON) -m venv $(VENV)
+	@$(VENV)/bin/pip install -qq -r requirements.txt
+	@$(VENV)/bin/pip install -qq --no-deps --no-build-isolation -e .
+	@test -n "$$($(VENV)/bin/python -m find_libpython)" || { \
+	  version=$$($(VENV)/bin/python -c 'import sys; print("%d.%d" % sys.version_info[:2])'); \
+	  echo "splatline: Python's shared library is missing, which cocotb needs;" \
+	    "install it: apt-get install libpython$$version" >&2; exit 1; }
+	@touch $@
+	@echo '$(VENV) is ready.'
+
+# g++ builds the simulation, perl runs Verilator; python3 is needed once, for the environment.
+tools:
+	@missing=; \
+	command -v $${CXX:-g++} >/dev/null || missing="$$missing g++"; \
+	command -v perl >/dev/null || missing="$$missing perl"; \
+	if test ! -x $(VENV)/bin/pip; then \
+	  if ! command -v $(PYTHON) >/dev/null; then missing="$$missing python3 python3-venv"; \
+	  elif ! $(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then \
+	    echo 'splatline: $(PYTHON) is older than 3.11; name a newer one: make setup PYTHON=python3.11' >&2; \
+	    exit 1; \
+	  elif ! $(PYTHON) -c 'import ensurepip, venv' 2>/dev/null; then missing="$$missing python3-venv"; fi; \
+	fi; \
+	test -z "$$missing" || { echo "splatline: install what is missing: apt-get install$$missing" >&2; exit 1; }
+
+render: setup
+	@$(VENV)/bin/splatline render $(if $(CLOUD),'$(CLOUD)',--scene $(SCENE)) --engine rtl \
+	  --out-dir build/render
+
+test: setup
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)
+
+# mypy does not follow the import hook of an editable install whose packages live outside a folder
+# named splatline, so it gets that folder, made of links.
+lint: setup
+	@mkdir -p build/types/splatline
+	@for part in cli host rtl sim; do ln -sfn ../../../$$part build/types/splatline/$$part; done
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	MYPYPATH=build/types $(VENV)/bin/mypy
+
+verilog: setup
+	@mkdir -p build
+	@$(VENV)/bin/splatline verilog --preset $(PRESET) -o build/splatline_$(PRESET).v
+
+synth: setup
+	@mkdir -p build
+	@$(VENV)/bin/splatline synth --preset $(PRESET) --json build/synth_$(PRESET).json
+
+clean:
+	@rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
+
+distclean: clean
+	@rm -rf $(VENV) *.egg-info

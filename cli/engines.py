@@ -1,0 +1,154 @@
+"""Drawing a frame: by the golden renderer, or by the Verilog with the golden renderer as judge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import click
+
+from ..host.errors import InputError
+from .errors import ToolFailure
+from .parameters import COLOUR
+from .progress import Stages
+
+if TYPE_CHECKING:
+    from ..host.frame import Frame
+    from ..sim.cosim.frames import Outcome
+    from ..sim.raster import Raster
+
+__all__ = ["Drawing", "background_option", "draw", "engine_options", "fail_mismatch"]
+
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A frame that was drawn.
+
+    Parameters
+    ----------
+    golden
+        The golden renderer's picture.
+    rtl
+        The Verilog's picture, if it was simulated.
+    cycles
+        Clock cycles that the Verilog took from the first code word to the end of the raster.
+    """
+
+    golden: Raster
+    rtl: Raster | None = None
+    cycles: int | None = None
+
+    @property
+    def raster(self) -> Raster:
+        """The picture of the engine that was asked for."""
+        return self.golden if self.rtl is None else self.rtl
+
+    @property
+    def mismatched_pixels(self) -> int | None:
+        """Pixels whose colour or depth differs between Verilog and golden; None without RTL."""
+        return None if self.rtl is None else self.rtl.mismatches(self.golden)
+
+
+def engine_options(command: _Command) -> _Command:
+    """Add the options ``engine``, ``stall`` and ``seed`` to a command."""
+    for option in (
+        click.option(
+            "--seed",
+            type=click.IntRange(min=0),
+            metavar="N",
+            default=1,
+            help="With rtl: seed of the stalls.",
+        ),
+        click.option(
+            "--stall",
+            type=click.FloatRange(0.0, 1.0, max_open=True),
+            metavar="SHARE",
+            default=0.0,
+            help="With rtl: share of the cycles in which each port waits, at random.",
+        ),
+        click.option(
+            "--engine",
+            type=click.Choice(["golden", "rtl"]),
+            default="golden",
+            help="golden: the bit-exact renderer, fast. rtl: the Verilog, simulated and compared"
+            " with golden; exit code 1 if a pixel or a depth differs.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def background_option(command: _Command) -> _Command:
+    """Add the option ``background``: RGB in 0..1, or None for the figures' own."""
+    return click.option(
+        "--background",
+        type=COLOUR,
+        metavar="#RRGGBB",
+        show_default="the figures' own",
+        help="Colour of the pixels that nothing was drawn into; white, black and grey are known.",
+    )(command)
+
+
+def draw(frame: Frame, engine: str, stages: Stages, *, stall: float, seed: int) -> Drawing:
+    """Draw a frame.
+
+    Parameters
+    ----------
+    frame
+        What to draw.
+    engine
+        ``golden`` or ``rtl``; the golden renderer draws in either case.
+    stages
+        Where the times go: ``golden``, ``rtl_build``, ``rtl_run``.
+    stall, seed
+        Back-pressure in the simulation of the Verilog.
+
+    Raises
+    ------
+    InputError
+        If the simulation is asked for and its packages are not installed.
+    ToolFailure
+        If the simulator fails or the Verilog breaks the rules of its ports.
+    """
+    from ..sim import golden
+
+    with stages.stage("golden", "Drawing with the golden renderer"):
+        picture = golden.render(frame)
+    if engine == "golden":
+        return Drawing(picture)
+    with stages.stage("", "Simulating the Verilog (built first, if it is new)"):
+        run = _simulate(frame, stall, seed)
+    stages.seconds.update({f"rtl_{name}": value for name, value in run.seconds.items()})
+    return Drawing(picture, run.raster, run.cycles)
+
+
+def _simulate(frame: Frame, stall: float, seed: int) -> Outcome:
+    """Run the Verilog, with errors that the command line knows how to tell."""
+    try:
+        from ..sim.cosim.frames import simulate_frame
+        from ..sim.cosim.simulator import SimulationError
+    except ModuleNotFoundError as error:
+        raise _not_installed(error) from error
+    try:
+        return simulate_frame(frame, stall=stall, seed=seed)
+    except ModuleNotFoundError as error:
+        raise _not_installed(error) from error
+    except SimulationError as error:
+        raise ToolFailure(str(error)) from error
+
+
+def _not_installed(error: ModuleNotFoundError) -> InputError:
+    return InputError(f"--engine rtl needs {error.name}: pip install 'splatline[cosim]'")
+
+
+def fail_mismatch(context: click.Context, drawing: Drawing) -> NoReturn:
+    """Say that Verilog and golden differ, and exit with code 1."""
+    click.echo(
+        f"splatline: {drawing.mismatched_pixels:,} pixels of the Verilog's picture differ from the"
+        " golden renderer's",
+        err=True,
+    )
+    context.exit(1)

@@ -1,0 +1,11 @@
+"""Failures that are no fault of the input."""
+
+import click
+
+__all__ = ["ToolFailure"]
+
+
+class ToolFailure(click.ClickException):
+    """A simulator or Yosys failed; the message may end with its log. Exit code 1."""
+
+    exit_code = 1

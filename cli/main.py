@@ -1,0 +1,102 @@
+"""The program ``splatline``: its commands, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from ..host.errors import InputError
+from .errors import ToolFailure
+from .frames import encode, info, play
+from .hardware import synth, verilog
+from .render import render
+
+__all__ = ["main"]
+
+BAD_INPUT = 2
+"""Exit code of bad input and of a wrong command line."""
+
+INTERRUPTED = 130
+"""Exit code of a run stopped with Ctrl-C, as shells have it (128 + SIGINT)."""
+
+
+class Program(click.Group):
+    """A group of commands that answers every user's error with one line and no traceback."""
+
+    def main(  # type: ignore[override]  # click overloads it by standalone_mode
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        *,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Run a command and exit with its code; see ``click.Command.main``."""
+        if not standalone_mode:
+            return super().main(args, prog_name, standalone_mode=False, **extra)
+        try:
+            code = super().main(args, prog_name, standalone_mode=False, **extra)
+        except click.exceptions.NoArgsIsHelpError as error:
+            error.show()
+            code = BAD_INPUT
+        except ToolFailure as error:  # with the lines of its log: there is nothing else to go by
+            click.echo(f"splatline: {error.format_message()}", err=True)
+            code = error.exit_code
+        except click.ClickException as error:
+            code = _complain(_usage(error))
+        except InputError as error:
+            code = _complain(str(error))
+        except OSError as error:
+            code = _complain(_file_trouble(error))
+        except click.Abort:  # what click makes of Ctrl-C
+            code = INTERRUPTED
+        sys.exit(code)
+
+
+def _complain(message: str) -> int:
+    """Say what was wrong in one line on standard error; return the exit code."""
+    click.echo(f"splatline: {' '.join(message.split())}", err=True)
+    return BAD_INPUT
+
+
+def _usage(error: click.ClickException) -> str:
+    """Return click's message with the command that would explain more."""
+    message = error.format_message()
+    if isinstance(error, click.UsageError) and error.ctx is not None:
+        return f"{message.rstrip('.')} (see {error.ctx.command_path} --help)"
+    return message
+
+
+def _file_trouble(error: OSError) -> str:
+    """Return what the system said about which file."""
+    reason = error.strerror or str(error) or type(error).__name__
+    return reason if error.filename is None else f"{os.fspath(error.filename)}: {reason}"
+
+
+@click.group(
+    cls=Program,
+    context_settings={
+        "help_option_names": ["-h", "--help"],
+        "max_content_width": 100,
+        "show_default": True,
+    },
+)
+@click.version_option(None, "--version", package_name="splatline", prog_name="splatline")
+def main() -> None:
+    """Draw point clouds with an open-source hardware engine.
+
+    \b
+    Examples:
+      splatline render                          the built-in scene, drawn by the golden renderer
+      splatline render scan.ply -o scan.png     a scan
+      splatline render --engine rtl             the same by the Verilog, checked pixel for pixel
+      splatline verilog -o engine.v             the hardware
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+
+
+for _command in (render, encode, play, info, verilog, synth):
+    main.add_command(_command)

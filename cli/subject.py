@@ -1,0 +1,213 @@
+"""What is drawn: a cloud or a built-in scene, and the view of it."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from ..rtl.format import EngineConfig
+from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
+from .progress import Stages
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from ..host.cloud import Cloud
+    from ..host.frame import Frame
+    from ..host.view import View
+
+__all__ = ["Shot", "Subject", "prepare", "subject_options"]
+
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
+DEFAULT_SCENE = "terrain"
+
+_CAMERA = ("orbit", "fov", "up", "zoom")
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What the command line asks to be drawn; None leaves a value to the scene or the host.
+
+    Parameters
+    ----------
+    path
+        Cloud file, or None for a built-in scene.
+    scene
+        Name of the built-in scene.
+    size
+        Width and height of the image in pixels.
+    orbit
+        Azimuth and elevation of the eye in degrees.
+    fov
+        Field of view in degrees.
+    up
+        Axis that points up.
+    zoom
+        Magnification.
+    splat_size
+        Diameter of the splats in the cloud's unit; None: from the points' own spacing.
+    preset
+        The engine's configuration.
+    """
+
+    path: Path | None
+    scene: str
+    size: tuple[int, int]
+    orbit: tuple[float, float] | None
+    fov: float | None
+    up: str | None
+    zoom: float | None
+    splat_size: float | None
+    preset: EngineConfig
+
+    @property
+    def name(self) -> str:
+        """What to call the picture: the file's name without its format, or the scene's."""
+        return self.scene if self.path is None else self.path.stem
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A subject turned into a frame, with what the exact reference needs to draw it too.
+
+    Parameters
+    ----------
+    cloud, view
+        The points and the camera.
+    radii
+        Shape (n,): radius of each point's disc, in the cloud's unit.
+    frame
+        The code words and tables.
+    camera
+        Orbit, field of view, up axis and zoom as they came out, for the statistics.
+    """
+
+    cloud: Cloud
+    view: View
+    radii: npt.NDArray[np.float64]
+    frame: Frame
+    camera: dict[str, Any]
+
+
+def subject_options(command: _Command) -> _Command:
+    """Add the argument CLOUD and the options of the view; the command gets one ``subject``."""
+
+    @functools.wraps(command)
+    def with_subject(
+        cloud: Path | None,
+        scene: str | None,
+        size: tuple[int, int],
+        orbit: tuple[float, float] | None,
+        fov: float | None,
+        up: str | None,
+        zoom: float | None,
+        splat_size: float | None,
+        preset: EngineConfig,
+        **rest: Any,
+    ) -> Any:
+        if cloud is not None and scene is not None:
+            raise click.UsageError("give a CLOUD or a --scene, not both")
+        subject = Subject(
+            cloud, scene or DEFAULT_SCENE, size, orbit, fov, up, zoom, splat_size, preset
+        )
+        return command(subject=subject, **rest)
+
+    decorated: Any = with_subject
+    for decorate in (
+        click.option("--preset", type=PRESET, default="paper", help="The engine to draw for."),
+        click.option(
+            "--splat-size",
+            type=SPLAT_SIZE,
+            metavar="auto|WORLD",
+            default="auto",
+            help="Diameter of the splats in the cloud's unit; auto: from the points' spacing.",
+        ),
+        click.option(
+            "--zoom",
+            type=float,
+            metavar="F",
+            show_default="the scene's, or 1",
+            help="Magnify about the middle of the picture; 1 fits the cloud.",
+        ),
+        click.option(
+            "--up", type=UP_AXES, show_default="the scene's, or y", help="Axis that points up."
+        ),
+        click.option(
+            "--fov",
+            type=float,
+            metavar="DEG",
+            show_default="the scene's, or 35",
+            help="Angle that the shorter side spans.",
+        ),
+        click.option(
+            "--orbit",
+            type=ORBIT,
+            metavar="AZ,EL",
+            show_default="the scene's, or 30,20",
+            help="Azimuth and elevation of the eye in degrees.",
+        ),
+        click.option(
+            "--size",
+            type=SIZE,
+            metavar="WxH",
+            default="512x512",
+            help="Size of the image in pixels.",
+        ),
+        click.option(
+            "--scene",
+            metavar="NAME",
+            show_default=DEFAULT_SCENE,
+            help="Built-in scene, where there is no CLOUD: terrain or knot.",
+        ),
+        click.argument("cloud", required=False, type=click.Path(path_type=Path), metavar="[CLOUD]"),
+    ):
+        decorated = decorate(decorated)
+    return decorated
+
+
+def prepare(subject: Subject, stages: Stages) -> Shot:
+    """Read a subject and turn it into a frame.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a value is out of range, or nothing of the cloud is in view.
+    """
+    from ..host.view import fit_view
+
+    parameters = inspect.signature(fit_view).parameters
+    camera = {key: parameters[key].default for key in _CAMERA}
+    if subject.path is None:
+        from ..host.scenes import load_scene
+
+        with stages.stage("read", f"Making the scene {subject.scene}"):
+            scene = load_scene(subject.scene)
+        cloud = scene.cloud
+        camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
+    else:
+        from ..host.readers import read_cloud
+
+        with stages.stage("read", f"Reading {subject.path}"):
+            cloud = read_cloud(subject.path)
+    camera |= {key: value for key in _CAMERA if (value := getattr(subject, key)) is not None}
+
+    from ..host.spacing import splat_radii
+
+    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points"):
+        radii = splat_radii(cloud, subject.splat_size)
+    with stages.stage("view", "Fitting the view"):
+        view = fit_view(cloud, size=subject.size, **camera)
+    from ..host.pipeline import make_frame
+
+    with stages.stage("", "Encoding"):
+        frame = make_frame(cloud, view, radii=radii, config=subject.preset)
+    stages.seconds.update(frame.counts.get("seconds", {}))
+    return Shot(cloud, view, radii, frame, camera)

@@ -1,0 +1,111 @@
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+
+@pytest.fixture
+def frame(run, folder, cloud):
+    result = run("encode", cloud, "--size", "48x40", "-o", "ball.frame")
+    assert result.exit_code == 0, result.stderr
+    return folder / "ball.frame"
+
+
+def test_encode_writes_little_endian_words_and_a_sidecar(frame, folder):
+    assert sorted(path.name for path in folder.iterdir()) == ["ball.frame", "ball.frame.json"]
+    words = np.fromfile(frame, "<u8")
+    end = int(words[-1])
+    # The last word is a control word: MODE 1, every row empty, with the end bit.
+    rows = [(end >> (1 + 6 * row) & 7, end >> (4 + 6 * row) & 7) for row in range(4)]
+    assert end & 1
+    assert end >> 25 & 1
+    assert all(first > last for first, last in rows)
+    sidecar = json.loads((folder / "ball.frame.json").read_text())
+    assert sidecar["counts"]["codewords"] == len(words)
+
+
+def test_play_draws_what_render_draws(run, frame, folder, cloud):
+    assert run("play", "ball.frame", "--stats", "a.json", "--depth", "d.png").exit_code == 0
+    assert run("render", cloud, "--size", "48x40", "-o", "other.png").exit_code == 0
+    assert (folder / "ball.png").read_bytes() == (folder / "other.png").read_bytes()
+    numbers = json.loads((folder / "a.json").read_text())
+    assert numbers["codewords"] == len(np.fromfile(frame, "<u8"))
+    assert numbers["size"] == [48, 40]
+    with Image.open(folder / "d.png") as depth:
+        assert depth.size == (48, 40)
+
+
+def test_play_fails_where_the_verilog_differs_from_golden(run, frame, folder, verilog):
+    assert run("play", frame, "--engine", "rtl").exit_code == 0
+    verilog[0].append((3, 4))
+    result = run("play", frame, "--engine", "rtl", "--stats", "a.json")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("splatline: 1 pixels")
+    assert json.loads((folder / "a.json").read_text())["mismatched_pixels"] == 1
+
+
+@pytest.mark.parametrize("output", ["ball.frame.json", "./ball.frame"])
+def test_play_does_not_write_over_its_frame(run, frame, folder, output):
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    result = run("play", "ball.frame", "--stats", output)
+    assert result.exit_code == 2
+    assert "over the input" in result.stderr
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_info_of_a_frame_counts_its_words(run, frame):
+    result = run("info", frame, "--json")
+    assert result.exit_code == 0, result.stderr
+    facts = json.loads(result.stdout)
+    assert facts["codewords"] == len(np.fromfile(frame, "<u8"))
+    assert facts["points"] == 2000
+    assert (facts["width"], facts["height"]) == (48, 40)
+    table = run("info", frame)
+    assert table.exit_code == 0
+    assert "ball.frame" in table.stdout
+
+
+def test_info_of_a_cloud_says_where_it_lies(run, cloud):
+    result = run("info", cloud, "--json")
+    assert result.exit_code == 0, result.stderr
+    facts = json.loads(result.stdout)
+    points = np.loadtxt(cloud, delimiter=",", skiprows=1)[:, :3]
+    assert facts["points"] == 2000
+    assert facts["estimated_normals"] == 0
+    np.testing.assert_allclose(facts["low"], points.min(axis=0), atol=1e-5)
+    np.testing.assert_allclose(facts["high"], points.max(axis=0), atol=1e-5)
+    np.testing.assert_allclose(facts["extent"], np.ptp(points, axis=0), atol=1e-5)
+    # 2000 points on a unit sphere: sqrt(4 pi / 2000) = 0.08 apart.
+    assert 0.02 < facts["splat_size"] < 0.3
+    assert "2,000" in run("info", cloud).stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["encode", "{cloud}", "-o", "nowhere/a.frame"], "no folder nowhere"),
+        (["encode", "{cloud}", "-o", "{cloud}"], "over the input"),
+        (["encode", "absent.ply", "-o", "a.frame"], "absent.ply"),
+        (["play", "absent.frame"], "absent.frame"),
+        (["play", "{cloud}"], "ball"),
+        (["info", "absent.ply"], "absent.ply"),
+        (["info", "."], "."),
+    ],
+)
+def test_bad_input_gets_one_line_code_2_and_leaves_nothing(run, folder, cloud, arguments, words):
+    result = run(*(text.format(cloud=cloud) for text in arguments))
+    assert result.exit_code == 2, (result.stderr, result.exception)
+    message = result.stderr.splitlines()[-1]
+    assert message.startswith("splatline: ")
+    assert words in message
+    assert not list(folder.iterdir())
+
+
+def test_a_frame_that_was_cut_short_is_refused(run, frame, folder):
+    frame.write_bytes(frame.read_bytes()[:-12])
+    for arguments in (["play", frame], ["info", frame]):
+        result = run(*arguments)
+        assert result.exit_code == 2, (result.stderr, result.exception)
+        assert result.stderr.splitlines()[-1].startswith("splatline: ")
+    assert not (folder / "ball.png").exists()

@@ -1,0 +1,85 @@
+import json
+import sys
+import types
+
+import pytest
+
+from splatline.rtl.format import PAPER
+
+REPORT = {
+    "preset": "paper",
+    "command": "synth_xilinx",
+    "fits": True,
+    "lut4": 2000,
+    "ff": 900,
+    "bram": 17,
+    "mult": 6,
+    "paper": {"lut4": 2150, "ff": 960, "bram": 17},
+    "device": {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24},
+    "modules": {"splatline": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}},
+}
+
+
+@pytest.fixture
+def synthesis(monkeypatch):
+    """Puts a synthesis in place that takes no time; what it returns can be changed."""
+    report = dict(REPORT)
+    asked = []
+    module = types.ModuleType("splatline.rtl.synth")
+    module.synthesise = lambda config: asked.append(config) or report
+    monkeypatch.setitem(sys.modules, "splatline.rtl.synth", module)
+    return report, asked
+
+
+def test_verilog_comes_with_its_description(run, folder):
+    result = run("verilog", "-o", "engine.v")
+    assert result.exit_code == 0, result.stderr
+    text = (folder / "engine.v").read_text()
+    description = json.loads((folder / "engine.json").read_text())
+    assert f"module {description['top']}(" in text
+    assert description["config"]["name"] == "paper"
+    assert {"clk", "rst"} <= {port["name"] for port in description["ports"]}
+    assert sorted(path.name for path in folder.iterdir()) == ["engine.json", "engine.v"]
+
+
+@pytest.mark.parametrize("output", ["engine.vhd", "absent/engine.v", "engine.json"])
+def test_verilog_that_cannot_be_written_is_refused_at_once(run, folder, output):
+    result = run("verilog", "-o", output)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("splatline: ")
+    assert result.stderr.count("\n") == 1
+    assert not list(folder.iterdir())
+
+
+def test_synth_writes_the_report_and_prints_the_table(run, folder, synthesis):
+    result = run("synth", "--json", "report.json")
+    assert result.exit_code == 0, result.stderr
+    assert synthesis[1] == [PAPER]
+    assert json.loads((folder / "report.json").read_text()) == REPORT
+    assert "2,150" in result.stdout
+
+
+def test_synth_fails_where_the_engine_does_not_fit(run, synthesis):
+    synthesis[0]["fits"] = False
+    result = run("synth")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1] == "splatline: the engine does not fit XC2V250"
+
+
+def test_synth_without_yosys_says_what_to_install(run, folder, synthesis, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    result = run("synth", "--json", "report.json")
+    assert result.exit_code == 2
+    assert "splatline[synth]" in result.stderr.splitlines()[-1]
+    assert not list(folder.iterdir())
+
+
+def test_a_yosys_that_fails_shows_its_log_without_a_traceback(run, folder, synthesis, monkeypatch):
+    def fail(config):
+        raise RuntimeError("Yosys failed:\nits log")
+
+    monkeypatch.setattr(sys.modules["splatline.rtl.synth"], "synthesise", fail)
+    result = run("synth", "--json", "report.json")
+    assert result.exit_code == 1
+    assert result.stderr.endswith("splatline: Yosys failed:\nits log\n")
+    assert not list(folder.iterdir())

@@ -1,0 +1,105 @@
+import subprocess
+import sys
+from importlib import metadata
+
+import pytest
+
+from splatline.cli import render as render_module
+from splatline.cli.errors import ToolFailure
+from splatline.cli.main import main
+from splatline.host.errors import InputError
+
+HEAVY = ("numpy", "numba", "scipy", "PIL", "matplotlib", "skimage", "amaranth", "cocotb", "rich")
+
+
+@pytest.mark.parametrize("arguments", [[], ["render"], ["encode"], ["info"], ["synth"]])
+def test_help_loads_nothing_heavy(arguments):
+    script = (
+        "import sys\n"
+        "from splatline.cli.main import main\n"
+        "try:\n"
+        f"    main({[*arguments, '--help']!r})\n"
+        "except SystemExit as end:\n"
+        "    assert end.code == 0, end.code\n"
+        f"print('loaded', [name for name in {HEAVY!r} if name in sys.modules])\n"
+    )
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stdout.splitlines()[-1] == "loaded []"
+
+
+@pytest.mark.parametrize("command", sorted(main.commands))
+def test_every_command_shows_examples(run, command):
+    result = run(command, "--help")
+    assert result.exit_code == 0
+    assert "Examples:\n" in result.stdout
+    assert f"splatline {command}" in result.stdout.split("Examples:\n")[1]
+
+
+def test_the_commands_are_those_of_the_manual():
+    assert sorted(main.commands) == ["encode", "info", "play", "render", "synth", "verilog"]
+
+
+def test_version_is_the_package_s(run):
+    assert run("--version").stdout.strip().endswith(metadata.version("splatline"))
+
+
+def test_no_command_shows_the_help_and_fails(run):
+    result = run()
+    assert result.exit_code == 2
+    assert "Commands:" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["paint"], "splatline: No such command 'paint' (see splatline --help)\n"),
+        (
+            ["render", "--size", "huge"],
+            "splatline: Invalid value for '--size': 'huge' is not a size; write WIDTHxHEIGHT, like"
+            " 512x512 (see splatline render --help)\n",
+        ),
+        (["encode"], "splatline: Missing option '-o' / '--output' (see splatline encode --help)\n"),
+        (
+            ["render", "ball.ply", "--scene", "knot"],
+            "splatline: give a CLOUD or a --scene, not both (see splatline render --help)\n",
+        ),
+    ],
+)
+def test_a_wrong_command_line_gets_one_line_and_code_2(run, folder, arguments, message):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stderr == message
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (InputError("scan.ply: is empty"), 2, "splatline: scan.ply: is empty\n"),
+        (InputError("two\nlines"), 2, "splatline: two lines\n"),
+        (
+            PermissionError(13, "Permission denied", "scan.ply"),
+            2,
+            "splatline: scan.ply: Permission denied\n",
+        ),
+        (OSError(28, "No space left on device"), 2, "splatline: No space left on device\n"),
+        (ToolFailure("it stopped\nthe log"), 1, "splatline: it stopped\nthe log\n"),
+        (KeyboardInterrupt(), 130, "\n"),
+    ],
+)
+def test_errors_are_told_without_a_traceback(run, folder, monkeypatch, error, code, message):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(render_module, "prepare", fail)
+    result = run("render")
+    assert (result.exit_code, result.stderr) == (code, message)
+    assert not list(folder.iterdir())
+
+
+def test_a_bug_is_not_dressed_up_as_bad_input(run, monkeypatch):
+    def fail(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(render_module, "prepare", fail)
+    assert isinstance(run("render").exception, ZeroDivisionError)

@@ -1,0 +1,11 @@
+"""Settings for every test."""
+
+import os
+
+from hypothesis import settings
+
+# The first call of a compiled function takes seconds, so a deadline would say nothing.
+settings.register_profile("dev", deadline=None)
+# On CI the same examples every time: a change that breaks one must be the change under test.
+settings.register_profile("ci", deadline=None, derandomize=True, database=None)
+settings.load_profile("ci" if os.environ.get("CI") else "dev")
