@@ -1,6 +1,6 @@
 """The ring of sixteen lines: which are drawn into, and which leave the window next."""
 
-from amaranth.hdl import Module, Signal, signed
+from amaranth.hdl import Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -35,7 +35,11 @@ class Ring(wiring.Component):
     jump : In(1)
         No initial raster will come for any line: lines may leave many at a time.
     touch : In(16)
-        Places of the window that are written into in this cycle.
+        Places of the window that an element is written into in this cycle.
+    load : In(1)
+        A word of the initial raster is written into the window; no line is flushed meanwhile.
+    load_place : In(4)
+        The place of that word's line.
     last_word : In(word_bits)
         Number of the last word of a line.
     restart : In(1)
@@ -56,6 +60,8 @@ class Ring(wiring.Component):
                 "loaded": In(1),
                 "jump": In(1),
                 "touch": In(config.window_lines),
+                "load": In(1),
+                "load_place": In(range(config.window_lines)),
                 "last_word": In(config.word_bits),
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
@@ -71,27 +77,32 @@ class Ring(wiring.Component):
         written = Signal(config.window_lines)
         word = Signal(config.word_bits)
         leaving = Signal()
+        left = Signal()  # the oldest line's last word is flushed in this cycle
         slot = self.oldest[: config.window_lines.bit_length() - 1]
-        flushed = Signal(config.window_lines)
 
         m.d.comb += [
             leaving.eq((self.oldest < self.top) & self.loaded),
+            left.eq(self.flush.valid & self.flush.ready & (word == self.last_word)),
             self.clean.eq(~written.any()),
             self.flush.valid.eq(leaving & written.bit_select(slot, 1)),
             self.flush.payload.word.eq(word),
             self.flush.payload.line.eq(self.oldest),
         ]
-        m.d.sync += written.eq((written | self.touch) & ~flushed)
-        with m.If(leaving):
-            with m.If(self.flush.valid), m.If(self.flush.ready):
-                m.d.sync += word.eq(word + 1)
-                with m.If(word == self.last_word):
-                    m.d.comb += flushed.bit_select(slot, 1).eq(1)
-                    m.d.sync += [word.eq(0), self.oldest.eq(self.oldest + 1)]
-            with m.Elif(self.jump & self.clean):
-                m.d.sync += self.oldest.eq(self.top)
-            with m.Else():
-                m.d.sync += self.oldest.eq(self.oldest + 1)
+        # Loading marks a place and flushing clears one, never in the same cycle.
+        place = Signal.like(self.load_place)
+        m.d.comb += place.eq(Mux(self.load, self.load_place, slot))
+        for number in range(config.window_lines):
+            here = (place == number) & (self.load | left)
+            m.d.sync += written[number].eq(
+                Mux(here, self.load, written[number] | self.touch[number])
+            )
+
+        with m.If(self.flush.valid & self.flush.ready):
+            m.d.sync += word.eq(Mux(left, 0, word + 1))
+        with m.If(leaving & self.jump & self.clean):
+            m.d.sync += self.oldest.eq(self.top)
+        with m.Elif(leaving & (left | ~self.flush.valid)):
+            m.d.sync += self.oldest.eq(self.oldest + 1)
         with m.If(self.restart):
             m.d.sync += self.oldest.eq(0)
         return m

@@ -32,6 +32,8 @@ class Scatter(wiring.Component):
         The element; steady until ``done``.
     go : In(1)
         Requests may be issued in this cycle.
+    whole : In(1)
+        All masks are to have all pixels set, for requests that others make; ``go`` is low then.
     conflict : In(8)
         The bank cannot take its request in this cycle.
     want : Out(8)
@@ -48,6 +50,7 @@ class Scatter(wiring.Component):
             {
                 "footprint": In(FootprintLayout(config)),
                 "go": In(1),
+                "whole": In(1),
                 "conflict": In(BANKS),
                 "want": Out(BANKS),
                 "requests": Out(data.ArrayLayout(BankRequestLayout(config), BANKS)),
@@ -94,7 +97,8 @@ class Scatter(wiring.Component):
                 & ~done
             ),
             self.want[bank].eq(left.any()),
-            slot.eq(Mux(left[0], 0, Mux(left[1], 1, 2))),
+            # Slot 3 lies in no span: then the mask has all pixels.
+            slot.eq(Mux(self.whole, 3, Mux(left[0], 0, Mux(left[1], 1, 2)))),
             is_lower.eq(outer_is_lower ^ slot[0]),
         ]
 

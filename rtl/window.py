@@ -122,6 +122,7 @@ class Window(wiring.Component):
                 & loader.window_loaded
                 & (footprint.top - ring.oldest < config.window_lines - BANKS)
             ),
+            scatter.whole.eq(loader.o.valid),
             scatter.conflict.eq(Cat(bank.conflict for bank in banks)),
         ]
         with m.If(self.i.valid):
@@ -153,7 +154,7 @@ class Window(wiring.Component):
                 served[index].eq(mine & ~bank.conflict),
                 bank.enable.eq(running),
                 bank.request.address.eq(Mux(wanted, drawn.address, service_address)),
-                bank.request.mask.eq(drawn.mask | ~wanted.replicate(config.pixels_per_word)),
+                bank.request.mask.eq(drawn.mask),
                 bank.request.draw.eq(drawn.draw | (loading & mine)),
                 bank.request.clear.eq((flushing & mine) | sweeping),
             ]
@@ -163,7 +164,8 @@ class Window(wiring.Component):
             loading.eq(loader.o.valid & loader.o.ready),
             flushing.eq(ring.flush.valid & ring.flush.ready),
         ]
-        self._touch(m, ring, scatter, loading, service)
+        self._touch(m, ring, scatter)
+        m.d.comb += [ring.load.eq(loading), ring.load_place.eq(service.line)]
 
         # Merge: what the banks draw, and which of them holds the word that leaves.
         new = Signal(WordLayout(config), reset_less=True)
@@ -214,8 +216,8 @@ class Window(wiring.Component):
             m.d.sync += top.eq(top.init)
         return m
 
-    def _touch(self, m, ring, scatter, loading, service):
-        """Tell the ring which of its places are written into."""
+    def _touch(self, m, ring, scatter):
+        """Tell the ring which of its places the element is written into."""
         places = data.ArrayLayout(4, 4)  # by bits 3:2 of the line, then by bits 1:0
         touched = Signal(places)
         for residue in range(4):
@@ -223,8 +225,7 @@ class Window(wiring.Component):
             group = scatter.footprint.upper_group[residue]
             for place in range(4):
                 m.d.comb += touched[place][residue].eq(
-                    (scatter.go & (group == place) & upper.words.any())
-                    | (scatter.go & (group == (place - 1) % 4) & lower.words.any())
-                    | (loading & (service.line[:4] == 4 * place + residue))
+                    ((group == place) & scatter.go & upper.words.any())
+                    | ((group == (place - 1) % 4) & scatter.go & lower.words.any())
                 )
         m.d.comb += ring.touch.eq(touched)

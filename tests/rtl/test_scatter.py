@@ -61,6 +61,7 @@ async def check(dut, stall, seed, count):
     dut.go.value = 0
     dut.footprint.value = 0
     dut.conflict.value = 0
+    dut.whole.value = 0
     await bench.reset()
     for _ in range(count):
         top, x = rng.randrange(-4, 60), rng.randrange(512)
@@ -96,6 +97,7 @@ async def four_lines_of_two_words_take_one_cycle(dut):
     bench = StreamBench(dut, 3)
     dut.go.value = 0
     dut.conflict.value = 0
+    dut.whole.value = 0
     dut.footprint.value = 0
     await bench.reset()
     for top in range(8):
