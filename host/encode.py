@@ -16,6 +16,9 @@ from .shapes import EMPTY_SCANS, LEVELS, SIZES, level_slopes, row_span, shape_ta
 
 __all__ = ["Encoded", "depth_codes", "encode"]
 
+LARGEST = float(1 << 24)
+"""Pixels beyond which a coordinate is far outside every image; exact in float32."""
+
 
 @dataclass(frozen=True)
 class Encoded:
@@ -72,7 +75,8 @@ def encode(
     - Diameters up to 1 pixel: the pixel that holds the centre, one fraction (MODE 1).
     - Up to 8: the shape table's block, its middle at the pixel corner nearest to the centre, one
       symmetric word (MODE 0); as two fractions where it crosses the upper or left border.
-    - Above: fractions of 8 x 4 pixels, from the table up to 16 and from the ellipse itself beyond.
+    - Above: fractions of 8 x 4 pixels, from the table up to 16 and from the ellipse itself beyond;
+      one that covers no pixel's centre draws the pixel that holds its own.
 
     Words that no pixel of the image needs are left out; those that cross the right or lower border
     are left to the engine.
@@ -176,7 +180,7 @@ def _encode_one(
 ) -> int:
     """Write a splat's words from ``at`` on, and return where the next splat's begin."""
     to = (words, lines, width, height, x_lsb, write)
-    size = math.ceil(diameter)
+    size = math.ceil(min(diameter, 2.0 * LARGEST))
     if size <= 1:
         return _emit(EMPTY_SCANS & ~63, math.floor(column), math.floor(line), common, at, to)
 
@@ -202,7 +206,10 @@ def _encode_one(
             at = _emit(scans, x + dx, y - 2 * ROWS + dy, common, at, to)
             at = _emit(_turned(scans), x + BLOCK - dx, y + ROWS - dy, common, at, to)
         return at
-    return _encode_large(x, y, 0.5 * size, slopes[level_x], slopes[level_y], common, at, to)
+    end = _encode_large(x, y, 0.5 * size, slopes[level_x], slopes[level_y], common, at, to)
+    if end == at:  # so thin that it covers no pixel's centre
+        return _emit(EMPTY_SCANS & ~63, math.floor(column), math.floor(line), common, at, to)
+    return end
 
 
 @nb.njit
@@ -211,8 +218,11 @@ def _encode_large(
 ) -> int:
     """Write the fractions of an ellipse of any size about the pixel corner (x, y)."""
     _, _, width, height, _, _ = to
-    blocks = math.ceil(radius / ROWS)
-    for block in range(-blocks, blocks):
+    # Only the blocks that reach into the image, however large the ellipse is.
+    blocks = math.ceil(min(radius, 4.0 * (abs(y) + height)) / ROWS)
+    begin_block = max(-blocks, -(y // ROWS) - 1)
+    end_block = min(blocks, (height - y) // ROWS + 1)
+    for block in range(begin_block, end_block):
         top = y + ROWS * block
         if top >= height or top + ROWS <= 0:
             continue
@@ -237,6 +247,8 @@ def _row_pixels(
 ) -> tuple[int, int]:
     """Return the first and last pixel, from the centre on, of a row of the ellipse."""
     left, right = row_span(ROWS * block + row + 0.5, slope_x, slope_y, radius)
+    # An ellipse may be wider than an integer holds.
+    left, right = max(left, -LARGEST), min(right, LARGEST)
     return math.ceil(left - 0.5), math.floor(right - 0.5)
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from .errors import InputError
 
 __all__ = ["Light", "Lighting"]
 
@@ -23,6 +26,14 @@ class Light:
     direction: tuple[float, float, float]
     intensity: float
 
+    def __post_init__(self) -> None:
+        """Raise ``InputError`` for what gives no light."""
+        length = math.hypot(*self.direction)
+        if not (math.isfinite(length) and length > 0.0):
+            raise InputError(f"a light needs a direction, not {self.direction}")
+        if not 0.0 <= self.intensity < math.inf:
+            raise InputError(f"a light's intensity must be 0 or more, not {self.intensity:g}")
+
 
 @dataclass(frozen=True)
 class Lighting:
@@ -42,3 +53,12 @@ class Lighting:
     ambient: float = 0.15
     gloss: float = 0.25
     shininess: float = 12.0
+
+    def __post_init__(self) -> None:
+        """Raise ``InputError`` for what the engine's tables cannot hold."""
+        if not 0.0 <= self.gloss <= 1.0:
+            raise InputError(f"the gloss must lie in 0..1, not {self.gloss:g}")
+        if not 0.0 <= self.ambient < math.inf:
+            raise InputError(f"the ambient light must be 0 or more, not {self.ambient:g}")
+        if not 0.0 < self.shininess < math.inf:
+            raise InputError(f"the shininess must be above 0, not {self.shininess:g}")

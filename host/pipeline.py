@@ -52,16 +52,19 @@ def make_frame(
     Returns
     -------
     Frame
-        ``counts`` has ``points``, ``culled`` (reason -> points), ``elements`` (points drawn),
-        ``codewords`` (length of the stream), ``control_words``, ``depth_range`` (distances along
-        the view of depth 0 and of the largest depth) and ``seconds`` (per stage).
+        ``counts`` has ``points``, ``dropped`` (reason -> points left out when the cloud was read),
+        ``culled`` (reason -> points), ``elements`` (points drawn), ``codewords`` (length of the
+        stream), ``control_words``, ``depth_range`` (distances along the view of depth 0 and of the
+        largest depth) and ``seconds`` (per stage).
 
     Raises
     ------
     InputError
-        If the image is larger than the engine's, or shows nothing of the cloud.
+        If the image is larger than the engine's, or shows nothing of the cloud, or a radius is
+        missing, negative or not finite.
     """
     check_size(view.width, view.height, config)
+    check_radii(radii, len(cloud))
     lighting = lighting or Lighting()
     clock = Stopwatch()
     if materials is None:
@@ -87,6 +90,7 @@ def make_frame(
     clock.lap("sort")
     counts = {
         "points": len(cloud),
+        "dropped": cloud.dropped,
         "culled": {**splats.culled, "no_pixel": len(splats) - encoded.elements},
         "elements": encoded.elements,
         "codewords": len(stream),
@@ -104,6 +108,14 @@ def check_size(width: int, height: int, config: EngineConfig) -> None:
             f"the image is {width}x{height}; an engine of preset {config.name} draws at most "
             f"{config.max_width}x{config.max_height}"
         )
+
+
+def check_radii(radii: npt.NDArray[np.floating[Any]], count: int) -> None:
+    """Raise ``InputError`` unless there is a length for every point."""
+    if np.shape(radii) != (count,):
+        raise InputError(f"there must be one radius a point, {count}, not {np.shape(radii)}")
+    if count and not (np.isfinite(radii).all() and np.min(radii) >= 0.0):
+        raise InputError("every radius must be a finite length, 0 or more")
 
 
 class Stopwatch:

@@ -83,8 +83,8 @@ def render(
     Raises
     ------
     ValueError
-        If ``radii`` has another shape than the cloud, is negative or not finite, if ``samples`` is
-        not in 1..16, or if a light has no direction.
+        If ``radii`` has another shape than the cloud, is negative or not finite, or if ``samples``
+        is not in 1..16.
     """
     radii = np.ascontiguousarray(radii, np.float64)
     if radii.shape != (len(cloud),):
@@ -152,8 +152,6 @@ def _shade(
     for light in lighting.lights:
         direction = np.asarray(light.direction, np.float64)
         length = np.linalg.norm(direction)
-        if not length > 0.0:
-            raise ValueError(f"the light {light} has no direction")
         direction = direction / length
         incidence = normals @ direction
         mirrored = 2.0 * incidence[:, np.newaxis] * normals - direction

@@ -63,7 +63,7 @@ def test_info_of_a_frame_counts_its_words(run, frame):
     assert (facts["width"], facts["height"]) == (48, 40)
     table = run("info", frame)
     assert table.exit_code == 0
-    assert "ball.frame" in table.stdout
+    assert "symmetric" in table.stdout
 
 
 def test_info_of_a_cloud_says_where_it_lies(run, cloud):

@@ -98,8 +98,19 @@ def test_nothing_becomes_a_control_word_by_accident():
     assert (fields["x"] < 64).all()
 
 
-def test_the_largest_splats_fill_the_image():
-    assert drawn(splats_of(30, 30, 5000.0, 32 * 64 + 32), 64, 64).all()
+@pytest.mark.parametrize("diameter", [5e3, 1e7, 1e12, 1e30])
+def test_the_largest_splats_fill_the_image_in_no_more_words_than_it_has_blocks(diameter):
+    splats = splats_of(30, 30, diameter, 32 * 64 + 32)
+    assert drawn(splats, 64, 64).all()
+    assert len(encoded(splats, 64, 64).words) <= 17 * 9
+
+
+@pytest.mark.parametrize("shape", [0, 63, 63 * 64, 4095, 32, 32 * 64])
+def test_no_splat_in_view_is_empty_however_thin_and_large(shape):
+    rng = np.random.default_rng(shape)
+    for diameter in rng.uniform(2, 60, 60):
+        splats = splats_of(*rng.uniform(8, 56, 2), diameter, shape)
+        assert drawn(splats, 64, 64).any()
 
 
 def test_depths_fill_their_range_and_leave_the_background_free():

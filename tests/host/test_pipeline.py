@@ -64,6 +64,13 @@ def test_the_same_cloud_gives_the_same_words():
     assert (first.codewords == second.codewords).all()
 
 
+@pytest.mark.parametrize("radii", [np.ones(9), np.full(10, -1.0), np.full(10, np.nan)])
+def test_bad_radii_are_refused(radii):
+    cloud = sphere(10)
+    with pytest.raises(InputError, match="radius"):
+        make_frame(cloud, fit_view(cloud), radii=radii)
+
+
 def test_nothing_in_view_is_one_clear_line():
     cloud = cloud_of([[0, 0, 0], [1, 1, 1]], [[0, 0, 1]] * 2)
     view = fit_view(cloud, size=(64, 64))

@@ -296,7 +296,6 @@ def test_the_picture_does_not_depend_on_the_number_of_threads():
         ({"radii": np.array([1.0, np.nan])}, "finite and at least 0"),
         ({"samples": 0}, "1..16, not 0"),
         ({"samples": 17}, "1..16, not 17"),
-        ({"lighting": Lighting(lights=(Light((0.0, 0.0, 0.0), 1.0),))}, "no direction"),
     ],
 )
 def test_bad_parameters_are_refused(changes, message):
