@@ -22,7 +22,7 @@ class Engine(wiring.Component):
     A frame opens with its first code word and closes with its end beat on ``raster``. Between
     frames, table writes go before the next frame's first code word.
 
-    **Latency**: 8 cycles from a code word to its pixels; a line leaves once a code word follows
+    **Latency**: 6 cycles from a code word to its pixels; a line leaves once a code word follows
     that lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code
     word, one more where two follow each other into the same word of memory.
 
@@ -43,7 +43,7 @@ class Engine(wiring.Component):
         The picture: every word that is not all background, sorted by line; then the end beat.
     """
 
-    LATENCY = 8
+    LATENCY = 6
     """Cycles from the one that takes a code word to the one that writes its first pixels."""
 
     @property

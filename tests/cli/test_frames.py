@@ -61,7 +61,7 @@ def test_info_of_a_frame_counts_its_words(run, frame):
     assert facts["codewords"] == len(np.fromfile(frame, "<u8"))
     assert facts["points"] == 2000
     assert (facts["width"], facts["height"]) == (48, 40)
-    table = run("info", frame)
+    table = run("info", "ball.frame")
     assert table.exit_code == 0
     assert "symmetric" in table.stdout
 

@@ -7,6 +7,7 @@ from clouds import cloud_of, sphere
 from splatline.host.errors import InputError
 from splatline.host.lighting import Light, Lighting
 from splatline.host.pipeline import make_frame
+from splatline.host.readers import read_cloud
 from splatline.host.view import fit_view
 from splatline.sim import golden
 
@@ -83,3 +84,16 @@ def test_nothing_in_view_is_one_clear_line():
 def test_an_image_beyond_the_engine_is_refused(size):
     with pytest.raises(InputError, match="at most 512x1024"):
         frame_of(sphere(10), size=size)
+
+
+@pytest.mark.parametrize("offset", [(1e6, -3e6, 2e5), (1e7, 1e7, 1e7)])
+def test_a_scan_in_map_coordinates_draws_the_picture_it_draws_at_the_origin(tmp_path, offset):
+    ball = sphere(3000)
+    # Millimetres, so that the offset loses nothing.
+    places = np.rint(ball.positions * 1024) / 1024
+    frames = []
+    for shift in (np.zeros(3), np.array(offset)):
+        path = tmp_path / "scan.npz"
+        np.savez(path, positions=places + shift, normals=ball.normals, colours=ball.colours)
+        frames.append(frame_of(read_cloud(path)))
+    assert np.array_equal(frames[0].codewords, frames[1].codewords)

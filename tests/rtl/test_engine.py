@@ -5,6 +5,7 @@ import pytest
 from random_frames import frame_of, nonsense, random_raster, shapes, word
 
 from splatline.host.order import advance_word
+from splatline.rtl.engine import Engine
 from splatline.rtl.format import PAPER
 from splatline.sim import golden
 from splatline.sim.cosim.frames import Job, play
@@ -72,6 +73,15 @@ def test_elements_that_all_fall_on_one_word():
     assert outcomes[3].cycles <= 2 * 501 + 200
 
 
+def test_no_code_word_takes_more_than_four_cycles():
+    """Whole blocks across three words of eight lines, each on the words of the one before."""
+    words = [advance_word(20, PAPER)]
+    words += [word(FULL, 93, 500 - n, mode=0) for n in range(500)]
+    outcome = check([Job(frame=frame_of(words, 104, 40))])[0]
+    flushed = 8 * 104 // 4
+    assert outcome.cycles <= 4 * len(words) + flushed + 40
+
+
 def test_every_border_is_clipped_exactly():
     """Full blocks over each side and corner, for sizes that end within a word."""
     jobs = []
@@ -98,7 +108,8 @@ def test_an_empty_frame_and_frames_with_nothing_visible():
     ]
     outcomes = check([Job(frame=frame) for frame in frames])
     assert len(outcomes[0].beats) == 1
-    assert outcomes[0].cycles < 30
+    # The end beat stands on the port in the cycle in which an element would write its pixels.
+    assert outcomes[0].cycles == Engine.LATENCY + 1
 
 
 def test_one_full_line_of_elements():
