@@ -34,6 +34,7 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
     facts: list[_Fact | None] = [
         ("image", f"{width} x {height}, {stats['drawn_pixels']:,} pixels drawn"),
         ("engine", f"{stats['engine']}, preset {stats['preset']}"),
+        ("quality", str(stats.get("quality", "-"))),
     ]
     for key, label in (
         ("dropped", "points not read"),

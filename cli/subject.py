@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from ..host.quality import DEFAULT_QUALITY, QUALITIES
 from ..rtl.format import EngineConfig
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from .progress import Stages
@@ -56,6 +57,8 @@ class Subject:
         Diameter of the splats in the cloud's unit; None: from the points' own spacing.
     preset
         The engine's configuration.
+    quality
+        How splats become code words.
     """
 
     path: Path | None
@@ -67,6 +70,7 @@ class Subject:
     zoom: float | None
     splat_size: float | None
     preset: EngineConfig
+    quality: str
 
     @property
     def name(self) -> str:
@@ -111,18 +115,25 @@ def subject_options(command: _Command) -> _Command:
         zoom: float | None,
         splat_size: float | None,
         preset: EngineConfig,
+        quality: str,
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
         subject = Subject(
-            cloud, scene or DEFAULT_SCENE, size, orbit, fov, up, zoom, splat_size, preset
+            cloud, scene or DEFAULT_SCENE, size, orbit, fov, up, zoom, splat_size, preset, quality
         )
         return command(subject=subject, **rest)
 
     decorated: Any = with_subject
     for decorate in (
         click.option("--preset", type=PRESET, default="paper", help="The engine to draw for."),
+        click.option(
+            "--quality",
+            type=click.Choice(list(QUALITIES)),
+            default=DEFAULT_QUALITY,
+            help="; ".join(f"{name}: {what}" for name, what in QUALITIES.items()) + ".",
+        ),
         click.option(
             "--splat-size",
             type=SPLAT_SIZE,
@@ -208,6 +219,6 @@ def prepare(subject: Subject, stages: Stages) -> Shot:
     from ..host.pipeline import make_frame
 
     with stages.stage("", "Encoding"):
-        frame = make_frame(cloud, view, radii=radii, config=subject.preset)
+        frame = make_frame(cloud, view, radii=radii, config=subject.preset, quality=subject.quality)
     stages.seconds.update(frame.counts.get("seconds", {}))
     return Shot(cloud, view, radii, frame, camera)

@@ -10,13 +10,14 @@ import numpy.typing as npt
 
 from ..rtl.format import PAPER, EngineConfig
 from .cloud import Cloud
-from .encode import depth_codes, encode
+from .encode import depth_shares, encode
 from .errors import InputError
 from .frame import Frame
 from .lighting import Lighting
 from .materials import Materials, find_materials, material_tables
 from .order import sort_by_line
 from .project import project
+from .quality import DEFAULT_QUALITY, QUALITIES
 from .shade import shade_tables
 from .view import View
 
@@ -31,6 +32,7 @@ def make_frame(
     lighting: Lighting | None = None,
     materials: Materials | None = None,
     config: EngineConfig = PAPER,
+    quality: str = DEFAULT_QUALITY,
 ) -> Frame:
     """Project, cull, shade, encode and sort a cloud.
 
@@ -48,6 +50,8 @@ def make_frame(
         The cloud's palette, to find it once for many frames.
     config
         The engine to draw it.
+    quality
+        One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
 
     Returns
     -------
@@ -65,6 +69,8 @@ def make_frame(
     """
     check_size(view.width, view.height, config)
     check_radii(radii, len(cloud))
+    if quality not in QUALITIES:
+        raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
     lighting = lighting or Lighting()
     clock = Stopwatch()
     if materials is None:
@@ -77,8 +83,8 @@ def make_frame(
     shades = diffuse[splats.shade], specular[splats.shade]
     material = materials.index[splats.point]
     clock.lap("shade")
-    z, depth_range = depth_codes(splats.depth, config)
-    encoded = encode(splats, z, *shades, material, view.width, view.height, config)
+    depth, gradient, depth_range = depth_shares(splats, view.focal)
+    encoded = encode(splats, depth, gradient, (*shades, material), view, config, quality)
     clock.lap("encode")
     if not encoded.elements:
         raise InputError(
@@ -93,6 +99,7 @@ def make_frame(
         "dropped": cloud.dropped,
         "culled": {**splats.culled, "no_pixel": len(splats) - encoded.elements},
         "elements": encoded.elements,
+        "quality": quality,
         "codewords": len(stream),
         "control_words": control_words,
         "depth_range": list(depth_range),

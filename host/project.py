@@ -16,6 +16,9 @@ from .view import View
 
 __all__ = ["Splats", "project"]
 
+STEEPEST = 1e-6
+"""Least cosine between a normal and the ray that slopes are computed for: they stay finite."""
+
 
 @dataclass(frozen=True)
 class Splats:
@@ -31,6 +34,8 @@ class Splats:
         Distance along the view, in the cloud's unit: float64.
     diameter
         Of the disc seen face on, in pixels: float32.
+    slope
+        n'x and n'y, as they are: shape (m, 2), float32.
     shape
         Quantised n'x and n'y on the image, ``64 * x + y``: uint16.
     shade
@@ -44,6 +49,7 @@ class Splats:
     line: npt.NDArray[np.float32]
     depth: npt.NDArray[np.float64]
     diameter: npt.NDArray[np.float32]
+    slope: npt.NDArray[np.float32]
     shape: npt.NDArray[np.uint16]
     shade: npt.NDArray[np.uint16]
     culled: dict[str, int]
@@ -78,7 +84,7 @@ def project(cloud: Cloud, view: View, radii: npt.NDArray[np.floating[Any]]) -> S
     """
     count = len(cloud)
     status = np.empty(count, np.uint8)
-    image = np.empty((count, 3), np.float32)  # column, line, diameter
+    image = np.empty((count, 5), np.float32)  # column, line, diameter, slopes
     depth = np.empty(count, np.float64)
     levels = np.empty((count, 2), np.uint16)  # shape, shade
     _project(
@@ -105,6 +111,7 @@ def project(cloud: Cloud, view: View, radii: npt.NDArray[np.floating[Any]]) -> S
         line=image[point, 1],
         depth=depth[point],
         diameter=image[point, 2],
+        slope=image[point, 3:],
         shape=levels[point, 0],
         shade=levels[point, 1],
         culled={name: int(tally[reason]) for reason, name in REASONS.items()},
@@ -158,6 +165,8 @@ def _project(
             continue
         status[i] = KEPT
         image[i, 0], image[i, 1], image[i, 2] = column, line, 2.0 * radius
+        facing = min(facing, -STEEPEST)
+        image[i, 3], image[i, 4] = nx / facing, ny / facing
         depth[i] = z
         levels[i, 0] = LEVELS * quantise(nx, facing) + quantise(ny, facing)
         # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0:

@@ -1,47 +1,58 @@
 """Encoded splats, drawn by the golden renderer, against the ellipse evaluated pixel by pixel."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from splatline.host.encode import depth_codes, encode
+from splatline.host.encode import depth_shares, encode
+from splatline.host.exact import quantised_depth
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import sort_by_line
 from splatline.host.project import Splats
 from splatline.host.shapes import level_slopes
+from splatline.host.view import View
 from splatline.rtl.format import PAPER
 from splatline.sim import golden
 
 TABLES = Tables(np.zeros(3, np.int64), np.zeros((128, 3), np.int64), np.zeros((128, 3), np.int64))
 
 
-def splats_of(column, line, diameter, shape):
+def splats_of(column, line, diameter, shape, slope=(0.0, 0.0)):
     def as_kind(values, kind):
         return np.atleast_1d(np.asarray(values, kind))
 
     count = len(as_kind(column, float))
     return Splats(
-        np.arange(count),
-        as_kind(column, np.float32),
-        as_kind(line, np.float32),
-        np.ones(count),
-        as_kind(diameter, np.float32),
-        as_kind(shape, np.uint16),
-        np.zeros(count, np.uint16),
-        {},
+        point=np.arange(count),
+        column=as_kind(column, np.float32),
+        line=as_kind(line, np.float32),
+        depth=np.ones(count),
+        diameter=as_kind(diameter, np.float32),
+        slope=np.broadcast_to(np.asarray(slope, np.float32), (count, 2)),
+        shape=as_kind(shape, np.uint16),
+        shade=np.zeros(count, np.uint16),
+        culled={},
     )
 
 
-def encoded(splats, width, height, z=5):
+def encoded(splats, width, height, quality="paper", depth=0.5, gradient=(0.0, 0.0), focal=1e6):
+    """Words for splats of one depth; so long a focal length that none is seen aslant."""
     count = len(splats)
-    zeros = np.zeros(count, np.uint16)
-    codes = np.full(count, z, np.uint16)
-    return encode(splats, codes, zeros, zeros, zeros.astype(np.uint8), width, height, PAPER)
+    look = np.zeros(count, np.uint16), np.zeros(count, np.uint16), np.zeros(count, np.uint8)
+    depths, gradients = np.full(count, depth), np.broadcast_to(np.array(gradient), (count, 2))
+    view = View(np.zeros(3), np.eye(3), focal, width, height, 0.1)
+    return encode(splats, depths, gradients, look, view, PAPER, quality)
 
 
-def drawn(splats, width, height):
-    words = encoded(splats, width, height)
+def picture(splats, width, height, **options):
+    words = encoded(splats, width, height, **options)
     stream, _ = sort_by_line(words.words, words.lines, PAPER)
-    return golden.render(Frame(stream, TABLES, width, height)).drawn
+    return golden.render(Frame(stream, TABLES, width, height))
+
+
+def drawn(splats, width, height, **options):
+    return picture(splats, width, height, **options).drawn
 
 
 def ellipse_pixels(column, line, diameter, shape, width, height):
@@ -113,11 +124,93 @@ def test_no_splat_in_view_is_empty_however_thin_and_large(shape):
         assert drawn(splats, 64, 64).any()
 
 
-def test_depths_fill_their_range_and_leave_the_background_free():
-    codes, limits = depth_codes(np.array([3.0, 1.0, 2.0]), PAPER)
-    assert codes.tolist() == [510, 0, 255]
+def true_ellipse(column, line, diameter, slope, width, height):
+    """Pixels whose centres lie in the ellipse about the true centre, and those on its border."""
+    y, x = np.mgrid[:height, :width] + 0.5
+    dx, dy = x - column, y - line
+    across = slope[0] * dx + slope[1] * dy
+    distance = dx * dx + dy * dy + across * across - (diameter / 2) ** 2
+    return distance <= 0, np.abs(distance) < 1e-3 * max(diameter, 1.0) ** 2
+
+
+@pytest.mark.parametrize("largest", [4, 12, 70])
+def test_an_exact_splat_covers_its_true_ellipse(largest):
+    rng = np.random.default_rng(largest)
+    width, height = 61, 47
+    for _ in range(300):
+        diameter = np.float32(rng.uniform(0.5, largest))
+        column = np.float32(rng.uniform(-10, width + 10))
+        line = np.float32(rng.uniform(-10, height + 10))
+        slope = np.float32(rng.normal(size=2) * rng.choice([0.3, 3.0]))
+        splats = splats_of(column, line, diameter, 0, slope)
+        found = drawn(splats, width, height, quality="exact")
+        expected, near = true_ellipse(column, line, diameter, slope, width, height)
+        if expected.any():
+            assert ((found == expected) | near).all(), (column, line, diameter, slope)
+        else:
+            assert found.sum() <= 1 or near.any()
+
+
+def test_a_thin_exact_splat_is_the_pixel_it_lies_in():
+    found = drawn(splats_of(20.9, 10.2, 0.3, 0, (50.0, 3.0)), 61, 47, quality="exact")
+    assert np.argwhere(found).tolist() == [[10, 20]]
+
+
+def test_exact_takes_no_more_words_than_its_lines_and_columns_need():
+    rng = np.random.default_rng(8)
+    for _ in range(200):
+        diameter, column, line = rng.uniform(1, 4), *rng.uniform(8, 500, 2)
+        splats = splats_of(column, line, diameter, 0)
+        words = encoded(splats, 512, 512, quality="exact").words
+        lines = np.flatnonzero(drawn(splats, 512, 512, quality="exact").any(axis=1))
+        assert len(words) == -(-len(lines) // 4)
+
+
+def test_fast_is_one_word_for_all_that_fits_a_block():
+    rng = np.random.default_rng(9)
+    count = 3000
+    slope = rng.normal(size=(count, 2))
+    shape = rng.integers(0, 4096, count)
+    splats = splats_of(*rng.uniform(10, 500, (2, count)), rng.uniform(0.1, 8, count), shape, slope)
+    words = encoded(splats, 512, 512, quality="fast")
+    assert len(words.words) == count == words.elements
+    fields = golden.decode(words.words, PAPER)
+    small = splats.diameter < 3
+    assert (fields["mode"][small] == 1).all()  # at most four lines: at their true place
+    assert (fields["mode"] == 0).any()
+
+
+def test_each_fraction_has_the_depth_of_the_plane_at_its_own_place():
+    column, line, gradient = 30.0, 24.0, (0.004, -0.007)
+    splats = splats_of(column, line, 40.0, 0)
+    found = picture(splats, 61, 47, quality="exact", depth=0.5, gradient=gradient)
+    y, x = np.mgrid[:47, :61] + 0.5
+    plane = (0.5 + gradient[0] * (x - column) + gradient[1] * (y - line)) * 510
+    off = np.abs(found.depth - plane)[found.drawn]
+    # Within a fraction of 8 x 4 pixels the plane leaves its middle by half of that at the most.
+    assert off.max() <= 510 * (4 * 0.004 + 2 * 0.007) + 1
+    one_depth = np.abs(255 - plane)[found.drawn]
+    assert off.mean() < 0.2 * one_depth.mean()
+
+
+def test_depths_beyond_the_range_are_held_to_it():
+    for depth, code in ((-0.5, 0), (1.5, 510)):
+        found = picture(splats_of(20.0, 20.0, 3.0, 0), 61, 47, quality="exact", depth=depth)
+        assert np.unique(found.depth[found.drawn]).tolist() == [code]
+
+
+def depths_of(values):
+    values = np.asarray(values, np.float64)
+    splats = splats_of(np.zeros(len(values)), 0, 1, 0, (1.0, -2.0))
+    return depth_shares(dataclasses.replace(splats, depth=values), focal=100.0)
+
+
+def test_depths_fill_their_range():
+    shares, gradient, limits = depths_of([3.0, 1.0, 2.0])
+    assert shares.tolist() == [1.0, 0.0, 0.5]
     assert limits == (1.0, 3.0)
-    assert depth_codes(np.full(4, 7.0), PAPER)[0].tolist() == [0] * 4
-    assert len(depth_codes(np.zeros(0), PAPER)[0]) == 0
-    tiny, _ = depth_codes(np.array([1e-300, 3e-300]), PAPER)
-    assert tiny.tolist() == [0, 510]
+    assert gradient[0] == pytest.approx([-0.015, 0.03])  # -n' z / focal / span
+    assert [quantised_depth(share, 510) for share in shares] == [510, 0, 255]
+    assert depths_of([7.0] * 4)[0].tolist() == [0.0] * 4
+    assert len(depths_of([])[0]) == 0
+    assert depths_of([1e-300, 3e-300])[0].tolist() == [0.0, 1.0]

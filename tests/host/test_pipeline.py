@@ -72,6 +72,16 @@ def test_bad_radii_are_refused(radii):
         make_frame(cloud, fit_view(cloud), radii=radii)
 
 
+def test_the_quality_is_chosen_by_name_and_recorded():
+    frames = {name: frame_of(sphere(), quality=name) for name in ("paper", "fast", "exact")}
+    for name, frame in frames.items():
+        assert frame.counts["quality"] == name
+        assert frame.counts["elements"] == frames["paper"].counts["elements"]
+    assert frame_of(sphere()).counts["quality"] == "exact"
+    with pytest.raises(InputError, match="there are: paper, fast, exact"):
+        frame_of(sphere(), quality="best")
+
+
 def test_nothing_in_view_is_one_clear_line():
     cloud = cloud_of([[0, 0, 0], [1, 1, 1]], [[0, 0, 1]] * 2)
     view = fit_view(cloud, size=(64, 64))
