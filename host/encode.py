@@ -179,14 +179,14 @@ def _encode_one(
     form = conic(
         (column - 0.5 * width) / focal,
         (line - 0.5 * height) / focal,
-        slopes[i, 0],
-        slopes[i, 1],
+        float(slopes[i, 0]),
+        float(slopes[i, 1]),
         radius,
     )
     symmetric = quality == 0
     if quality == 1:
-        top, bottom = extent(line, form[0], form[2], form[1])
-        left, right = extent(column, form[2], form[0], form[1])
+        top, bottom = extent(line, form[0], form[3])
+        left, right = extent(column, form[2], form[3])
         fraction = bottom - top < ROWS and right - left < BLOCK
         symmetric = not fraction and diameter <= BLOCK
     if symmetric:

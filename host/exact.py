@@ -21,13 +21,16 @@ __all__ = ["conic", "encode_exact", "extent", "quantised_depth"]
 @nb.njit
 def conic(
     a: float, b: float, slope_x: float, slope_y: float, radius: float
-) -> tuple[float, float, float]:
-    """Return A, B, C of a disc's image.
+) -> tuple[float, float, float, float]:
+    """Return A, B, C and the determinant A C - B^2 of a disc's image.
 
     The point of the disc at the image offset (s, t), in units of the centre's depth over the focal
     length, lies at d = (s + a d_z, t + b d_z, d_z) from the disc's centre, with
     d_z = -(n'x s + n'y t) and a, b the centre's x / z and y / z. |d| <= R is a quadratic form in s
     and t. (The paper leaves a and b out: they are small near the middle of the image.)
+
+    For a disc seen edge on A C and B^2 agree to many digits. The determinant is computed as the sum
+    of the squares of its minors instead, which loses none.
 
     Parameters
     ----------
@@ -41,27 +44,31 @@ def conic(
     x_x, x_y = 1.0 - a * slope_x, -a * slope_y
     y_x, y_y = -b * slope_x, 1.0 - b * slope_y
     scale = 1.0 / (radius * radius)
+    minor_xy = x_x * y_y - x_y * y_x
+    minor_xz = x_x * slope_y - x_y * slope_x
+    minor_yz = y_x * slope_y - y_y * slope_x
+    minors = minor_xy * minor_xy + minor_xz * minor_xz + minor_yz * minor_yz
     return (
         (x_x * x_x + y_x * y_x + slope_x * slope_x) * scale,
         (x_x * x_y + y_x * y_y + slope_x * slope_y) * scale,
         (x_y * x_y + y_y * y_y + slope_y * slope_y) * scale,
+        minors * scale * scale,
     )
 
 
 @nb.njit
-def extent(centre: float, across: float, along: float, mixed: float) -> tuple[int, int]:
+def extent(centre: float, across: float, determinant: float) -> tuple[int, int]:
     """Return the first and last line (or column) whose pixels' centres an ellipse may cover.
 
     Parameters
     ----------
     centre
         Of the ellipse, in pixels.
-    across, along, mixed
-        The conic's coefficient of the other coordinate squared, of this one squared, and B.
+    across
+        The conic's coefficient of the other coordinate squared.
+    determinant
+        Of the conic, A C - B^2.
     """
-    # The conic's determinant is positive for every disc that is not seen edge on; rounding may
-    # leave none of it, and then the ellipse is a line as long as the disc is wide.
-    determinant = max(across * along - mixed * mixed, 1e-12 * across * along)
     reach = min(math.sqrt(across / determinant), LARGEST)
     return math.ceil(centre - reach - 0.5), math.floor(centre + reach - 0.5)
 
@@ -94,7 +101,7 @@ def encode_exact(
     column, line
         Centre on the image.
     form
-        A, B, C of its conic.
+        A, B, C and determinant of its conic.
     depth
         Of the centre, as a share of the frame's depth range.
     gradient
@@ -105,20 +112,20 @@ def encode_exact(
         Where Z lies, and its largest value that draws.
     """
     _, _, width, height, _, _ = to
-    a, b, c = form
-    top, bottom = extent(line, a, c, b)
+    a, b, _, determinant = form
+    top, bottom = extent(line, a, determinant)
     top, bottom = max(top, 0), min(bottom, height - 1)
     before = at
     for begin_line in range(top, bottom + 1, ROWS):
         left, right = width, -1
         for row in range(ROWS):
-            first, last = _covered(begin_line + row, column, line, a, b, c)
+            first, last = _covered(begin_line + row, column, line, a, b, determinant)
             if first <= last and begin_line + row <= bottom:
                 left, right = min(left, first), max(right, last)
         for begin in range(max(left, 0), min(right, width - 1) + 1, BLOCK):
             scans = 0
             for row in range(ROWS):
-                first, last = _covered(begin_line + row, column, line, a, b, c)
+                first, last = _covered(begin_line + row, column, line, a, b, determinant)
                 first, last = max(first - begin, 0), min(last - begin, BLOCK - 1)
                 filled = first <= last and begin_line + row <= bottom
                 scans |= ((first | last << 3) if filled else 1) << 6 * row
@@ -136,11 +143,11 @@ def encode_exact(
 
 @nb.njit
 def _covered(
-    line: int, column: float, centre_line: float, a: float, b: float, c: float
+    line: int, column: float, centre_line: float, a: float, b: float, determinant: float
 ) -> tuple[int, int]:
     """Return the first and last pixel of a line whose centres the ellipse covers."""
     dv = line + 0.5 - centre_line
-    discriminant = b * b * dv * dv - a * (c * dv * dv - 1.0)
+    discriminant = a - determinant * dv * dv  # B^2 dv^2 - A (C dv^2 - 1)
     if discriminant < 0.0:
         return 0, -1
     root = math.sqrt(discriminant)

@@ -151,6 +151,22 @@ def test_an_exact_splat_covers_its_true_ellipse(largest):
             assert found.sum() <= 1 or near.any()
 
 
+@pytest.mark.parametrize("steepness", [10.0, 1e3, 1e5, 1e6])
+@pytest.mark.parametrize("focal", [400.0, 1e6])
+def test_a_splat_seen_edge_on_stays_within_its_own_radius(steepness, focal):
+    """Where rounding would make its ellipse an endless line."""
+    rng = np.random.default_rng(10)
+    y, x = np.mgrid[:200, :200] + 0.5
+    for _ in range(200):
+        slope = steepness * rng.normal(size=2)
+        diameter, column, line = rng.uniform(2, 20), *rng.uniform(30, 170, 2)
+        splats = splats_of(column, line, diameter, 0, slope)
+        found = drawn(splats, 200, 200, quality="exact", focal=focal)
+        far = np.hypot(x - column, y - line)[found]
+        # Seen aslant a disc reaches up to 1 + |a| times its radius (see conic).
+        assert far.max() <= max(0.5 * diameter * 1.5, 1.0), (slope, diameter, column, line)
+
+
 def test_a_thin_exact_splat_is_the_pixel_it_lies_in():
     found = drawn(splats_of(20.9, 10.2, 0.3, 0, (50.0, 3.0)), 61, 47, quality="exact")
     assert np.argwhere(found).tolist() == [[10, 20]]
