@@ -40,7 +40,7 @@ class Engine(wiring.Component):
     initial : In(stream of RasterLayout)
         What the frame starts from, if the control register's load bit is set; else ignored.
     raster : Out(stream of RasterLayout)
-        The picture: every word that is not all background, sorted by line; then the end beat.
+        The picture: the words of each line that was written into, sorted; then the end beat.
     """
 
     LATENCY = 6

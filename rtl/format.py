@@ -107,7 +107,7 @@ class EngineConfig:
             "depth_bits": (1, 16),
             "channel_bits": (1, 8),
             "intensity_bits": (1, 9),
-            "material_bits": (1, 9),
+            "material_bits": (3, 9),  # the registers need as many addresses as six
             "coefficient_bits": (1, 12),
             "colour_shift": (1, self.coefficient_bits + self.intensity_bits),
         }
@@ -259,7 +259,7 @@ class EngineConfig:
 
     @property
     def raster_end(self) -> Field:
-        """1: the frame is over, and the beat's other fields are 0."""
+        """1: the frame is over, and the beat's other fields mean nothing."""
         return Field(self.raster_line.end, 1)
 
 

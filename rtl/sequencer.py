@@ -1,6 +1,6 @@
 """Line counting: turns code words into elements that know their line."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -51,7 +51,8 @@ class Sequencer(wiring.Component):
         control = Signal()
         end = Signal()
         top = Signal(ElementLayout(config)["top"].shape, init=-4)
-        advanced = Signal.like(top)
+        # Wide enough for any sum, whatever the widths of X and of the line.
+        advanced = Signal(signed(max(len(top), config.x_bits + 1) + 1))
         lowest = (1 << len(top) - 1) - 1
         m.d.comb += [
             rows_empty.eq(Cat(row.first > row.last for row in codeword.scans)),
@@ -79,6 +80,6 @@ class Sequencer(wiring.Component):
             for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
                 m.d.sync += element[name].eq(codeword[name])
             with m.If(control):
-                overflow = (top >= 0) & (advanced < 0)
+                overflow = ~advanced[-1] & advanced[len(top) - 1 : -1].any()
                 m.d.sync += top.eq(Mux(end, -4, Mux(overflow, lowest, advanced)))
         return m

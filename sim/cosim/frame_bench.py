@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +56,8 @@ async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
     await FallingEdge(dut.clk)
     dut.frame.value = index
     dut.seed.value = job["seed"]
+    dut.tables_first.value = job["tables_first"]
+    dut.frames.value = job["frames"]
     for stream in ("codeword", "table", "initial", "raster"):
         getattr(dut, f"{stream}_rate").value = job["rates"][stream]
     dut.start.value = 1
@@ -71,8 +72,6 @@ async def watch(dut: Any, job: dict[str, Any]) -> dict[str, Any]:
     while not int(dut.finished.value) and waited < job["most_cycles"]:
         await First(RisingEdge(dut.finished), ClockCycles(dut.clk, tick))
         waited += tick
-        taken = int(dut.taken.value)
-        print(f"progress {taken}", file=sys.__stderr__, flush=True)
     await ClockCycles(dut.clk, 20)
     return {
         "finished": bool(int(dut.finished.value)),

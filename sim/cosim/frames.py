@@ -45,6 +45,9 @@ class Job:
         Cycles after which the engine is reset and the frame started anew.
     write_tables
         False leaves the tables as the frame before set them.
+    followed_by
+        A frame whose table writes and code words are offered right behind, while this one is still
+        being drawn.
     """
 
     frame: Frame
@@ -53,6 +56,12 @@ class Job:
     seed: int = 1
     reset_after: int | None = None
     write_tables: bool = True
+    followed_by: Frame | None = None
+
+    @property
+    def frames(self) -> list[Frame]:
+        """The frames of the job, one or two."""
+        return [self.frame] if self.followed_by is None else [self.frame, self.followed_by]
 
 
 @dataclass(frozen=True)
@@ -69,12 +78,15 @@ class Outcome:
         From the first code word taken to the end beat, both included.
     seconds
         Time the simulator took to build and to run, which all jobs of a run share.
+    following
+        The picture of the frame that followed, if there was one.
     """
 
     raster: Raster
     beats: npt.NDArray[np.uint64]
     cycles: int
     seconds: dict[str, float]
+    following: Raster | None = None
 
 
 def simulate_frame(
@@ -158,8 +170,10 @@ def play(
         for index, job in enumerate(jobs):
             _check(index, reports[index] if index < len(reports) else None)
             beats = read_hex(folder / f"{index}.raster", config.raster_end.end)
-            raster = from_beats(beats, job.frame.width, job.frame.height, config)
-            outcomes.append(Outcome(raster, beats, reports[index]["cycles"], seconds))
+            rasters = _pictures(index, beats, job.frames)
+            outcomes.append(
+                Outcome(rasters[0], beats, reports[index]["cycles"], seconds, *rasters[1:])
+            )
     return outcomes
 
 
@@ -217,16 +231,46 @@ def read_hex(path: Path, bits: int) -> npt.NDArray[np.uint64]:
 
 def _write_job(folder: Path, index: int, job: Job) -> None:
     """Write the files that the player reads for a job."""
-    frame = job.frame
-    write_hex(folder / f"{index}.codewords", frame.codewords[:, np.newaxis], 64)
+    config = job.frame.config
+    codewords = np.concatenate([frame.codewords for frame in job.frames])
+    write_hex(folder / f"{index}.codewords", codewords[:, np.newaxis], 64)
     if job.write_tables:
-        writes = table_writes(
-            frame.tables, frame.width, frame.height, job.initial is not None, frame.config
-        )
-        write_hex(folder / f"{index}.tables", writes, frame.config.table_address.end)
+        write_hex(folder / f"{index}.tables", _table_writes(job), config.table_address.end)
     if job.initial is not None:
         beats = to_beats(job.initial)
-        write_hex(folder / f"{index}.initial", beats, frame.config.raster_end.end)
+        write_hex(folder / f"{index}.initial", beats, config.raster_end.end)
+
+
+def _table_writes(job: Job) -> npt.NDArray[np.uint64]:
+    """Return the table writes of all of a job's frames."""
+    return np.concatenate(
+        [
+            table_writes(
+                frame.tables,
+                frame.width,
+                frame.height,
+                job.initial is not None and frame is job.frame,
+                frame.config,
+            )
+            for frame in job.frames
+        ]
+    )
+
+
+def _pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]) -> list[Raster]:
+    """Return the pictures of a job's frames; raise if the beats are not theirs."""
+    limb, shift = divmod(frames[0].config.raster_end.lsb, 64)
+    ends = np.flatnonzero(beats[:, limb] >> np.uint64(shift) & np.uint64(1)) + 1
+    parts = np.split(beats, ends[:-1])
+    if len(parts) != len(frames):
+        raise SimulationError(f"job {index}: {len(parts)} end beats for {len(frames)} frames")
+    try:
+        return [
+            from_beats(part, frame.width, frame.height, frame.config)
+            for part, frame in zip(parts, frames, strict=True)
+        ]
+    except ValueError as error:
+        raise SimulationError(f"job {index}: {error}") from error
 
 
 def _describe(job: Job) -> dict[str, object]:
@@ -239,9 +283,14 @@ def _describe(job: Job) -> dict[str, object]:
     if not slowest > 0.0:
         raise ValueError("a rate of 0 would never end")
     # A code word takes four cycles at the most, a word of the image five with loading and flush.
-    pixels = job.frame.width * job.frame.height
-    work = 20_000 + 4 * len(job.frame.codewords) + 2 * pixels + 20 * job.frame.height
+    work = 20_000 + sum(
+        4 * len(frame.codewords) + 2 * frame.width * frame.height + 20 * frame.height
+        for frame in job.frames
+    )
+    writes = len(_table_writes(job)) // len(job.frames) if job.write_tables else 0
     description: dict[str, object] = {
+        "tables_first": writes,
+        "frames": len(job.frames),
         "seed": job.seed,
         "rates": {name: max(0, round(256 * rate) - 1) for name, rate in rates.items()},
         "most_cycles": int(4 * work / max(slowest, 1 / 256)),

@@ -17,8 +17,7 @@ module stream_source #(
     input run,
     output reg valid,
     output reg [WIDTH-1:0] payload,
-    input ready,
-    output exhausted
+    input ready
 );
     reg [8*512-1:0] folder;
     reg [8*600-1:0] path;
@@ -36,8 +35,6 @@ module stream_source #(
         random = 1;
         if (!$value$plusargs("folder=%s", folder)) folder = ".";
     end
-
-    assign exhausted = !more && !valid;
 
     always @(posedge clk) begin
         random <= {random[30:0], random[31] ^ random[21] ^ random[1] ^ random[0]};

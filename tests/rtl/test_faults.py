@@ -1,11 +1,14 @@
 """Planted faults: the benches must notice a broken circuit, or they prove nothing."""
 
+import inspect
 import re
+import textwrap
 
 import numpy as np
 import pytest
 import test_bank
 import test_decoder
+import test_engine
 import test_scatter
 import test_sequencer
 import test_window
@@ -94,6 +97,30 @@ def test_a_fault_in_the_engine_is_noticed(monkeypatch):
     frame = shapes(np.random.default_rng(1), 2000, 64, 48)
     outcome = frames.play([frames.Job(frame=frame)])[0]
     assert outcome.raster.mismatches(golden.render(frame)) > 0
+
+
+@pytest.mark.parametrize("signal", ["idle", "admit"])
+def test_an_engine_that_mixes_frames_is_noticed(monkeypatch, signal):
+    """Table writes taken in the middle of a frame, or a frame let in before its tables."""
+    from splatline.rtl import engine
+
+    source = inspect.getsource(engine.Engine.elaborate)
+    expression = {"idle": "tables.idle.eq(", "admit": "sequencer.admit.eq("}[signal]
+    assert source.count(expression) == 1
+    broken = textwrap.dedent(source).replace(expression, f"{expression}1 | ")
+    scope = dict(vars(engine))
+    exec(broken, scope)
+    monkeypatch.setattr(engine.Engine, "elaborate", scope["elaborate"])
+    jobs = test_engine.back_to_back(np.random.default_rng(10))[:2]
+    try:
+        outcomes = frames.play(jobs)
+    except SimulationError:
+        return
+    wrong = 0
+    for job, outcome in zip(jobs, outcomes, strict=True):
+        wrong += outcome.raster.mismatches(golden.render(job.frame, job.initial))
+        wrong += outcome.following.mismatches(golden.render(job.followed_by))
+    assert wrong > 0
 
 
 def test_a_port_that_breaks_the_stream_rules_is_noticed():

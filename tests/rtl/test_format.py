@@ -51,6 +51,7 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         ({"depth_bits": 9.0}, "depth_bits must be an integer in 1..16, not 9.0"),
         ({"channel_bits": 9}, "channel_bits must be an integer in 1..8, not 9"),
         ({"colour_shift": 14}, "colour_shift must be an integer in 1..13, not 14"),
+        ({"material_bits": 2}, "material_bits must be an integer in 3..9, not 2"),
         ({"window_lines": 12}, "window_lines must be 16, not 12"),
         ({"pixels_per_word": 3}, "pixels_per_word must be 4, not 3"),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
