@@ -57,14 +57,14 @@ def engine_options(command: _Command) -> _Command:
     for option in (
         click.option(
             "--seed",
-            type=click.IntRange(min=0),
+            type=click.IntRange(0, 2**32 - 1),
             metavar="N",
             default=1,
             help="With rtl: seed of the stalls.",
         ),
         click.option(
             "--stall",
-            type=click.FloatRange(0.0, 1.0, max_open=True),
+            type=click.FloatRange(0.0, 0.99),
             metavar="SHARE",
             default=0.0,
             help="With rtl: share of the cycles in which each port waits, at random.",

@@ -8,7 +8,6 @@ from typing import Any
 
 import click
 
-from ..host.errors import InputError
 from .engines import background_option, draw, engine_options, fail_mismatch
 from .outputs import check_files, require_suffix, write_json
 from .progress import Stages
@@ -16,11 +15,6 @@ from .statistics import drawing_statistics
 from .subject import Subject, prepare, subject_options
 
 __all__ = ["encode", "info", "play"]
-
-
-def _sidecar(frame: Path) -> Path:
-    """Return the place of a frame's JSON, as ``host.store`` has it."""
-    return Path(f"{frame}.json")
 
 
 @click.command()
@@ -44,7 +38,9 @@ def encode(subject: Subject, output: Path) -> None:
       splatline encode scan.ply -o scan.frame
       splatline encode --scene knot --orbit 80,10 -o knot.frame
     """  # noqa: D301  (click reads the backspace as "do not wrap")
-    check_files((output, _sidecar(output)), inputs=[subject.path])
+    from ..host.store import sidecar_path
+
+    check_files((output, sidecar_path(output)), inputs=[subject.path])
     stages = Stages()
     shot = prepare(subject, stages)
 
@@ -66,7 +62,7 @@ def encode(subject: Subject, output: Path) -> None:
             *((f"{stage}, s", f"{value:.3f}") for stage, value in stages.seconds.items()),
             None,
             ("written", str(output)),
-            ("written", str(_sidecar(output))),
+            ("written", str(sidecar_path(output))),
         ],
         title=subject.name,
     )
@@ -111,7 +107,9 @@ def play(
         output = Path(f"{frame.stem}.png")
     require_suffix(output, ".png")
     require_suffix(depth, ".png")
-    check_files((output, depth, stats), inputs=[frame, _sidecar(frame)])
+    from ..host.store import sidecar_path
+
+    check_files((output, depth, stats), inputs=[frame, sidecar_path(frame)])
     stages = Stages()
     with stages.stage("read", f"Reading {frame}"):
         from ..host.store import load_frame
@@ -152,7 +150,10 @@ def info(path: Path, as_json: bool) -> None:
       splatline info scan.ply
       splatline info scan.frame --json
     """  # noqa: D301
-    facts = _frame_facts(path) if _sidecar(path).is_file() else _cloud_facts(path)
+    from ..host.readers import FORMATS
+
+    is_cloud = path.suffix.lower() in FORMATS or not path.is_file()
+    facts = _cloud_facts(path) if is_cloud else _frame_facts(path)
     if as_json:
         click.echo(json.dumps(facts, indent=2, allow_nan=False))
         return
@@ -181,8 +182,6 @@ def _cloud_facts(path: Path) -> dict[str, Any]:
     from ..host.spacing import splat_radii
 
     cloud = read_cloud(path)
-    if not len(cloud):
-        raise InputError(f"{path}: has no points")
     radii = splat_radii(cloud)
     low = cloud.positions.min(axis=0)
     high = cloud.positions.max(axis=0)

@@ -77,8 +77,9 @@ def render(
         output = Path(f"{subject.name}.png")
     require_suffix(output, ".png")
     require_suffix(depth, ".png")
-    check_files((output, depth, stats), inputs=[subject.path])
     check_folder(out_dir)
+    numbers_of_set = out_dir / "stats.json" if out_dir is not None and out_dir.is_dir() else None
+    check_files((output, depth, stats, numbers_of_set), inputs=[subject.path])
 
     stages = Stages()
     shot = prepare(subject, stages)

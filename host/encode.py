@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.format import BLOCK, ROWS, EngineConfig
+from .emit import LARGEST
 from .exact import conic, encode_exact, extent, quantised_depth
 from .project import Splats
 from .quality import DEFAULT_QUALITY, QUALITIES
@@ -174,8 +175,8 @@ def _encode_one(
     diameter, common = float(diameters[i]), commons[i]
     to = (words, lines, width, height, x_lsb, write)
 
-    # A splat far smaller than a pixel is a pixel; the floor keeps its conic finite.
-    radius = max(0.5 * diameter, 1e-3)
+    # Far smaller than a pixel or larger than any image makes no difference; the conic stays finite.
+    radius = min(max(0.5 * diameter, 1e-3), LARGEST)
     form = conic(
         (column - 0.5 * width) / focal,
         (line - 0.5 * height) / focal,

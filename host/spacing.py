@@ -20,8 +20,9 @@ MOST_UNEVEN = 2.0
 """A point's spacing is at most this many times the median of its neighbours'."""
 
 COVER = 1.0
-"""Radius of a disc for a spacing of 1; a square grid is closed from 0.71 on, and whole-pixel
-places and sizes need the rest: below 1.0 holes multiply, above it small relief blurs."""
+"""Radius of a disc for a spacing of 1; a square grid is closed from 0.71 on. Measured with the
+symmetric shapes, whose whole-pixel places and sizes need the rest: below 1.0 holes multiply, above
+it small relief blurs."""
 
 CHUNK = 1 << 17
 """Points at a time, so that the neighbours of a large cloud fit the memory."""

@@ -50,7 +50,7 @@ def save_frame(
 
     Raises
     ------
-    OSError
+    InputError
         If a file cannot be written. None is ever left half-written.
     """
     sidecar = {
@@ -162,6 +162,8 @@ def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Fra
         if table.shape != shape or table.min() < 0 or table.max() >> width_bits:
             raise ValueError(f"the table {name}")
     counts = sidecar.get("counts") or {}
+    if not isinstance(counts, dict) or not isinstance(counts.get("seconds", {}), dict):
+        raise ValueError("the counts")
     return Frame(codewords, Tables(**tables), width, height, config, counts)
 
 

@@ -109,11 +109,12 @@ def test_nothing_becomes_a_control_word_by_accident():
     assert (fields["x"] < 64).all()
 
 
-@pytest.mark.parametrize("diameter", [5e3, 1e7, 1e12, 1e30])
-def test_the_largest_splats_fill_the_image_in_no_more_words_than_it_has_blocks(diameter):
+@pytest.mark.parametrize("quality", ["paper", "fast", "exact"])
+@pytest.mark.parametrize("diameter", [5e3, 1e7, 1e12, 1e30, 1e38, np.inf])
+def test_the_largest_splats_fill_the_image_in_no_more_words_than_it_has_blocks(diameter, quality):
     splats = splats_of(30, 30, diameter, 32 * 64 + 32)
-    assert drawn(splats, 64, 64).all()
-    assert len(encoded(splats, 64, 64).words) <= 17 * 9
+    assert drawn(splats, 64, 64, quality=quality).all()
+    assert len(encoded(splats, 64, 64, quality).words) <= 17 * 9
 
 
 @pytest.mark.parametrize("shape", [0, 63, 63 * 64, 4095, 32, 32 * 64])

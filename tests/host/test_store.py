@@ -64,6 +64,7 @@ def edit(path, **changes):
         (lambda path: edit(path, height="tall"), "a height of 'tall'"),
         (lambda path: edit(path, config={"depth_bits": 99}), "depth_bits"),
         (lambda path: edit(path, tables={}), "damaged"),
+        (lambda path: edit(path, counts=[1]), "the counts"),
         (
             lambda path: edit(
                 path,
