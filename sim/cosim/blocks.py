@@ -27,7 +27,7 @@ def run_bench(
     Parameters
     ----------
     component
-        What to test; its top module is called ``top``.
+        What to test; its top module is called ``dut``.
     bench
         Python file with cocotb tests.
     simulator_name
@@ -44,13 +44,13 @@ def run_bench(
     """
     from ...rtl.verilog import convert
 
-    text = convert(component, "top")
+    text = convert(component, "dut")
     if edit is not None:
         changed = edit(text)
         if changed == text:
             raise ValueError("the edit found nothing to change")
         text = changed
-    built = simulator.build({"top.v": text}, "top", simulator=simulator_name)
+    built = simulator.build({"dut.v": text}, "dut", simulator=simulator_name)
     simulator.run(built, Path(bench).stem, test=test, module_folder=Path(bench).parent)
 
 

@@ -47,31 +47,31 @@ def fault(module, signal, value):
 
 BLOCK_FAULTS = [
     pytest.param(
-        Bank, test_bank, "random_requests", fault("top", "passes_2", "1'h1"), id="no depth test"
+        Bank, test_bank, "random_requests", fault("dut", "passes_2", "1'h1"), id="no depth test"
     ),
     pytest.param(
-        Bank, test_bank, "random_requests", fault("top", "conflict", "1'h0"), id="no conflict"
+        Bank, test_bank, "random_requests", fault("dut", "conflict", "1'h0"), id="no conflict"
     ),
     pytest.param(
         Sequencer,
         test_sequencer,
         "random_words",
-        fault("top", "control", "1'h0"),
+        fault("dut", "control", "1'h0"),
         id="no control words",
     ),
     pytest.param(
-        Decoder, test_decoder, "all_columns", fault("top", "words_left", "8'h7f"), id="right border"
+        Decoder, test_decoder, "all_columns", fault("dut", "words_left", "8'h7f"), id="right border"
     ),
-    pytest.param(Scatter, test_scatter, "free_banks", fault("top", "end_3", "2'h3"), id="mask"),
+    pytest.param(Scatter, test_scatter, "free_banks", fault("dut", "end_3", "2'h3"), id="mask"),
     pytest.param(
         Window,
         test_window,
         "with_stalls",
-        fault("top.loader", "window_loaded", "1'h1"),
+        fault("dut.loader", "window_loaded", "1'h1"),
         id="load late",
     ),
     pytest.param(
-        Window, test_window, "with_stalls", fault("top.ring", "clean", "1'h1"), id="line dropped"
+        Window, test_window, "with_stalls", fault("dut.ring", "clean", "1'h1"), id="line dropped"
     ),
 ]
 

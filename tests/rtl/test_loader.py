@@ -1,0 +1,102 @@
+"""The loader: which words of an initial raster reach the window, and what it says of the rest."""
+
+import random
+
+import cocotb
+
+from splatline.rtl.format import PAPER
+from splatline.rtl.layouts import RasterLayout
+from splatline.rtl.loader import Loader
+from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.streams import StreamBench
+
+RASTER = RasterLayout(PAPER)
+END = 1 << PAPER.raster_end.lsb
+LAST_LINE, LAST_WORD = 99, 9
+
+
+def beat(line, word):
+    pixels = {"depth": [line % 511] * 4, "colour": [word] * 4}
+    return pack(RASTER, pixels=pixels, line=line, word=word)
+
+
+def setup(dut, enable=1, active=1):
+    dut.enable.value, dut.active.value = enable, active
+    dut.last_line.value, dut.last_word.value = LAST_LINE, LAST_WORD
+    dut.oldest.value, dut.restart.value = 0, 0
+
+
+@cocotb.test()
+async def words_enter_with_their_lines(dut):
+    """The window slides past random beats: each within it goes in, nonsense goes nowhere."""
+    for seed, rates in enumerate([(1.0, 1.0), (0.5, 0.6), (1.0, 0.2)]):
+        rng = random.Random(seed)
+        places = [(rng.randrange(120), rng.randrange(14)) for _ in range(400)]
+        places.sort(key=lambda place: place[0])
+        bench = StreamBench(dut, seed)
+        source = bench.source("i", [*(beat(*place) for place in places), END], rates[0])
+        sink = bench.sink("o", rates[1])
+        setup(dut)
+        await bench.reset()
+        oldest = 0
+        for _ in range(6000):
+            seen = {}
+
+            def observe(seen=seen):
+                seen["finished"] = int(dut.finished.value)
+                seen["oldest_loaded"] = int(dut.oldest_loaded.value)
+
+            await bench.step(lambda oldest=oldest: setattr(dut.oldest, "value", oldest), observe)
+            if seen["finished"]:
+                break
+            # As the ring does: a line leaves only when nothing more can come for it.
+            if seen["oldest_loaded"] and rng.random() < 0.5:
+                oldest += 1
+        assert source.sent == len(source.payloads)
+        inside = [p for p in places if p[0] <= LAST_LINE and p[1] <= LAST_WORD]
+        assert sink.received == [beat(*place) for place in inside]
+
+
+@cocotb.test()
+async def a_word_waits_for_its_line_and_says_so(dut):
+    """Beyond the window a beat stays, and the window counts as loaded; before it, it is dropped."""
+    bench = StreamBench(dut, 5)
+    source = bench.source("i", [beat(20, 0), beat(3, 0), END])
+    sink = bench.sink("o")
+    setup(dut)
+    await bench.reset()
+    seen = {}
+
+    def observe():
+        seen.update(window=int(dut.window_loaded.value), finished=int(dut.finished.value))
+
+    for _ in range(4):
+        await bench.step(observe=observe)
+    assert (source.sent, seen) == (0, {"window": 1, "finished": 0})
+    await bench.step(lambda: setattr(dut.oldest, "value", 5))
+    for _ in range(4):
+        await bench.step(observe=observe)
+    assert (source.sent, seen["finished"]) == (3, 1)
+    assert sink.received == [beat(20, 0)], "line 3 had left"
+    await bench.step(lambda: setattr(dut.restart, "value", 1))
+    await bench.step(lambda: setattr(dut.restart, "value", 0), observe)
+    assert seen["finished"] == 0
+
+
+@cocotb.test()
+async def nothing_is_read_outside_a_frame_or_unasked(dut):
+    """Without a frame, or without the control bit, the stream is left alone."""
+    for enable, active in ((0, 1), (1, 0), (0, 0)):
+        bench = StreamBench(dut, 6)
+        source = bench.source("i", [beat(0, 0), END])
+        sink = bench.sink("o")
+        setup(dut, enable, active)
+        await bench.reset()
+        for _ in range(5):
+            await bench.step()
+        assert (source.sent, sink.received) == (0, [])
+        assert int(dut.finished.value) == (not enable)
+
+
+def test_loader_offers_words_as_their_lines_enter(simulator_name):
+    run_bench(Loader(PAPER), __file__, simulator_name=simulator_name)
