@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-__all__ = ["BLOCK", "PAPER", "PRESETS", "ROWS", "EngineConfig", "Field", "Register", "get_preset"]
+__all__ = ["BAYER", "BLOCK", "PAPER", "PRESETS", "ROWS", "EngineConfig", "Field", "Register", "get_preset"]
 
 BLOCK = 8
 """Rows and columns of the block of pixels that one code word can cover."""
@@ -80,6 +80,12 @@ class EngineConfig:
         Lines of the sliding window. Eight are drawn into; the others wait to be flushed.
     pixels_per_word
         Pixels in one word of the window's memory.
+    colour_planes
+        Memory words that hold the colours of one word of pixels, 1..3. Further planes lie in the
+        halves that the bank's block RAMs leave empty (the second beside the first, the third beside
+        the depth), and cost a bank a cycle where a pixel passes the depth test.
+    dither
+        Ordered dithering: a threshold for each pixel is added to the colour sum.
 
     Raises
     ------
@@ -98,6 +104,8 @@ class EngineConfig:
     colour_shift: int = 10
     window_lines: int = 16
     pixels_per_word: int = 4
+    colour_planes: int = 1
+    dither: bool = False
 
     def __post_init__(self) -> None:
         """Check every parameter, so that no component need check it again."""
@@ -109,7 +117,12 @@ class EngineConfig:
             "intensity_bits": (1, 9),
             "material_bits": (3, 9),  # the registers need as many addresses as six
             "coefficient_bits": (1, 12),
-            "colour_shift": (1, self.coefficient_bits + self.intensity_bits),
+            # Dithering adds four bits right below the point.
+            "colour_shift": (
+                4 if self.dither else 1,
+                self.coefficient_bits + self.intensity_bits,
+            ),
+            "colour_planes": (1, 3),
         }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
@@ -266,8 +279,27 @@ class EngineConfig:
 PAPER = EngineConfig(name="paper")
 """The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
 
-PRESETS = {config.name: config for config in (PAPER,)}
-"""Named configurations."""
+PRESETS = {
+    config.name: config
+    for config in (
+        PAPER,
+        PAPER.replace(name="dither", dither=True),
+        PAPER.replace(
+            name="rgb18", channel_bits=6, coefficient_bits=8, colour_shift=9, colour_planes=2
+        ),
+        PAPER.replace(
+            name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8, colour_planes=3
+        ),
+        PAPER.replace(
+            name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9
+        ),
+    )
+}
+"""Named configurations: ``paper``; with ordered dithering; with 6 and 8 bits a colour channel; with
+12 bits of depth, which the intensities and the materials give up."""
+
+BAYER = ((0, 8, 2, 10), (12, 4, 14, 6), (3, 11, 1, 9), (15, 7, 13, 5))
+"""Thresholds of ordered dithering in sixteenths, by line and column modulo 4 (Bayer, 1973)."""
 
 
 def get_preset(name: str) -> EngineConfig:
