@@ -10,7 +10,17 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-__all__ = ["BAYER", "BLOCK", "PAPER", "PRESETS", "ROWS", "EngineConfig", "Field", "Register", "get_preset"]
+__all__ = [
+    "BAYER",
+    "BLOCK",
+    "PAPER",
+    "PRESETS",
+    "ROWS",
+    "EngineConfig",
+    "Field",
+    "Register",
+    "get_preset",
+]
 
 BLOCK = 8
 """Rows and columns of the block of pixels that one code word can cover."""
