@@ -1,19 +1,30 @@
-"""What a view does not show of a cloud, point by point."""
+"""What a view does not show of a cloud: whole blocks first, then point by point.
+
+A block's test is the point's, made for the worst point that the block's bounds allow: it leaves out
+a block only where each of its points would be.
+"""
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numba as nb
 
-__all__ = ["FACING_AWAY", "KEPT", "OUTSIDE", "REASONS", "faces_away", "lies_outside"]
+from .skips import REASONS
 
-KEPT, OUTSIDE, FACING_AWAY = 0, 1, 2
-
-REASONS = {OUTSIDE: "outside", FACING_AWAY: "facing_away"}
-"""Names of the reasons, as the statistics give them."""
+__all__ = ["cull_blocks", "faces_away", "lies_outside", "misses_pixels"]
 
 MARGIN = 1.5
 """Pixels by which a drawn footprint may reach beyond its true circle: a centre rounded to a whole
 pixel and a diameter rounded up."""
+
+ROUNDING = 1e-3
+"""Pixels by which a place may be off, as float32 holds it, where that matters."""
+
+OUTSIDE = REASONS["outside"]
+FACING_AWAY = REASONS["facing_away"]
+NO_PIXEL = REASONS["no_pixel"]
 
 
 @nb.njit(inline="always")
@@ -27,3 +38,96 @@ def lies_outside(column: float, line: float, radius: float, width: int, height: 
 def faces_away(facing: float) -> bool:
     """Return whether a surface shows its back; ``facing`` is n . (p - eye), up to a factor."""
     return facing >= 0.0
+
+
+@nb.njit(inline="always")
+def misses_pixels(centre: float, reach: float) -> bool:
+    """Return whether no pixel's centre lies within ``reach`` of a column (or line)."""
+    return math.ceil(centre - reach - ROUNDING - 0.5) > math.floor(centre + reach + ROUNDING - 0.5)
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
+    """Set for each block the reason to leave all of it out, or 0.
+
+    Parameters
+    ----------
+    bounds
+        Of the blocks, see ``host.index.BOUND``.
+    camera
+        Eye, axes, focal length, width, height and near distance of the view.
+    rules
+        Whether each reason counts, by its number.
+    status
+        Set: shape (blocks,), uint8.
+    """
+    eye, axes, focal, width, height, near = camera
+    for block in nb.prange(len(bounds)):
+        bound = bounds[block]
+        dx = bound.centre[0] - eye[0]
+        dy = bound.centre[1] - eye[1]
+        dz = bound.centre[2] - eye[2]
+        x = axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz
+        y = axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz
+        z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
+        reach, disc = bound.reach, focal * bound.largest
+        status[block] = 0
+        if z + reach < near or (
+            rules[OUTSIDE]
+            and (
+                _beyond(x, z, focal, width, reach, disc)
+                or _beyond(y, z, focal, height, reach, disc)
+            )
+        ):
+            status[block] = OUTSIDE
+        elif rules[FACING_AWAY] and _all_face_away(dx, dy, dz, bound):
+            status[block] = FACING_AWAY
+        elif rules[NO_PIXEL] and z - reach >= near:
+            least = z - reach
+            if _between_centres(x / z, least, 0.5 * width, focal, reach, disc) or _between_centres(
+                y / z, least, 0.5 * height, focal, reach, disc
+            ):
+                status[block] = NO_PIXEL
+
+
+@nb.njit
+def _beyond(across: float, z: float, focal: float, size: int, reach: float, disc: float) -> bool:
+    """Return whether a sphere lies beyond one of the two borders of an axis, discs and all.
+
+    A point with x / z = a lands at column size / 2 + focal a and reaches disc / z further, so it
+    lies beyond the right border where focal x - (size / 2 + MARGIN) z > disc: a plane in space.
+    """
+    half = 0.5 * size + MARGIN
+    needed = disc + reach * math.sqrt(focal * focal + half * half)
+    return focal * abs(across) - half * z > needed
+
+
+@nb.njit
+def _all_face_away(dx: float, dy: float, dz: float, bound: Any) -> bool:
+    """Return whether every normal in the cone shows its back to the eye, from the whole sphere.
+
+    From a point of the sphere the direction to the centre differs by at most the sphere's angular
+    radius, and the normal by at most the cone's angle from its axis: together less than what the
+    axis leans away.
+    """
+    distance = math.hypot(math.hypot(dx, dy), dz)
+    if not (bound.sine <= 1.0 and bound.reach < distance):
+        return False
+    lean = (bound.axis[0] * dx + bound.axis[1] * dy + bound.axis[2] * dz) / distance
+    apart = math.asin(bound.sine) + math.asin(bound.reach / distance)
+    return apart < 0.5 * math.pi and lean > math.sin(apart) + 1e-6
+
+
+@nb.njit
+def _between_centres(
+    slope: float, least: float, middle: float, focal: float, reach: float, disc: float
+) -> bool:
+    """Return whether a sphere with all its discs lies between two columns (or lines) of centres.
+
+    A point of the sphere has x / z within reach sqrt(1 + a^2) / z of the centre's a, and its disc
+    reaches sqrt(1 + a'^2) times its radius (see ``host.exact.conic``) from its own a'.
+    """
+    spread = reach * math.sqrt(1.0 + slope * slope) / least
+    furthest = abs(slope) + spread
+    span = focal * spread + disc * math.sqrt(1.0 + furthest * furthest) / least
+    return span < 0.5 and misses_pixels(middle + focal * slope, span)

@@ -1,4 +1,4 @@
-"""Writing code words: clipping a fraction's rows, turning a block, counting before writing."""
+"""Writing code words: a fraction's bits, clipping its rows, turning a block."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numba as nb
 from ..rtl.format import BLOCK, ROWS
 from .shapes import EMPTY_SCANS
 
-__all__ = ["LARGEST", "ONE_PIXEL", "emit", "put", "turned"]
+__all__ = ["LARGEST", "ONE_PIXEL", "emit", "put", "put_symmetric", "turned"]
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
@@ -17,14 +17,14 @@ LARGEST = float(1 << 24)
 ONE_PIXEL = EMPTY_SCANS & ~63
 """SCANS of a fraction whose only pixel is the first of its first row."""
 
-# Where words go: (words, lines, width, height, lsb of X, whether to write or only to count). Every
-# function here takes the number of words before it and returns the number after it.
+# Where words go: (words, lines, width, height, lsb of X, lsb of Z, largest Z). Every function here
+# takes the place of the next word and returns the place after what it wrote.
 
 
 @nb.njit
 def emit(scans: int, x: int, top: int, common: int, at: int, to: Any) -> int:
     """Write a fraction with its first row on line ``top``, clipped on the left; none if empty."""
-    _, _, width, height, x_lsb, _ = to
+    width, height = to[2], to[3]
     x, top = int(x), int(top)
     if x >= width or x <= -BLOCK or top >= height or top <= -ROWS:
         return at
@@ -41,7 +41,7 @@ def emit(scans: int, x: int, top: int, common: int, at: int, to: Any) -> int:
             clipped |= 1 << 6 * row
     if not visible:
         return at
-    return put(common | 1 | clipped << 1 | max(x, 0) << x_lsb, top + ROWS, at, to)
+    return put(common, clipped, max(x, 0), top, at, to)
 
 
 @nb.njit
@@ -55,10 +55,18 @@ def turned(scans: int) -> int:
 
 
 @nb.njit
-def put(word: int, line: int, at: int, to: Any) -> int:
-    """Write a word, unless words are only being counted."""
-    words, lines, _, _, _, write = to
-    if write:
-        words[at] = word
-        lines[at] = line
+def put(common: int, scans: int, x: int, top: int, at: int, to: Any) -> int:
+    """Write a fraction that needs no clipping."""
+    words, lines, _, _, x_lsb, _, _ = to
+    words[at] = common | 1 | scans << 1 | x << x_lsb
+    lines[at] = top + ROWS
+    return at + 1
+
+
+@nb.njit
+def put_symmetric(common: int, scans: int, x: int, line: int, at: int, to: Any) -> int:
+    """Write a symmetric shape whose middle lies above ``line``; its X is at least 0."""
+    words, lines, _, _, x_lsb, _, _ = to
+    words[at] = common | scans << 1 | x << x_lsb
+    lines[at] = line
     return at + 1

@@ -1,6 +1,6 @@
 """Exact footprints: fractions at a splat's true place, size and slant, each with its own depth.
 
-A disc's image is, to first order in its size, the ellipse ``A u^2 + 2 B u v + C v^2 <= 1`` about
+A disc's image is, to first order in its size, the ellipse ``A u^2 + 2 B u v + C v^2 <= r^2`` about
 its centre, u and v in pixels. Each line is cut where the ellipse crosses its pixels' centres, and
 four lines by eight columns make a fraction.
 """
@@ -13,20 +13,19 @@ from typing import Any
 import numba as nb
 
 from ..rtl.format import BLOCK, ROWS
-from .emit import LARGEST, ONE_PIXEL, emit
+from .emit import LARGEST, put
+from .shapes import EMPTY_SCANS
 
-__all__ = ["conic", "encode_exact", "extent", "quantised_depth"]
+__all__ = ["conic", "encode_exact", "extent", "one_fraction", "quantised_depth"]
 
 
-@nb.njit
-def conic(
-    a: float, b: float, slope_x: float, slope_y: float, radius: float
-) -> tuple[float, float, float, float]:
-    """Return A, B, C and the determinant A C - B^2 of a disc's image.
+@nb.njit(inline="always")
+def conic(a: float, b: float, slope_x: float, slope_y: float) -> tuple[float, float, float, float]:
+    """Return A, B, C and the determinant A C - B^2 of a disc's image, for a radius of 1.
 
     The point of the disc at the image offset (s, t), in units of the centre's depth over the focal
     length, lies at d = (s + a d_z, t + b d_z, d_z) from the disc's centre, with
-    d_z = -(n'x s + n'y t) and a, b the centre's x / z and y / z. |d| <= R is a quadratic form in s
+    d_z = -(n'x s + n'y t) and a, b the centre's x / z and y / z. |d|^2 is a quadratic form in s
     and t. (The paper leaves a and b out: they are small near the middle of the image.)
 
     For a disc seen edge on A C and B^2 agree to many digits. The determinant is computed as the sum
@@ -38,133 +37,208 @@ def conic(
         Where the centre lies: camera coordinates x / z and y / z.
     slope_x, slope_y
         n'x and n'y.
-    radius
-        Of the disc seen face on, in pixels, above 0.
     """
     x_x, x_y = 1.0 - a * slope_x, -a * slope_y
     y_x, y_y = -b * slope_x, 1.0 - b * slope_y
-    scale = 1.0 / (radius * radius)
     minor_xy = x_x * y_y - x_y * y_x
     minor_xz = x_x * slope_y - x_y * slope_x
     minor_yz = y_x * slope_y - y_y * slope_x
-    minors = minor_xy * minor_xy + minor_xz * minor_xz + minor_yz * minor_yz
     return (
-        (x_x * x_x + y_x * y_x + slope_x * slope_x) * scale,
-        (x_x * x_y + y_x * y_y + slope_x * slope_y) * scale,
-        (x_y * x_y + y_y * y_y + slope_y * slope_y) * scale,
-        minors * scale * scale,
+        x_x * x_x + y_x * y_x + slope_x * slope_x,
+        x_x * x_y + y_x * y_y + slope_x * slope_y,
+        x_y * x_y + y_y * y_y + slope_y * slope_y,
+        minor_xy * minor_xy + minor_xz * minor_xz + minor_yz * minor_yz,
     )
 
 
-@nb.njit
-def extent(centre: float, across: float, determinant: float) -> tuple[int, int]:
+@nb.njit(inline="always")
+def extent(centre: float, square: float) -> tuple[int, int]:
     """Return the first and last line (or column) whose pixels' centres an ellipse may cover.
 
     Parameters
     ----------
     centre
         Of the ellipse, in pixels.
-    across
-        The conic's coefficient of the other coordinate squared.
-    determinant
-        Of the conic, A C - B^2.
+    square
+        Of its reach: of lines r^2 A / (A C - B^2), of columns r^2 C / (A C - B^2).
     """
-    reach = min(math.sqrt(across / determinant), LARGEST)
+    reach = math.sqrt(square)
+    reach = reach if reach < LARGEST else LARGEST
     return math.ceil(centre - reach - 0.5), math.floor(centre + reach - 0.5)
 
 
-@nb.njit
+@nb.njit(inline="always")
 def quantised_depth(depth: float, largest: int) -> int:
     """Return the code of a depth given as a share of the frame's range."""
     return int(min(max(depth, 0.0), 1.0) * largest + 0.5)
 
 
-@nb.njit
-def encode_exact(
-    column: float,
-    line: float,
-    form: Any,
-    depth: float,
-    gradient: Any,
-    common: int,
-    z_lsb: int,
-    largest: int,
-    at: int,
-    to: Any,
-) -> int:
-    """Write a splat's fractions; see :mod:`splatline.host.emit` for ``at`` and ``to``.
+@nb.njit(inline="always")
+def _span(
+    most: float, turn: float, middle: float, inverse: float, width: int
+) -> tuple[int, int, bool]:
+    """Return the first and last pixel of a row, and whether it has any.
 
-    A splat that covers no pixel's centre draws the pixel that holds its own.
+    On the line dv below the centre the pixels' middle lies -B / A dv from the centre's column, and
+    half their number is sqrt(A r^2 - (A C - B^2) dv^2) / A.
+
+    Free of branches, since no processor can foretell which rows are empty.
+
+    Parameters
+    ----------
+    most, turn
+        A r^2 and (A C - B^2) dv^2.
+    middle
+        Of the row, less half a pixel.
+    inverse
+        1 / A.
+    width
+        Of the image: the span is clipped to it.
+    """
+    square = most - turn
+    half = math.sqrt(square if square > 0.0 else 0.0) * inverse
+    low, high = middle - half, middle + half
+    low = low if low > 0.0 else 0.0
+    low = low if low < width else float(width)
+    high = high if high < width - 1.0 else width - 1.0
+    high = high if high > -1.0 else -1.0
+    first, last = math.ceil(low), math.floor(high)
+    return first, last, (square >= 0.0) & (first <= last)
+
+
+@nb.njit(inline="always")
+def _code(first: int, last: int, filled: bool, begin: int) -> int:
+    """Return a row of the fraction at column ``begin``, as SCANS has it."""
+    return (first - begin | last - begin << 3) if filled else 1
+
+
+@nb.njit(error_model="numpy")
+def one_fraction(
+    column: float, line: float, square: float, form: Any, width: int, height: int
+) -> tuple[int, int, int, int]:
+    """Return the fraction that holds all of a splat, if one does.
+
+    Its four rows are written out: nearly every splat comes here, and so it takes 25 ns less.
 
     Parameters
     ----------
     column, line
         Centre on the image.
+    square
+        Of its radius, in pixels.
     form
         A, B, C and determinant of its conic.
-    depth
-        Of the centre, as a share of the frame's depth range.
-    gradient
-        Change of that share from a pixel to the next on the right and below: shape (2,).
+    width, height
+        Of the image.
+
+    Returns
+    -------
+    found
+        1; 0 if the splat covers no pixel's centre; 2 if it takes more fractions than one.
+    x, top, scans
+        First column, first line, and the rows.
+    """
+    a, b, _, determinant = form
+    top, bottom = extent(line, a / determinant * square)
+    top, bottom = max(top, 0), min(bottom, height - 1)
+    if bottom >= top + ROWS:
+        return 2, 0, 0, 0
+    if top > bottom:
+        return 0, 0, 0, 0
+    inverse, most = 1.0 / a, a * square
+    lean = -b * inverse
+    dv = top + 0.5 - line
+    middle = column + lean * dv - 0.5
+    first_0, last_0, fills_0 = _span(most, determinant * dv * dv, middle, inverse, width)
+    dv, middle = dv + 1.0, middle + lean
+    first_1, last_1, fills_1 = _span(most, determinant * dv * dv, middle, inverse, width)
+    dv, middle = dv + 1.0, middle + lean
+    first_2, last_2, fills_2 = _span(most, determinant * dv * dv, middle, inverse, width)
+    dv, middle = dv + 1.0, middle + lean
+    first_3, last_3, fills_3 = _span(most, determinant * dv * dv, middle, inverse, width)
+    # Rows below the image are empty.
+    fills_1, fills_2 = fills_1 & (bottom > top), fills_2 & (bottom > top + 1)
+    fills_3 = fills_3 & (bottom > top + 2)
+    left = min(
+        min(first_0 if fills_0 else width, first_1 if fills_1 else width),
+        min(first_2 if fills_2 else width, first_3 if fills_3 else width),
+    )
+    right = max(
+        max(last_0 if fills_0 else -1, last_1 if fills_1 else -1),
+        max(last_2 if fills_2 else -1, last_3 if fills_3 else -1),
+    )
+    if right >= left + BLOCK:
+        return 2, 0, 0, 0
+    scans = (
+        _code(first_0, last_0, fills_0, left)
+        | _code(first_1, last_1, fills_1, left) << 6
+        | _code(first_2, last_2, fills_2, left) << 12
+        | _code(first_3, last_3, fills_3, left) << 18
+    )
+    return 1 if left <= right else 0, left, top, scans
+
+
+@nb.njit(error_model="numpy")
+def encode_exact(
+    column: float,
+    line: float,
+    square: float,
+    form: Any,
+    plane: tuple[float, float, float],
+    common: int,
+    at: int,
+    to: Any,
+) -> int:
+    """Write a splat's fractions; see :mod:`splatline.host.emit` for ``at`` and ``to``.
+
+    Each has the depth that the disc's plane has at the mean place of its pixels.
+
+    Parameters
+    ----------
+    column, line, square, form
+        As for :func:`one_fraction`.
+    plane
+        Depth of the centre, as a share of the frame's depth range, and the change of that share
+        from a pixel to the next on the right and below.
     common
         The words' bits that do not depend on the place.
-    z_lsb, largest
-        Where Z lies, and its largest value that draws.
     """
-    _, _, width, height, _, _ = to
-    a, b, _, determinant = form
-    top, bottom = extent(line, a, determinant)
+    width, height, z_lsb, largest = to[2], to[3], to[5], to[6]
+    top, bottom = extent(line, form[0] / form[3] * square)
     top, bottom = max(top, 0), min(bottom, height - 1)
-    before = at
     for begin_line in range(top, bottom + 1, ROWS):
+        rows = min(bottom + 1 - begin_line, ROWS)
         left, right = width, -1
-        for row in range(ROWS):
-            first, last = _covered(begin_line + row, column, line, a, b, determinant)
-            if first <= last and begin_line + row <= bottom:
+        for row in range(rows):
+            first, last, fills = _row(begin_line + row, column, line, square, form, width)
+            if fills:
                 left, right = min(left, first), max(right, last)
-        for begin in range(max(left, 0), min(right, width - 1) + 1, BLOCK):
-            scans = 0
-            for row in range(ROWS):
-                first, last = _covered(begin_line + row, column, line, a, b, determinant)
-                first, last = max(first - begin, 0), min(last - begin, BLOCK - 1)
-                filled = first <= last and begin_line + row <= bottom
-                scans |= ((first | last << 3) if filled else 1) << 6 * row
-            du, dv = _middle(scans)
-            plane = (
-                depth + gradient[0] * (begin + du - column) + gradient[1] * (begin_line + dv - line)
-            )
-            z = quantised_depth(plane, largest)
-            at = emit(scans, begin, begin_line, common | z << z_lsb, at, to)
-    if at == before:
-        z = quantised_depth(depth, largest)
-        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common | z << z_lsb, at, to)
+        for begin in range(left, right + 1, BLOCK):
+            scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
+            for row in range(rows):
+                first, last, _ = _row(begin_line + row, column, line, square, form, width)
+                first, last = max(first, begin), min(last, begin + BLOCK - 1)
+                if first <= last:
+                    scans ^= (1 ^ _code(first, last, True, begin)) << 6 * row
+                    count = last - first + 1
+                    pixels += count
+                    across += count * (first + last + 1)  # twice their centres' sum
+                    down += count * (2 * row + 1)
+            if pixels:
+                du = 0.5 * across / pixels - column
+                dv = begin_line + 0.5 * down / pixels - line
+                z = quantised_depth(plane[0] + plane[1] * du + plane[2] * dv, largest)
+                at = put(common | z << z_lsb, scans, begin, begin_line, at, to)
     return at
 
 
-@nb.njit
-def _covered(
-    line: int, column: float, centre_line: float, a: float, b: float, determinant: float
-) -> tuple[int, int]:
-    """Return the first and last pixel of a line whose centres the ellipse covers."""
-    dv = line + 0.5 - centre_line
-    discriminant = a - determinant * dv * dv  # B^2 dv^2 - A (C dv^2 - 1)
-    if discriminant < 0.0:
-        return 0, -1
-    root = math.sqrt(discriminant)
-    left = max(column + (-b * dv - root) / a, -LARGEST)
-    right = min(column + (-b * dv + root) / a, LARGEST)
-    return math.ceil(left - 0.5), math.floor(right - 0.5)
-
-
-@nb.njit
-def _middle(scans: int) -> tuple[float, float]:
-    """Return the mean place of a fraction's pixels, from its upper left corner."""
-    count, across, down = 0, 0.0, 0.0
-    for row in range(ROWS):
-        first, last = scans >> 6 * row & 7, scans >> 6 * row + 3 & 7
-        if first <= last:
-            pixels = last - first + 1
-            count += pixels
-            across += pixels * 0.5 * (first + last + 1)
-            down += pixels * (row + 0.5)
-    return (across / count, down / count) if count else (0.5, 0.5)
+@nb.njit(error_model="numpy")
+def _row(
+    row: int, column: float, line: float, square: float, form: Any, width: int
+) -> tuple[int, int, bool]:
+    """Return the first and last pixel of a line of the image, and whether it has any."""
+    inverse = 1.0 / form[0]
+    dv = row + 0.5 - line
+    middle = column - form[1] * inverse * dv - 0.5
+    first, last, fills = _span(form[0] * square, form[3] * dv * dv, middle, inverse, width)
+    return (first, last, True) if fills else (width, -1, False)

@@ -14,7 +14,8 @@ from .lighting import Lighting
 
 __all__ = ["Materials", "find_materials", "material_tables"]
 
-MOST_MATERIALS = 127
+MOST_MATERIALS = 128
+"""What the ``paper`` engine's table holds."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Materials:
     Parameters
     ----------
     palette
-        Shape (m, 3), uint8, m in 1..127.
+        Shape (m, 3), uint8, m in 1..256.
     index
         Shape (n,), uint8.
     """
@@ -67,5 +68,6 @@ def material_tables(materials: Materials, lighting: Lighting, config: EngineConf
     diffuse[: len(materials.palette)] = np.rint(materials.palette / 255.0 * scale)
     gloss = min(round(lighting.gloss * scale), largest)
     specular = np.full_like(diffuse, gloss)
-    ambient = np.full(3, 1 << config.colour_shift - 1, np.int64)
+    # Dithering adds 0..15 sixteenths: with half a sixteenth their mean is a half, too.
+    ambient = np.full(3, 1 << config.colour_shift - (5 if config.dither else 1), np.int64)
     return Tables(ambient, np.minimum(diffuse, largest), specular)

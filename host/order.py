@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.format import EngineConfig
+from .encode import Encoded
 from .shapes import EMPTY_SCANS
 
 __all__ = ["advance_word", "end_word", "sort_by_line"]
@@ -24,13 +25,12 @@ def end_word(config: EngineConfig) -> int:
     return _control(config) | 1 << config.control_end.lsb
 
 
-def sort_by_line(
-    words: npt.NDArray[np.uint64], lines: npt.NDArray[np.int16], config: EngineConfig
-) -> tuple[npt.NDArray[np.uint64], int]:
+def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np.uint64], int]:
     """Return a frame's stream: the words by line, control words between, the end word last.
 
-    A counting sort. Consecutive lines with words cost one control word, whatever lies between them,
-    unless the gap is beyond what X holds.
+    A counting sort, in parallel: each chunk of words knows how many of each line come before it.
+    Consecutive lines with words cost one control word, whatever lies between them, unless the gap
+    is beyond what X holds.
 
     The two halves of a line's words are dealt out in turn. Neighbours in a cloud tend to be
     neighbours on the image, and an element that follows another into the same word of the engine's
@@ -38,10 +38,8 @@ def sort_by_line(
 
     Parameters
     ----------
-    words
-        Code words of elements: shape (n,).
-    lines
-        The engine's line for each, at least 0: shape (n,).
+    encoded
+        Code words of elements.
     config
         Where the fields are.
 
@@ -52,7 +50,9 @@ def sort_by_line(
     control_words
         How many of them there are.
     """
-    counts = np.bincount(lines, minlength=1)
+    before = np.cumsum(encoded.counts, axis=0, dtype=np.int64)
+    counts = before[-1].copy()
+    before -= encoded.counts
     used = np.flatnonzero(counts)
     gaps = np.diff(used, prepend=0)
     steps = -(-gaps // config.x.mask)  # control words before each used line
@@ -68,7 +68,8 @@ def sort_by_line(
             step = min(int(gap), config.x.mask)
             stream[at] = advance_word(step, config)
             gap -= step
-    _scatter(words, lines, starts, counts, stream)
+    chunks = (encoded.words, encoded.lines, encoded.starts, encoded.stops)
+    _scatter(chunks, before, counts, starts, stream)
     stream[-1] = end_word(config)
     return stream, int(steps.sum()) + 1
 
@@ -77,14 +78,16 @@ def _control(config: EngineConfig) -> int:
     return 1 << config.mode.lsb | EMPTY_SCANS << config.scans.lsb
 
 
-@nb.njit(cache=True)
-def _scatter(words: Any, lines: Any, starts: Any, counts: Any, stream: Any) -> None:
+@nb.njit(parallel=True, cache=True)
+def _scatter(chunks: Any, before: Any, counts: Any, starts: Any, stream: Any) -> None:
     """Put each word at its place: of a line's words, the first half on even places."""
-    placed = np.zeros(len(counts), np.int64)
-    for i in range(len(words)):
-        line = lines[i]
-        number = placed[line]
-        placed[line] += 1
-        half = (counts[line] + 1) // 2
-        place = 2 * number if number < half else 2 * (number - half) + 1
-        stream[starts[line] + place] = words[i]
+    words, lines, begins, ends = chunks
+    for chunk in nb.prange(len(begins)):
+        placed = before[chunk]
+        for i in range(begins[chunk], ends[chunk]):
+            line = lines[i]
+            number = placed[line]
+            placed[line] += 1
+            half = (counts[line] + 1) // 2
+            place = 2 * number if number < half else 2 * (number - half) + 1
+            stream[starts[line] + place] = words[i]

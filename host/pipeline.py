@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,102 +12,150 @@ import numpy.typing as npt
 
 from ..rtl.format import PAPER, EngineConfig
 from .cloud import Cloud
-from .encode import depth_shares, encode
+from .encode import encode
 from .errors import InputError
 from .frame import Frame
+from .index import Index, build_index
 from .lighting import Lighting
 from .materials import Materials, find_materials, material_tables
 from .order import sort_by_line
 from .project import project
 from .quality import DEFAULT_QUALITY, QUALITIES
-from .shade import shade_tables
+from .shade import shade_bits
+from .skips import DEFAULT_SKIPS, check_skips
 from .view import View
 
 __all__ = ["make_frame"]
 
 
 def make_frame(
-    cloud: Cloud,
+    cloud: Cloud | Index,
     view: View,
     *,
-    radii: npt.NDArray[np.floating[Any]],
+    radii: npt.NDArray[np.floating[Any]] | None = None,
     lighting: Lighting | None = None,
     materials: Materials | None = None,
     config: EngineConfig = PAPER,
     quality: str = DEFAULT_QUALITY,
+    skips: Iterable[str] = DEFAULT_SKIPS,
+    depth_range: tuple[float, float] | None = None,
 ) -> Frame:
     """Project, cull, shade, encode and sort a cloud.
 
     Parameters
     ----------
     cloud
-        The points.
+        The points; or their index (``build_index``), built once for many frames.
     view
         The camera and the size of the image.
     radii
-        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``.
+        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``. An index
+        has them already.
     lighting
         Lights and surface; the default ones if not given.
     materials
-        The cloud's palette, to find it once for many frames.
+        The cloud's palette; found if not given. An index has it already.
     config
         The engine to draw it.
     quality
         One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
+    skips
+        What to leave out, by name; see ``SKIPS``.
+    depth_range
+        Distances along the view of depth 0 and of the largest depth, so that frames of one view can
+        be put together; fitted to what is seen if not given.
 
     Returns
     -------
     Frame
         ``counts`` has ``points``, ``dropped`` (reason -> points left out when the cloud was read),
-        ``culled`` (reason -> points), ``elements`` (points drawn), ``codewords`` (length of the
-        stream), ``control_words``, ``depth_range`` (distances along the view of depth 0 and of the
-        largest depth) and ``seconds`` (per stage).
+        ``culled`` (reason -> points), ``elements`` (points drawn), ``quality``, ``skips``,
+        ``codewords`` (length of the stream), ``control_words``, ``depth_range`` (distances along
+        the view of depth 0 and of the largest depth) and ``seconds`` (per stage).
 
     Raises
     ------
     InputError
         If the image is larger than the engine's, or shows nothing of the cloud, or a radius is
-        missing, negative or not finite.
+        missing, negative or not finite; or if there is no quality or skip of a given name.
     """
     check_size(view.width, view.height, config)
-    check_radii(radii, len(cloud))
+    chosen = check_skips(skips)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
-    lighting = lighting or Lighting()
     clock = Stopwatch()
-    if materials is None:
-        materials = find_materials(cloud)
-    tables = material_tables(materials, lighting, config)
-    clock.lap("materials")
-    splats = project(cloud, view, radii)
+    index = _index(cloud, radii, materials, config, clock)
+    lighting = lighting or Lighting()
+    tables = material_tables(index.materials, lighting, config)
+    shades = shade_bits(lighting, config)
+    clock.lap("tables")
+    # The symmetric shapes always have a pixel.
+    useful = chosen - {"no_pixel"} if quality == "paper" else chosen
+    splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
+    if depth_range is not None:
+        splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
     clock.lap("project")
-    diffuse, specular = shade_tables(lighting, config.intensity_bits)
-    shades = diffuse[splats.shade], specular[splats.shade]
-    material = materials.index[splats.point]
-    clock.lap("shade")
-    depth, gradient, depth_range = depth_shares(splats, view.focal)
-    encoded = encode(splats, depth, gradient, (*shades, material), view, config, quality)
+    encoded = encode(splats, view, config, quality, nearest_pixel="no_pixel" not in useful)
     clock.lap("encode")
+    culled = splats.culled
+    culled["no_pixel"] += len(splats) - encoded.elements
+    name, points, dropped = index.cloud.name, len(index), index.cloud.dropped
     if not encoded.elements:
         raise InputError(
-            f"nothing of {cloud.name} is in view: of {len(cloud)} points, "
-            + ", ".join(f"{count} {reason}" for reason, count in splats.culled.items())
+            f"nothing of {name} is in view: of {points} points, "
+            + ", ".join(f"{count} {reason}" for reason, count in culled.items() if count)
             + "; change the view"
         )
-    stream, control_words = sort_by_line(encoded.words, encoded.lines, config)
+    stream, control_words = sort_by_line(encoded, config)
     clock.lap("sort")
     counts = {
-        "points": len(cloud),
-        "dropped": cloud.dropped,
-        "culled": {**splats.culled, "no_pixel": len(splats) - encoded.elements},
+        "points": points,
+        "dropped": dropped,
+        "culled": culled,
         "elements": encoded.elements,
         "quality": quality,
+        "skips": sorted(chosen),
         "codewords": len(stream),
         "control_words": control_words,
-        "depth_range": list(depth_range),
+        "depth_range": list(splats.depth_range),
         "seconds": clock.laps,
     }
     return Frame(stream, tables, view.width, view.height, config, counts)
+
+
+def _index(
+    cloud: Cloud | Index,
+    radii: npt.NDArray[np.floating[Any]] | None,
+    materials: Materials | None,
+    config: EngineConfig,
+    clock: Stopwatch,
+) -> Index:
+    """Return the cloud's index, built if need be."""
+    if isinstance(cloud, Index):
+        if radii is not None or materials is not None:
+            raise TypeError("an index has radii and materials already")
+        found, most = len(cloud.materials.palette), 1 << config.material_bits
+        if found > most:
+            raise InputError(
+                f"the index has {found} materials, an engine of preset {config.name} holds {most}"
+            )
+        return cloud
+    if radii is None:
+        raise TypeError("a cloud needs radii; see splat_radii")
+    if materials is None:
+        materials = find_materials(cloud, 1 << config.material_bits)
+        clock.lap("materials")
+    index = build_index(cloud, radii, materials)
+    clock.lap("index")
+    return index
+
+
+def _check_range(limits: tuple[float, float]) -> tuple[float, float]:
+    """Return two distances, or raise ``InputError`` unless they are finite and in order."""
+    low, high = map(float, limits)
+    if not (np.isfinite([low, high]).all() and low <= high):
+        raise InputError(f"the depth range must be two distances in order, not {limits}")
+    return low, high
 
 
 def check_size(width: int, height: int, config: EngineConfig) -> None:
@@ -115,14 +165,6 @@ def check_size(width: int, height: int, config: EngineConfig) -> None:
             f"the image is {width}x{height}; an engine of preset {config.name} draws at most "
             f"{config.max_width}x{config.max_height}"
         )
-
-
-def check_radii(radii: npt.NDArray[np.floating[Any]], count: int) -> None:
-    """Raise ``InputError`` unless there is a length for every point."""
-    if np.shape(radii) != (count,):
-        raise InputError(f"there must be one radius a point, {count}, not {np.shape(radii)}")
-    if count and not (np.isfinite(radii).all() and np.min(radii) >= 0.0):
-        raise InputError("every radius must be a finite length, 0 or more")
 
 
 class Stopwatch:

@@ -1,7 +1,8 @@
-"""Projection: from points in space to splats on the image."""
+"""Projection: from points in space to splats on the image, culled and shaded on the way."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,57 +10,85 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .cloud import Cloud
-from .cull import FACING_AWAY, KEPT, OUTSIDE, REASONS, faces_away, lies_outside
+from .cull import cull_blocks, faces_away, lies_outside, misses_pixels
+from .index import BLOCK_POINTS, Index
 from .shapes import LEVELS, quantise
+from .skips import DEFAULT_SKIPS, REASONS, SKIPS
 from .view import View
 
-__all__ = ["Splats", "project"]
+__all__ = ["SPLAT", "Splats", "project"]
 
 STEEPEST = 1e-6
 """Least cosine between a normal and the ray that slopes are computed for: they stay finite."""
 
+CROWDED = 0.5
+"""Pixels between neighbours below which points are crowded: more than four of them a pixel."""
+
+CHUNKS = 64
+"""Parts that work is cut into; the same on every machine, so that results do not depend on it."""
+
+SPLAT = np.dtype(
+    [
+        ("column", np.float32),  # centre on the image, in pixels
+        ("line", np.float32),
+        ("diameter", np.float32),  # of the disc seen face on, in pixels
+        ("slope_x", np.float32),  # n'x and n'y
+        ("slope_y", np.float32),
+        ("look", np.uint32),  # DIFFUSE, SPECULAR and MATERIAL as they lie in a code word
+        ("depth", np.float64),  # distance along the view, in the cloud's unit
+    ]
+)
+"""A splat: 32 bytes."""
+
+OUTSIDE, FACING_AWAY = REASONS["outside"], REASONS["facing_away"]
+NO_PIXEL, CROWDED_OUT = REASONS["no_pixel"], REASONS["crowded"]
+
 
 @dataclass(frozen=True)
 class Splats:
-    """The points that a view may show, as ellipses on the image: one row a point.
+    """The points that a view may show, as ellipses on the image.
 
     Parameters
     ----------
-    point
-        Index into the cloud: shape (m,), int64, growing.
-    column, line
-        Centre on the image in pixels: float32.
-    depth
-        Distance along the view, in the cloud's unit: float64.
-    diameter
-        Of the disc seen face on, in pixels: float32.
-    slope
-        n'x and n'y, as they are: shape (m, 2), float32.
-    shape
-        Quantised n'x and n'y on the image, ``64 * x + y``: uint16.
-    shade
-        Quantised camera-space normal, likewise: uint16.
+    data
+        Splats in chunks, with gaps between: shape (slots,), structured, see ``SPLAT``.
+    starts, stops
+        The slots of each chunk: shape (CHUNKS,), int64.
+    depth_range
+        Least and greatest depth; (0, 0) if there is no splat.
     culled
         Points left out, by reason.
     """
 
-    point: npt.NDArray[np.int64]
-    column: npt.NDArray[np.float32]
-    line: npt.NDArray[np.float32]
-    depth: npt.NDArray[np.float64]
-    diameter: npt.NDArray[np.float32]
-    slope: npt.NDArray[np.float32]
-    shape: npt.NDArray[np.uint16]
-    shade: npt.NDArray[np.uint16]
+    data: npt.NDArray[Any]
+    starts: npt.NDArray[np.int64]
+    stops: npt.NDArray[np.int64]
+    depth_range: tuple[float, float]
     culled: dict[str, int]
 
     def __len__(self) -> int:
         """Return the number of splats."""
-        return len(self.point)
+        return int((self.stops - self.starts).sum())
+
+    def together(self) -> npt.NDArray[Any]:
+        """Return the splats without gaps: shape (m,), structured."""
+        parts = zip(self.starts, self.stops, strict=True)
+        return np.concatenate([self.data[start:stop] for start, stop in parts])
+
+    @classmethod
+    def of(cls, data: npt.NDArray[Any]) -> Splats:
+        """Return splats given as one array, in a single chunk."""
+        limits = (float(data["depth"].min()), float(data["depth"].max())) if len(data) else (0, 0)
+        return cls(data, np.array([0]), np.array([len(data)]), limits, {})
 
 
-def project(cloud: Cloud, view: View, radii: npt.NDArray[np.floating[Any]]) -> Splats:
+def project(
+    index: Index,
+    view: View,
+    shades: npt.NDArray[np.uint32],
+    material_shift: int,
+    skips: frozenset[str] = DEFAULT_SKIPS,
+) -> Splats:
     """Project a cloud's discs and leave out what the view does not show.
 
     A disc with centre p and unit normal n, in camera coordinates, holds the points q = p + d with
@@ -70,106 +99,162 @@ def project(cloud: Cloud, view: View, radii: npt.NDArray[np.floating[Any]]) -> S
 
     Parameters
     ----------
-    cloud
+    index
         The points.
     view
         Where they are looked at from.
-    radii
-        Of the discs, in the cloud's unit: shape (n,).
+    shades
+        DIFFUSE and SPECULAR by quantised normal: shape (4096,); see ``shade_bits``.
+    material_shift
+        Lowest bit of MATERIAL, counted from DIFFUSE's.
+    skips
+        What to leave out; see ``SKIPS``. Points nearer than the view's near distance always are.
 
     Returns
     -------
     Splats
-        In the cloud's order.
+        In the index's order.
     """
-    count = len(cloud)
-    status = np.empty(count, np.uint8)
-    image = np.empty((count, 5), np.float32)  # column, line, diameter, slopes
-    depth = np.empty(count, np.float64)
-    levels = np.empty((count, 2), np.uint16)  # shape, shade
+    camera = (view.eye, view.axes, view.focal, view.width, view.height, view.near)
+    rules = np.array([False, *(name in skips for name in SKIPS)])
+    status = np.empty(len(index.bounds), np.uint8)
+    cull_blocks(index.bounds, camera, rules, status)
+    sizes = np.full(len(status), BLOCK_POINTS)
+    sizes[-1:] = len(index) - BLOCK_POINTS * (len(status) - 1)
+    tally = np.bincount(status, weights=sizes, minlength=1 + len(SKIPS)).astype(np.int64)
+
+    visible = np.flatnonzero(status == 0)
+    cuts = np.linspace(0, len(visible), CHUNKS + 1).astype(np.int64)
+    data = np.empty(BLOCK_POINTS * len(visible), SPLAT)
+    stops = np.empty(CHUNKS, np.int64)
+    limits = np.empty((CHUNKS, 2))
+    reasons = np.zeros((CHUNKS, 1 + len(SKIPS)), np.int64)
+    points = (index.positions, index.normals, index.two_sided, index.radii, index.materials.index)
     _project(
-        cloud.positions,
-        cloud.normals,
-        cloud.two_sided,
-        np.ascontiguousarray(radii, np.float64),
-        view.eye,
-        view.axes,
-        view.focal,
-        view.width,
-        view.height,
-        view.near,
-        status,
-        image,
-        depth,
-        levels,
+        points,
+        (index.bounds, visible, cuts),
+        camera,
+        (rules, shades, material_shift),
+        data,
+        stops,
+        limits,
+        reasons,
     )
-    point = np.flatnonzero(status == KEPT)
-    tally = np.bincount(status, minlength=max(REASONS) + 1)
+    tally += reasons.sum(axis=0)
+    starts = BLOCK_POINTS * cuts[:-1]
+    low, high = float(limits[:, 0].min()), float(limits[:, 1].max())
     return Splats(
-        point=point,
-        column=image[point, 0],
-        line=image[point, 1],
-        depth=depth[point],
-        diameter=image[point, 2],
-        slope=image[point, 3:],
-        shape=levels[point, 0],
-        shade=levels[point, 1],
-        culled={name: int(tally[reason]) for reason, name in REASONS.items()},
+        data=data,
+        starts=starts,
+        stops=stops,
+        depth_range=(low, high) if (stops > starts).any() else (0.0, 0.0),
+        culled={name: int(tally[reason]) for name, reason in REASONS.items()},
     )
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def _project(
-    positions: Any,
-    normals: Any,
-    two_sided: Any,
-    radii: Any,
-    eye: Any,
-    axes: Any,
-    focal: float,
-    width: int,
-    height: int,
-    near: float,
-    status: Any,
-    image: Any,
-    depth: Any,
-    levels: Any,
+    points: Any,
+    blocks: Any,
+    camera: Any,
+    look: Any,
+    data: Any,
+    stops: Any,
+    limits: Any,
+    reasons: Any,
 ) -> None:
-    """Fill in every point's status and, for those kept, the rest."""
-    for i in nb.prange(len(positions)):
-        dx = positions[i, 0] - eye[0]
-        dy = positions[i, 1] - eye[1]
-        dz = positions[i, 2] - eye[2]
-        z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
-        if not z >= near:
-            status[i] = OUTSIDE
-            continue
-        a = (axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz) / z
-        b = (axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz) / z
-        column = 0.5 * width + focal * a
-        line = 0.5 * height + focal * b
-        radius = radii[i] * focal / z
-        if lies_outside(column, line, radius, width, height):
-            status[i] = OUTSIDE
-            continue
+    """Project the visible blocks, chunk by chunk, each into its own slots."""
+    bounds, visible, cuts = blocks
+    for chunk in nb.prange(len(cuts) - 1):
+        at = BLOCK_POINTS * cuts[chunk]
+        low, high = np.inf, -np.inf
+        tally = np.zeros(reasons.shape[1], np.int64)
+        for number in range(cuts[chunk], cuts[chunk + 1]):
+            block = visible[number]
+            start = BLOCK_POINTS * block
+            stop = min(start + BLOCK_POINTS, len(points[0]))
+            stride, growth = 1, 1.0
+            if look[0][CROWDED_OUT]:
+                stride = _stride(bounds[block], camera)
+                growth = math.sqrt(stride)
+                tally[CROWDED_OUT] += stop - start - (stop - start + stride - 1) // stride
+            for i in range(start, stop, stride):
+                reason = _project_point(i, growth, points, camera, look, data[at])
+                if reason == 0:
+                    low, high = min(low, data[at].depth), max(high, data[at].depth)
+                    at += 1
+                else:
+                    tally[reason] += 1
+        stops[chunk] = at
+        limits[chunk, 0], limits[chunk, 1] = low, high
+        reasons[chunk] = tally
 
-        wx, wy, wz = normals[i, 0], normals[i, 1], normals[i, 2]
-        nx = axes[0, 0] * wx + axes[0, 1] * wy + axes[0, 2] * wz
-        ny = axes[1, 0] * wx + axes[1, 1] * wy + axes[1, 2] * wz
-        nz = axes[2, 0] * wx + axes[2, 1] * wy + axes[2, 2] * wz
-        facing = nx * a + ny * b + nz
-        if two_sided[i] and facing > 0.0:
-            nx, ny, nz, facing = -nx, -ny, -nz, -facing
-        if faces_away(facing) and not two_sided[i]:
-            status[i] = FACING_AWAY
-            continue
-        status[i] = KEPT
-        image[i, 0], image[i, 1], image[i, 2] = column, line, 2.0 * radius
-        facing = min(facing, -STEEPEST)
-        image[i, 3], image[i, 4] = nx / facing, ny / facing
-        depth[i] = z
-        levels[i, 0] = LEVELS * quantise(nx, facing) + quantise(ny, facing)
-        # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0:
-        # for shading such a normal counts as just grazing.
-        towards = min(nz, 0.0)
-        levels[i, 1] = LEVELS * quantise(nx, towards) + quantise(ny, towards)
+
+@nb.njit(inline="always")
+def _project_point(i: int, growth: float, points: Any, camera: Any, look: Any, splat: Any) -> int:
+    """Fill in a point's splat and return 0, or return the reason to leave it out."""
+    positions, normals, two_sided, radii, material = points
+    eye, axes, focal, width, height, near = camera
+    rules, shades, material_shift = look
+    dx = positions[i, 0] - eye[0]
+    dy = positions[i, 1] - eye[1]
+    dz = positions[i, 2] - eye[2]
+    z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
+    if not z >= near:
+        return OUTSIDE
+    inverse = 1.0 / z
+    a = (axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz) * inverse
+    b = (axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz) * inverse
+    column = 0.5 * width + focal * a
+    line = 0.5 * height + focal * b
+    radius = growth * radii[i] * inverse * focal
+    if rules[OUTSIDE] and lies_outside(column, line, radius, width, height):
+        return OUTSIDE
+
+    wx, wy, wz = normals[i, 0], normals[i, 1], normals[i, 2]
+    nx = axes[0, 0] * wx + axes[0, 1] * wy + axes[0, 2] * wz
+    ny = axes[1, 0] * wx + axes[1, 1] * wy + axes[1, 2] * wz
+    nz = axes[2, 0] * wx + axes[2, 1] * wy + axes[2, 2] * wz
+    facing = nx * a + ny * b + nz
+    if facing > 0.0 and (two_sided[i] or not rules[FACING_AWAY]):
+        nx, ny, nz, facing = -nx, -ny, -nz, -facing
+    if rules[FACING_AWAY] and faces_away(facing) and not two_sided[i]:
+        return FACING_AWAY
+    if rules[NO_PIXEL] and radius < 0.5:
+        # A disc seen aslant reaches up to this much further (see ``host.exact.conic``).
+        if misses_pixels(column, radius * math.sqrt(1.0 + a * a)):
+            return NO_PIXEL
+        if misses_pixels(line, radius * math.sqrt(1.0 + b * b)):
+            return NO_PIXEL
+
+    facing = min(facing, -STEEPEST)
+    # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0: for
+    # shading such a normal counts as just grazing.
+    towards = min(nz, -STEEPEST)
+    shade = LEVELS * quantise(nx, towards) + quantise(ny, towards)
+    splat.column, splat.line, splat.diameter = column, line, 2.0 * radius
+    inverse = 1.0 / facing
+    splat.slope_x, splat.slope_y = nx * inverse, ny * inverse
+    splat.depth = z
+    splat.look = shades[shade] | np.uint32(material[i]) << np.uint32(material_shift)
+    return 0
+
+
+@nb.njit(error_model="numpy")
+def _stride(bound: Any, camera: Any) -> int:
+    """Return which of a block's points to draw, one in how many, so that few crowd a pixel.
+
+    Discs are as wide as the points are apart (``splat_radii``), so their mean radius tells the
+    distance. Along the curve every k-th point is as evenly spread as all are.
+    """
+    eye, axes, focal, _, _, near = camera
+    z = (
+        axes[2, 0] * (bound.centre[0] - eye[0])
+        + axes[2, 1] * (bound.centre[1] - eye[1])
+        + axes[2, 2] * (bound.centre[2] - eye[2])
+    )
+    # At the block's nearest, where its points are furthest apart.
+    apart = bound.mean * focal / max(z - bound.reach, near)
+    if not 0.0 < apart < CROWDED:
+        return 1
+    return int(min((CROWDED / apart) ** 2, float(BLOCK_POINTS)))

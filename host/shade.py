@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..rtl.format import EngineConfig
 from .lighting import Lighting
 from .shapes import level_slopes
 
-__all__ = ["shade_tables"]
+__all__ = ["shade_bits", "shade_tables"]
 
 
 def shade_tables(
@@ -51,3 +52,16 @@ def shade_tables(
         return np.rint(np.clip(intensity, 0.0, 1.0) * full).astype(np.uint16).ravel()
 
     return levels(diffuse), levels(specular)
+
+
+def shade_bits(lighting: Lighting, config: EngineConfig) -> npt.NDArray[np.uint32]:
+    """Return DIFFUSE and SPECULAR of every quantised normal, as they lie in a code word.
+
+    Returns
+    -------
+    ndarray
+        Shape (64 * 64,), uint32; bit 0 is the lowest bit of DIFFUSE.
+    """
+    diffuse, specular = shade_tables(lighting, config.intensity_bits)
+    shift = np.uint32(config.specular.lsb - config.diffuse.lsb)
+    return diffuse.astype(np.uint32) | specular.astype(np.uint32) << shift

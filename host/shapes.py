@@ -30,20 +30,20 @@ EMPTY_SCANS = 0b000001_000001_000001_000001
 
 @nb.njit(inline="always")
 def quantise(part: float, facing: float) -> int:
-    """Return the level of a slope ``part / facing`` with ``facing <= 0``: even steps in angle.
+    """Return the level of a slope n' = ``part / facing`` with ``facing < 0``.
 
-    Level i stands for the angles from i to i + 1 steps above -90 degrees, 180 / 64 degrees each: so
-    the steps are fine where shapes and shades change most, and no slope is too large.
+    Levels are even steps of n' / (1 + |n'|), which lies in -1..1: so they are fine where shapes and
+    shades change most, and no slope is too large. Measured against steps even in angle
+    (``docs/decisions.md``), and free of an arc tangent.
     """
-    angle = math.atan2(-part, -facing)  # in -pi/2 .. pi/2
-    level = int((angle / math.pi + 0.5) * LEVELS)
+    level = int((0.5 - 0.5 * part / (abs(part) - facing)) * LEVELS)
     return min(max(level, 0), LEVELS - 1)
 
 
 def level_slopes() -> npt.NDArray[np.float64]:
     """Return the slope n' that each level stands for, its middle: shape (64,)."""
-    middle = (np.arange(LEVELS) + 0.5) / LEVELS - 0.5
-    return np.tan(middle * np.pi)
+    middle = (np.arange(LEVELS) + 0.5) / (0.5 * LEVELS) - 1.0
+    return middle / (1.0 - np.abs(middle))
 
 
 @nb.njit(inline="always")

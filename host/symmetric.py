@@ -8,8 +8,8 @@ from typing import Any
 import numba as nb
 
 from ..rtl.format import BLOCK, ROWS
-from .emit import LARGEST, ONE_PIXEL, emit, put, turned
-from .shapes import LEVELS, SIZES, row_span
+from .emit import LARGEST, ONE_PIXEL, emit, put_symmetric, turned
+from .shapes import SIZES, row_span
 
 __all__ = ["encode_symmetric"]
 
@@ -19,7 +19,7 @@ def encode_symmetric(
     column: float,
     line: float,
     diameter: float,
-    shape: int,
+    shape: tuple[int, int],
     table: Any,
     slopes: Any,
     common: int,
@@ -44,27 +44,27 @@ def encode_symmetric(
     diameter
         In pixels.
     shape
-        Quantised n'x and n'y, ``64 * x + y``.
+        Levels of n'x and n'y.
     table, slopes
         The shape table and what its levels stand for.
     common
-        The words' bits that do not depend on the shape.
+        The words' bits that do not depend on the shape, Z among them.
     """
-    _, _, width, height, x_lsb, _ = to
+    width, height = to[2], to[3]
     size = math.ceil(min(diameter, 2.0 * LARGEST))
     if size <= 1:
         return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
 
     x = math.floor(column + 0.5)
     y = math.floor(line + 0.5)
-    level_x, level_y = shape // LEVELS, shape % LEVELS
+    level_x, level_y = shape
     if size <= BLOCK:
         scans = int(table[size, level_x, level_y, 0])
         x -= BLOCK // 2
         if x >= 0 and y >= 0:
             if x >= width or y - ROWS >= height:
                 return at
-            return put(common | scans << 1 | x << x_lsb, y, at, to)
+            return put_symmetric(common, scans, x, y, at, to)
         at = emit(scans, x, y - ROWS, common, at, to)
         return emit(turned(scans), x, y, common, at, to)
 
@@ -88,7 +88,7 @@ def _encode_large(
     x: int, y: int, radius: float, slope_x: float, slope_y: float, common: int, at: int, to: Any
 ) -> int:
     """Write the fractions of an ellipse of any size about the pixel corner (x, y)."""
-    _, _, width, height, _, _ = to
+    width, height = to[2], to[3]
     # Only the blocks that reach into the image, however large the ellipse is.
     blocks = math.ceil(min(radius, 4.0 * (abs(y) + height)) / ROWS)
     begin_block = max(-blocks, -(y // ROWS) - 1)

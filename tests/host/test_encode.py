@@ -4,12 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from splatline.host.encode import depth_shares, encode
-from splatline.host.exact import quantised_depth
+from splatline.host.encode import encode
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import sort_by_line
-from splatline.host.project import Splats
+from splatline.host.project import SPLAT, Splats
+from splatline.host.quality import QUALITIES
 from splatline.host.shapes import level_slopes
 from splatline.host.view import View
 from splatline.rtl.format import PAPER
@@ -18,36 +20,32 @@ from splatline.sim import golden
 TABLES = Tables(np.zeros(3, np.int64), np.zeros((128, 3), np.int64), np.zeros((128, 3), np.int64))
 
 
-def splats_of(column, line, diameter, shape, slope=(0.0, 0.0)):
-    def as_kind(values, kind):
-        return np.atleast_1d(np.asarray(values, kind))
-
-    count = len(as_kind(column, float))
-    return Splats(
-        point=np.arange(count),
-        column=as_kind(column, np.float32),
-        line=as_kind(line, np.float32),
-        depth=np.ones(count),
-        diameter=as_kind(diameter, np.float32),
-        slope=np.broadcast_to(np.asarray(slope, np.float32), (count, 2)),
-        shape=as_kind(shape, np.uint16),
-        shade=np.zeros(count, np.uint16),
-        culled={},
-    )
+def splats_of(column, line, diameter, shape=32 * 64 + 32, slope=None):
+    """Splats with slopes given, or with the levels' own."""
+    column = np.atleast_1d(np.asarray(column, np.float32))
+    data = np.zeros(len(column), SPLAT)
+    data["column"], data["line"], data["diameter"] = column, line, diameter
+    if slope is None:
+        slopes = level_slopes()
+        slope = np.stack([slopes[np.asarray(shape) // 64], slopes[np.asarray(shape) % 64]], -1)
+    data["slope_x"], data["slope_y"] = np.moveaxis(np.asarray(slope, np.float32), -1, 0)
+    data["depth"] = 1.0
+    return Splats.of(data)
 
 
-def encoded(splats, width, height, quality="paper", depth=0.5, gradient=(0.0, 0.0), focal=1e6):
-    """Words for splats of one depth; so long a focal length that none is seen aslant."""
-    count = len(splats)
-    look = np.zeros(count, np.uint16), np.zeros(count, np.uint16), np.zeros(count, np.uint8)
-    depths, gradients = np.full(count, depth), np.broadcast_to(np.array(gradient), (count, 2))
+def encoded(splats, width, height, quality="paper", depth_range=(0.5, 1.5), focal=1e6):
+    """Words for splats; so long a focal length that none is seen aslant."""
     view = View(np.zeros(3), np.eye(3), focal, width, height, 0.1)
-    return encode(splats, depths, gradients, look, view, PAPER, quality)
+    splats = dataclasses.replace(splats, depth_range=depth_range)
+    return encode(splats, view, PAPER, quality, nearest_pixel=True)
+
+
+def words_of(splats, width, height, **options):
+    return encoded(splats, width, height, **options).together()[0]
 
 
 def picture(splats, width, height, **options):
-    words = encoded(splats, width, height, **options)
-    stream, _ = sort_by_line(words.words, words.lines, PAPER)
+    stream, _ = sort_by_line(encoded(splats, width, height, **options), PAPER)
     return golden.render(Frame(stream, TABLES, width, height))
 
 
@@ -86,10 +84,10 @@ def test_a_splat_covers_its_ellipse_anywhere_in_and_around_the_image(largest):
 def test_words_are_as_few_as_the_shape_allows():
     flat = 32 * 64 + 32
     for diameter, words in ((0.2, 1), (3.0, 1), (8.0, 1), (12.0, 8), (16.0, 8)):
-        assert len(encoded(splats_of(100, 100, diameter, flat), 512, 512).words) == words
+        assert len(words_of(splats_of(100, 100, diameter, flat), 512, 512)) == words
     # Symmetric at whole places: across the left or upper border the halves go apart.
-    assert len(encoded(splats_of(2, 100, 6.0, flat), 512, 512).words) == 2
-    assert len(encoded(splats_of(100, -1, 6.0, flat), 512, 512).words) == 1
+    assert len(words_of(splats_of(2, 100, 6.0, flat), 512, 512)) == 2
+    assert len(words_of(splats_of(100, -1, 6.0, flat), 512, 512)) == 1
 
 
 def test_nothing_becomes_a_control_word_by_accident():
@@ -101,11 +99,11 @@ def test_nothing_becomes_a_control_word_by_accident():
         rng.uniform(0, 40, count),
         rng.integers(0, 4096, count),
     )
-    words = encoded(splats, 64, 64)
-    fields = golden.decode(words.words, PAPER)
+    words, lines = encoded(splats, 64, 64).together()
+    fields = golden.decode(words, PAPER)
     assert not fields["control"].any()
-    assert (words.lines >= 0).all()
-    assert (words.lines < 64 + 4).all()
+    assert (lines >= 0).all()
+    assert (lines < 64 + 4).all()
     assert (fields["x"] < 64).all()
 
 
@@ -114,7 +112,7 @@ def test_nothing_becomes_a_control_word_by_accident():
 def test_the_largest_splats_fill_the_image_in_no_more_words_than_it_has_blocks(diameter, quality):
     splats = splats_of(30, 30, diameter, 32 * 64 + 32)
     assert drawn(splats, 64, 64, quality=quality).all()
-    assert len(encoded(splats, 64, 64, quality).words) <= 17 * 9
+    assert len(words_of(splats, 64, 64, quality=quality)) <= 17 * 9
 
 
 @pytest.mark.parametrize("shape", [0, 63, 63 * 64, 4095, 32, 32 * 64])
@@ -178,7 +176,7 @@ def test_exact_takes_no_more_words_than_its_lines_and_columns_need():
     for _ in range(200):
         diameter, column, line = rng.uniform(1, 4), *rng.uniform(8, 500, 2)
         splats = splats_of(column, line, diameter, 0)
-        words = encoded(splats, 512, 512, quality="exact").words
+        words = words_of(splats, 512, 512, quality="exact")
         lines = np.flatnonzero(drawn(splats, 512, 512, quality="exact").any(axis=1))
         assert len(words) == -(-len(lines) // 4)
 
@@ -190,17 +188,18 @@ def test_fast_is_one_word_for_all_that_fits_a_block():
     shape = rng.integers(0, 4096, count)
     splats = splats_of(*rng.uniform(10, 500, (2, count)), rng.uniform(0.1, 8, count), shape, slope)
     words = encoded(splats, 512, 512, quality="fast")
-    assert len(words.words) == count == words.elements
-    fields = golden.decode(words.words, PAPER)
-    small = splats.diameter < 3
+    assert len(words.together()[0]) == count == words.elements
+    fields = golden.decode(words.together()[0], PAPER)
+    small = splats.data["diameter"] < 3
     assert (fields["mode"][small] == 1).all()  # at most four lines: at their true place
     assert (fields["mode"] == 0).any()
 
 
 def test_each_fraction_has_the_depth_of_the_plane_at_its_own_place():
     column, line, gradient = 30.0, 24.0, (0.004, -0.007)
-    splats = splats_of(column, line, 40.0, 0)
-    found = picture(splats, 61, 47, quality="exact", depth=0.5, gradient=gradient)
+    splats = splats_of(column, line, 40.0, slope=(-0.4, 0.7))
+    # A pixel is 1e-6 of the distance, and the range 1e-4 of it.
+    found = picture(splats, 61, 47, quality="exact", depth_range=(1 - 5e-5, 1 + 5e-5))
     y, x = np.mgrid[:47, :61] + 0.5
     plane = (0.5 + gradient[0] * (x - column) + gradient[1] * (y - line)) * 510
     off = np.abs(found.depth - plane)[found.drawn]
@@ -210,24 +209,33 @@ def test_each_fraction_has_the_depth_of_the_plane_at_its_own_place():
     assert off.mean() < 0.2 * one_depth.mean()
 
 
-def test_depths_beyond_the_range_are_held_to_it():
-    for depth, code in ((-0.5, 0), (1.5, 510)):
-        found = picture(splats_of(20.0, 20.0, 3.0, 0), 61, 47, quality="exact", depth=depth)
-        assert np.unique(found.depth[found.drawn]).tolist() == [code]
+def depths_drawn(depths, depth_range):
+    splats = splats_of(20.0 * (1 + np.arange(len(depths))), 20.0, 3.0, slope=(0.0, 0.0))
+    splats.data["depth"] = depths
+    found = picture(splats, 100, 40, quality="exact", depth_range=depth_range)
+    return [int(found.depth[19, 20 * (1 + i)]) for i in range(len(depths))]
 
 
-def depths_of(values):
-    values = np.asarray(values, np.float64)
-    splats = splats_of(np.zeros(len(values)), 0, 1, 0, (1.0, -2.0))
-    return depth_shares(dataclasses.replace(splats, depth=values), focal=100.0)
+def test_depths_fill_their_range_and_are_held_to_it():
+    assert depths_drawn([1.0, 2.0, 3.0], (1.0, 3.0)) == [0, 255, 510]
+    assert depths_drawn([1e-300, 3e-300], (1e-300, 3e-300)) == [0, 510]
+    assert depths_drawn([0.5, 4.0], (1.0, 3.0)) == [0, 510]
+    assert depths_drawn([7.0, 7.0], (7.0, 7.0)) == [0, 0]
 
 
-def test_depths_fill_their_range():
-    shares, gradient, limits = depths_of([3.0, 1.0, 2.0])
-    assert shares.tolist() == [1.0, 0.0, 0.5]
-    assert limits == (1.0, 3.0)
-    assert gradient[0] == pytest.approx([-0.015, 0.03])  # -n' z / focal / span
-    assert [quantised_depth(share, 510) for share in shares] == [510, 0, 255]
-    assert depths_of([7.0] * 4)[0].tolist() == [0.0] * 4
-    assert len(depths_of([])[0]) == 0
-    assert depths_of([1e-300, 3e-300])[0].tolist() == [0.0, 1.0]
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from(list(QUALITIES)),
+    st.floats(0.01, 300),
+    st.floats(0.05, 1e4),
+)
+@settings(max_examples=60, deadline=None)
+def test_no_chunk_outgrows_the_room_measured_for_it(seed, quality, largest, focal):
+    rng = np.random.default_rng(seed)
+    count = 50
+    slope = rng.normal(size=(count, 2)) * 10.0 ** rng.uniform(-2, 6, (count, 1))
+    places = rng.uniform(-30, 90, (2, count))
+    splats = splats_of(*places, rng.uniform(0, largest, count), slope=slope)
+    found = encoded(splats, 64, 47, quality=quality, focal=focal * 100)
+    assert found.stops[0] - found.starts[0] <= len(found.words)
+    assert found.counts.sum() == found.stops[0] - found.starts[0]

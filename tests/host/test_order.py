@@ -4,16 +4,32 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from splatline.host.encode import Encoded
 from splatline.host.order import advance_word, end_word, sort_by_line
 from splatline.rtl.format import PAPER
 from splatline.sim import golden
 
 
-@given(st.lists(st.integers(0, 1027), max_size=200))
-def test_words_come_by_line_with_the_halves_of_each_dealt_in_turn(lines):
+def in_chunks(words, lines, cuts=()):
+    """Encoded words, cut into chunks at some places."""
+    lines = np.array(lines, np.int16)
+    edges = np.array([0, *sorted(cuts), len(lines)])
+    counts = np.zeros((len(edges) - 1, 1028), np.int32)
+    for chunk, (start, stop) in enumerate(itertools.pairwise(edges)):
+        np.add.at(counts[chunk], lines[start:stop], 1)
+    return Encoded(words, lines, edges[:-1], edges[1:], counts, len(lines))
+
+
+@given(
+    st.lists(st.integers(0, 1027), max_size=200).flatmap(
+        lambda lines: st.tuples(st.just(lines), st.lists(st.integers(0, len(lines)), max_size=5))
+    )
+)
+def test_words_come_by_line_with_the_halves_of_each_dealt_in_turn(lines_and_cuts):
+    lines, cuts = lines_and_cuts
     # Elements that no line of the test could mistake: MODE 0, and their number for a payload.
     words = np.arange(len(lines), dtype=np.uint64) << np.uint64(25)
-    stream, control_words = sort_by_line(words, np.array(lines, np.int16), PAPER)
+    stream, control_words = sort_by_line(in_chunks(words, lines, cuts), PAPER)
     assert len(stream) == len(lines) + control_words
     fields = golden.decode(stream, PAPER)
     assert fields["end"].tolist() == [False] * (len(stream) - 1) + [True]
@@ -34,9 +50,9 @@ def test_words_come_by_line_with_the_halves_of_each_dealt_in_turn(lines):
 
 def test_one_control_word_crosses_any_number_of_empty_lines_that_x_holds():
     words = np.zeros(3, np.uint64)
-    _, control_words = sort_by_line(words, np.array([0, 511, 512], np.int16), PAPER)
+    _, control_words = sort_by_line(in_chunks(words, [0, 511, 512]), PAPER)
     assert control_words == 3  # to 511, to 512, the end
-    _, control_words = sort_by_line(words[:1], np.array([512], np.int16), PAPER)
+    _, control_words = sort_by_line(in_chunks(words[:1], [512]), PAPER)
     assert control_words == 3  # 511 and 1, the end
 
 

@@ -54,12 +54,14 @@ def test_no_entry_is_empty_and_most_sizes_fill_all_normals():
         assert bitmaps(size).any(axis=(2, 3)).all()
 
 
-def test_levels_are_even_in_angle_and_cover_every_direction():
-    angles = np.degrees(np.arctan(level_slopes()))
-    assert np.allclose(np.diff(angles), 180 / 64)
-    for level, angle in enumerate(np.radians(angles)):
+def test_levels_are_even_in_their_measure_and_cover_every_direction():
+    slopes = level_slopes()
+    measure = slopes / (1 + np.abs(slopes))
+    assert np.allclose(np.diff(measure), 2 / 64)
+    for level, slope in enumerate(slopes):
         # The slope is part / facing with facing negative.
-        assert quantise(-np.sin(angle), -np.cos(angle)) == level
-    assert quantise(1.0, 0.0) == 0
-    assert quantise(-1.0, 0.0) == 63
-    assert quantise(0.0, -0.0) in (31, 32)
+        assert quantise(-slope, -1.0) == level
+        assert quantise(-slope * 1e-30, -1e-30) == level
+    assert quantise(1.0, -1e-300) == 0
+    assert quantise(-1.0, -1e-300) == 63
+    assert quantise(0.0, -1.0) in (31, 32)
