@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..host.quality import DEFAULT_QUALITY, QUALITIES
+from ..host.skips import DEFAULT_SKIPS, SKIPS
 from ..rtl.format import EngineConfig
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from .progress import Stages
@@ -59,6 +60,8 @@ class Subject:
         The engine's configuration.
     quality
         How splats become code words.
+    skips
+        What to leave out.
     """
 
     path: Path | None
@@ -71,6 +74,7 @@ class Subject:
     splat_size: float | None
     preset: EngineConfig
     quality: str
+    skips: frozenset[str]
 
     @property
     def name(self) -> str:
@@ -116,17 +120,46 @@ def subject_options(command: _Command) -> _Command:
         splat_size: float | None,
         preset: EngineConfig,
         quality: str,
+        skip: tuple[str, ...],
+        keep: tuple[str, ...],
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
+        if both := set(skip) & set(keep):
+            raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
         subject = Subject(
-            cloud, scene or DEFAULT_SCENE, size, orbit, fov, up, zoom, splat_size, preset, quality
+            cloud,
+            scene or DEFAULT_SCENE,
+            size,
+            orbit,
+            fov,
+            up,
+            zoom,
+            splat_size,
+            preset,
+            quality,
+            (DEFAULT_SKIPS | set(skip)) - set(keep),
         )
         return command(subject=subject, **rest)
 
     decorated: Any = with_subject
     for decorate in (
+        click.option(
+            "--keep",
+            type=click.Choice(sorted(DEFAULT_SKIPS)),
+            multiple=True,
+            help="Do not leave out such points (may be given several times).",
+        ),
+        click.option(
+            "--skip",
+            type=click.Choice(list(SKIPS)),
+            multiple=True,
+            show_default=", ".join(name for name in SKIPS if name in DEFAULT_SKIPS),
+            help="Leave out points as well (may be given several times). "
+            + "; ".join(f"{name}: {what}" for name, what in SKIPS.items())
+            + ".",
+        ),
         click.option("--preset", type=PRESET, default="paper", help="The engine to draw for."),
         click.option(
             "--quality",
@@ -219,6 +252,13 @@ def prepare(subject: Subject, stages: Stages) -> Shot:
     from ..host.pipeline import make_frame
 
     with stages.stage("", "Encoding"):
-        frame = make_frame(cloud, view, radii=radii, config=subject.preset, quality=subject.quality)
+        frame = make_frame(
+            cloud,
+            view,
+            radii=radii,
+            config=subject.preset,
+            quality=subject.quality,
+            skips=subject.skips,
+        )
     stages.seconds.update(frame.counts.get("seconds", {}))
     return Shot(cloud, view, radii, frame, camera)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from ..rtl.format import BLOCK, ROWS, EngineConfig
 from .emit import LARGEST, ONE_PIXEL, emit
 from .exact import conic, encode_exact, one_fraction, quantised_depth
+from .occlusion import cover, is_hidden, new_pyramid
 from .project import Splats
 from .quality import DEFAULT_QUALITY, QUALITIES
 from .shapes import level_slopes, quantise, shape_table
@@ -24,6 +25,13 @@ __all__ = ["Encoded", "encode"]
 SMALLEST = 1e-3
 """Radius in pixels below which a splat's size makes no difference; its conic stays finite."""
 
+
+WAVES = 4
+"""Parts that are encoded one after the other where each may hide the next."""
+
+REACH = 0.5 * BLOCK + 1.0
+"""Pixels by which a symmetric shape may reach beyond its true circle: so thin a one that it covers
+no pixel's centre has the nearest in its own metric, anywhere in its block, from a whole place."""
 
 TINY = 1.0 / float(np.finfo(np.float64).max)
 """Depth range up to which its inverse overflows."""
@@ -39,20 +47,26 @@ class Encoded:
         Shape (slots,), uint64.
     lines
         The engine's line that each is meant for: shape (slots,), int16.
+    turns
+        When each has its turn among the words of its line: shape (slots,), uint8.
     starts, stops
         The slots of each chunk: shape (chunks,), int64.
     counts
         Words of each chunk on each line: shape (chunks, lines), int32.
     elements
         Splats that gave at least one word.
+    hidden
+        Splats left out as they are behind others.
     """
 
     words: npt.NDArray[np.uint64]
     lines: npt.NDArray[np.int16]
+    turns: npt.NDArray[np.uint8]
     starts: npt.NDArray[np.int64]
     stops: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int32]
     elements: int
+    hidden: int = 0
 
     def together(self) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.int16]]:
         """Return words and lines without gaps."""
@@ -68,6 +82,7 @@ def encode(
     quality: str = DEFAULT_QUALITY,
     *,
     nearest_pixel: bool = False,
+    skip_hidden: bool = False,
 ) -> Encoded:
     """Return the code words that draw splats.
 
@@ -88,6 +103,8 @@ def encode(
     nearest_pixel
         Draw a splat that covers no pixel's centre as the pixel that holds it; else leave it out.
         The symmetric shapes always have a pixel.
+    skip_hidden
+        Leave out splats that are wholly behind others; no pixel changes by it.
     """
     low, high = splats.depth_range
     fixed = (
@@ -109,6 +126,7 @@ def encode(
     starts = np.concatenate([[0], np.cumsum(room)])
     words = np.empty(starts[-1], np.uint64)
     lines = np.empty(starts[-1], np.int16)
+    turns = np.empty(starts[-1], np.uint8)
     stops = np.empty(chunks, np.int64)
     counts = np.zeros((chunks, view.height + ROWS), np.int32)
     elements = np.empty(chunks, np.int64)
@@ -121,8 +139,31 @@ def encode(
         config.z.lsb,
         config.background_depth - 1,
     )
-    _encode(source, fixed, to, starts, stops, counts, elements)
-    return Encoded(words, lines, starts[:-1], stops, counts, int(elements.sum()))
+    hidden = np.zeros(chunks, np.int64)
+    pyramid = new_pyramid(view.width, view.height, config)
+    depths = pyramid.bound, pyramid.coarse
+    # Chunks that may hide others go first, and what they hide is known to those that follow.
+    nearest = np.argsort(splats.nearest, kind="stable")
+    for wave in np.array_split(nearest, WAVES) if skip_hidden else [nearest]:
+        _encode(
+            wave,
+            source,
+            fixed,
+            to,
+            skip_hidden,
+            depths,
+            turns,
+            starts,
+            stops,
+            counts,
+            elements,
+            hidden,
+        )
+        if skip_hidden:
+            cover(pyramid, words, lines, starts[wave], stops[wave], config)
+    return Encoded(
+        words, lines, turns, starts[:-1], stops, counts, int(elements.sum()), int(hidden.sum())
+    )
 
 
 def _inverse(span: float) -> float:
@@ -166,7 +207,18 @@ def _room(splat: Any, fixed: Any) -> int:
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def _encode(
-    source: Any, fixed: Any, to: Any, starts: Any, stops: Any, counts: Any, elements: Any
+    wave: Any,
+    source: Any,
+    fixed: Any,
+    to: Any,
+    skip_hidden: bool,
+    depths: Any,
+    turns: Any,
+    starts: Any,
+    stops: Any,
+    counts: Any,
+    elements: Any,
+    hidden: Any,
 ) -> None:
     """Encode each chunk into its own slots, and count its words on each line.
 
@@ -177,9 +229,11 @@ def _encode(
     words, lines, width, height, x_lsb, z_lsb, largest = to
     quality, inverse_focal, low, inverse_span = fixed[2], fixed[5], fixed[6], fixed[7]
     nearest_pixel, look_lsb = fixed[8], fixed[9]
-    for chunk in nb.prange(len(begins)):
+    bound, coarse = depths
+    for number in nb.prange(len(wave)):
+        chunk = wave[number]
         at = starts[chunk]
-        drawn = 0
+        drawn, behind = 0, 0
         for i in range(begins[chunk], ends[chunk]):
             splat = data[i]
             before = at
@@ -188,6 +242,9 @@ def _encode(
             form = conic(a, b, float(splat.slope_x), float(splat.slope_y))
             radius = 0.5 * float(splat.diameter)
             radius = min(max(radius, SMALLEST), LARGEST)
+            if skip_hidden and _is_hidden(splat, radius, a, b, fixed, largest, bound, coarse):
+                behind += 1
+                continue
             found = 2
             if quality:
                 found, x, top, scans = one_fraction(
@@ -202,10 +259,50 @@ def _encode(
             elif found == 2 or nearest_pixel:
                 at = _encode_other(splat, found, form, fixed, at, to)
             drawn += at > before
+            turn = _turn(column, line)
             for word in range(before, at):
+                turns[word] = turn
                 counts[chunk, lines[word]] += 1
         stops[chunk] = at
         elements[chunk] = drawn
+        hidden[chunk] = behind
+
+
+@nb.njit(inline="always")
+def _turn(column: float, line: float) -> int:
+    """Return when a splat has its turn on its line, as good as at random, from its place alone.
+
+    So the order of two words does not depend on which others there are, nor on the order of the
+    points. (Multipliers of Fibonacci hashing and of xxHash.)
+    """
+    across, down = int(column * 1024.0), int(line * 1024.0)
+    return (across * 0x9E3779B1 + down * 0x85EBCA77) >> 24 & 255
+
+
+@nb.njit(error_model="numpy")
+def _is_hidden(
+    splat: Any, radius: float, a: float, b: float, fixed: Any, largest: int, bound: Any, coarse: Any
+) -> bool:
+    """Return whether none of a splat can be seen, however its words turn out.
+
+    Parameters
+    ----------
+    radius
+        In pixels.
+    a, b
+        Where its centre lies: x / z and y / z.
+    """
+    inverse_focal, low, inverse_span = fixed[5], fixed[6], fixed[7]
+    # As far as its disc reaches (see ``conic``), or its symmetric shape.
+    beyond = 0.01 if fixed[2] == 2 else REACH
+    wide = radius * (1.0 + min(abs(a), 0.5 * a * a)) + beyond
+    high = radius * (1.0 + min(abs(b), 0.5 * b * b)) + beyond
+    # The disc's plane is nearest at a corner of that.
+    change = splat.depth * inverse_span * inverse_focal
+    nearer = change * (abs(splat.slope_x) * wide + abs(splat.slope_y) * high)
+    depth = (splat.depth - low) * inverse_span
+    z = quantised_depth(depth - nearer if radius > 0.5 * ROWS - 1.0 else depth, largest)
+    return is_hidden(splat.column, splat.line, wide, high, z, bound, coarse)
 
 
 @nb.njit(error_model="numpy")

@@ -15,6 +15,10 @@ from .shapes import EMPTY_SCANS
 __all__ = ["advance_word", "end_word", "sort_by_line"]
 
 
+TURNS = 256
+"""Values that a turn has."""
+
+
 def advance_word(lines: int, config: EngineConfig) -> int:
     """Return the control word that advances the engine's line."""
     return _control(config) | lines << config.x.lsb
@@ -32,9 +36,9 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     Consecutive lines with words cost one control word, whatever lies between them, unless the gap
     is beyond what X holds.
 
-    The two halves of a line's words are dealt out in turn. Neighbours in a cloud tend to be
-    neighbours on the image, and an element that follows another into the same word of the engine's
-    memory costs it a cycle; half a line apart they hardly ever meet.
+    A line's words come by their turns, which are as good as random: neighbours in a cloud tend to
+    be neighbours on the image, and an element that follows another into the same word of the
+    engine's memory costs it a cycle. Words of one turn keep their order.
 
     Parameters
     ----------
@@ -68,8 +72,20 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
             step = min(int(gap), config.x.mask)
             stream[at] = advance_word(step, config)
             gap -= step
-    chunks = (encoded.words, encoded.lines, encoded.starts, encoded.stops)
-    _scatter(chunks, before, counts, starts, stream)
+    words, turns = np.empty(total, np.uint64), np.empty(total, np.uint8)
+    places = np.cumsum(counts) - counts  # of each line's words without control words
+    before += places
+    _by_line(
+        encoded.words,
+        encoded.lines,
+        encoded.turns,
+        encoded.starts,
+        encoded.stops,
+        before,
+        words,
+        turns,
+    )
+    _by_turn(words, turns, places, counts, starts, stream)
     stream[-1] = end_word(config)
     return stream, int(steps.sum()) + 1
 
@@ -79,15 +95,38 @@ def _control(config: EngineConfig) -> int:
 
 
 @nb.njit(parallel=True, cache=True)
-def _scatter(chunks: Any, before: Any, counts: Any, starts: Any, stream: Any) -> None:
-    """Put each word at its place: of a line's words, the first half on even places."""
-    words, lines, begins, ends = chunks
+def _by_line(
+    words: Any,
+    lines: Any,
+    turns: Any,
+    begins: Any,
+    ends: Any,
+    before: Any,
+    sorted_words: Any,
+    sorted_turns: Any,
+) -> None:
+    """Bring the words of each line together; each chunk knows the places of its own."""
     for chunk in nb.prange(len(begins)):
-        placed = before[chunk]
+        places = before[chunk]
         for i in range(begins[chunk], ends[chunk]):
-            line = lines[i]
-            number = placed[line]
-            placed[line] += 1
-            half = (counts[line] + 1) // 2
-            place = 2 * number if number < half else 2 * (number - half) + 1
-            stream[starts[line] + place] = words[i]
+            place = places[lines[i]]
+            places[lines[i]] = place + 1
+            sorted_words[place] = words[i]
+            sorted_turns[place] = turns[i]
+
+
+@nb.njit(parallel=True, cache=True)
+def _by_turn(words: Any, turns: Any, places: Any, counts: Any, starts: Any, stream: Any) -> None:
+    """Sort each line's words by their turns, into the stream."""
+    for line in nb.prange(len(counts)):
+        if counts[line]:
+            begin, end = places[line], places[line] + counts[line]
+            following = np.zeros(TURNS + 1, np.int64)
+            for i in range(begin, end):
+                following[turns[i] + 1] += 1
+            following[0] = starts[line]
+            for turn in range(TURNS):
+                following[turn + 1] += following[turn]
+            for i in range(begin, end):
+                stream[following[turns[i]]] = words[i]
+                following[turns[i]] += 1

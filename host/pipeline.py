@@ -95,10 +95,18 @@ def make_frame(
     if depth_range is not None:
         splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
     clock.lap("project")
-    encoded = encode(splats, view, config, quality, nearest_pixel="no_pixel" not in useful)
+    encoded = encode(
+        splats,
+        view,
+        config,
+        quality,
+        nearest_pixel="no_pixel" not in useful,
+        skip_hidden="hidden" in useful,
+    )
     clock.lap("encode")
     culled = splats.culled
-    culled["no_pixel"] += len(splats) - encoded.elements
+    culled["hidden"] = encoded.hidden
+    culled["no_pixel"] += len(splats) - encoded.elements - encoded.hidden
     name, points, dropped = index.cloud.name, len(index), index.cloud.dropped
     if not encoded.elements:
         raise InputError(

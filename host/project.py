@@ -54,6 +54,8 @@ class Splats:
         Splats in chunks, with gaps between: shape (slots,), structured, see ``SPLAT``.
     starts, stops
         The slots of each chunk: shape (CHUNKS,), int64.
+    nearest
+        Least depth of each chunk; infinite if it is empty: shape (CHUNKS,), float64.
     depth_range
         Least and greatest depth; (0, 0) if there is no splat.
     culled
@@ -63,6 +65,7 @@ class Splats:
     data: npt.NDArray[Any]
     starts: npt.NDArray[np.int64]
     stops: npt.NDArray[np.int64]
+    nearest: npt.NDArray[np.float64]
     depth_range: tuple[float, float]
     culled: dict[str, int]
 
@@ -79,7 +82,7 @@ class Splats:
     def of(cls, data: npt.NDArray[Any]) -> Splats:
         """Return splats given as one array, in a single chunk."""
         limits = (float(data["depth"].min()), float(data["depth"].max())) if len(data) else (0, 0)
-        return cls(data, np.array([0]), np.array([len(data)]), limits, {})
+        return cls(data, np.array([0]), np.array([len(data)]), np.zeros(1), limits, {})
 
 
 def project(
@@ -147,6 +150,7 @@ def project(
         data=data,
         starts=starts,
         stops=stops,
+        nearest=limits[:, 0],
         depth_range=(low, high) if (stops > starts).any() else (0.0, 0.0),
         culled={name: int(tally[reason]) for name, reason in REASONS.items()},
     )

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from splatline.host import project as project_module
 from splatline.host.index import build_index
 from splatline.host.pipeline import make_frame
+from splatline.host.quality import QUALITIES
 from splatline.host.skips import DEFAULT_SKIPS, SKIPS
 from splatline.host.view import fit_view
 from splatline.sim import golden
@@ -102,6 +103,39 @@ def test_thinning_a_crowd_keeps_the_surface_closed_and_says_how_many_it_left_out
     assert sum(thinned.counts["culled"].values()) + thinned.counts["elements"] == 200_000
     before, after = golden.render(all_of_it), golden.render(thinned)
     assert (before.drawn & ~after.drawn).sum() <= 0.01 * before.drawn.sum()
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([0.02, 0.1, 0.4, 2.0]),
+    st.tuples(st.floats(-180, 180), st.floats(-89, 89)),
+    st.sampled_from([(64, 48), (61, 47), (20, 90)]),
+)
+@settings(max_examples=25, deadline=None)
+def test_what_hides_behind_others_is_left_out_without_changing_a_pixel(
+    quality, seed, radius, orbit, size
+):
+    cloud = patchy(seed, 9000)
+    view = fit_view(cloud, orbit=orbit, size=size)
+    index = build_index(cloud, np.full(len(cloud), radius))
+    with_it = make_frame(index, view, quality=quality, skips=DEFAULT_SKIPS | {"hidden"})
+    without = make_frame(index, view, quality=quality)
+    assert golden.render(with_it).mismatches(golden.render(without)) == 0
+    assert without.counts["culled"]["hidden"] == 0
+
+
+def test_most_of_what_stands_behind_a_wall_is_hidden():
+    y, x = np.mgrid[-1:1:90j, -1:1:90j]
+    places = np.concatenate(
+        [np.stack([x, y, np.full_like(x, z)], -1).reshape(-1, 3) for z in range(6)]
+    )
+    cloud = cloud_of(places, np.broadcast_to([0, 0, 1.0], places.shape))
+    view = fit_view(cloud, orbit=(0, 0), size=(96, 96))
+    index = build_index(cloud, np.full(len(cloud), 0.04))
+    frame = make_frame(index, view, skips=DEFAULT_SKIPS | {"hidden"})
+    # Five of six walls; the nearest one's first wave may hide less.
+    assert frame.counts["culled"]["hidden"] > 0.6 * len(cloud)
 
 
 def test_every_reason_is_counted():

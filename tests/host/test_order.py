@@ -10,26 +10,28 @@ from splatline.rtl.format import PAPER
 from splatline.sim import golden
 
 
-def in_chunks(words, lines, cuts=()):
+def in_chunks(words, lines, turns=None, cuts=()):
     """Encoded words, cut into chunks at some places."""
     lines = np.array(lines, np.int16)
+    turns = np.zeros(len(lines), np.uint8) if turns is None else np.array(turns, np.uint8)
     edges = np.array([0, *sorted(cuts), len(lines)])
     counts = np.zeros((len(edges) - 1, 1028), np.int32)
     for chunk, (start, stop) in enumerate(itertools.pairwise(edges)):
         np.add.at(counts[chunk], lines[start:stop], 1)
-    return Encoded(words, lines, edges[:-1], edges[1:], counts, len(lines))
+    return Encoded(words, lines, turns, edges[:-1], edges[1:], counts, len(lines))
 
 
 @given(
-    st.lists(st.integers(0, 1027), max_size=200).flatmap(
-        lambda lines: st.tuples(st.just(lines), st.lists(st.integers(0, len(lines)), max_size=5))
+    st.lists(st.tuples(st.integers(0, 1027), st.integers(0, 255)), max_size=200).flatmap(
+        lambda keys: st.tuples(st.just(keys), st.lists(st.integers(0, len(keys)), max_size=5))
     )
 )
-def test_words_come_by_line_with_the_halves_of_each_dealt_in_turn(lines_and_cuts):
-    lines, cuts = lines_and_cuts
+def test_words_come_by_line_and_turn_and_else_in_their_order(keys_and_cuts):
+    keys, cuts = keys_and_cuts
+    lines, turns = zip(*keys, strict=True) if keys else ((), ())
     # Elements that no line of the test could mistake: MODE 0, and their number for a payload.
     words = np.arange(len(lines), dtype=np.uint64) << np.uint64(25)
-    stream, control_words = sort_by_line(in_chunks(words, lines, cuts), PAPER)
+    stream, control_words = sort_by_line(in_chunks(words, lines, turns, cuts), PAPER)
     assert len(stream) == len(lines) + control_words
     fields = golden.decode(stream, PAPER)
     assert fields["end"].tolist() == [False] * (len(stream) - 1) + [True]
@@ -39,13 +41,8 @@ def test_words_come_by_line_with_the_halves_of_each_dealt_in_turn(lines_and_cuts
             found.append((line, int(word) >> 25))
         elif not field["end"]:
             line += int(field["x"])
-    expected = []
-    for line in sorted(set(lines)):
-        numbers = [number for number, own in enumerate(lines) if own == line]
-        half = (len(numbers) + 1) // 2
-        dealt = itertools.zip_longest(numbers[:half], numbers[half:])
-        expected += [(line, number) for pair in dealt for number in pair if number is not None]
-    assert found == expected
+    ordered = sorted(range(len(lines)), key=lambda number: (lines[number], turns[number]))
+    assert found == [(lines[number], number) for number in ordered]
 
 
 def test_one_control_word_crosses_any_number_of_empty_lines_that_x_holds():
