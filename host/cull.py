@@ -13,7 +13,7 @@ import numba as nb
 
 from .skips import REASONS
 
-__all__ = ["cull_blocks", "faces_away", "lies_outside", "misses_pixels"]
+__all__ = ["cull_blocks", "faces_away", "lies_outside", "misses_centre"]
 
 MARGIN = 1.5
 """Pixels by which a drawn footprint may reach beyond its true circle: a centre rounded to a whole
@@ -41,9 +41,15 @@ def faces_away(facing: float) -> bool:
 
 
 @nb.njit(inline="always")
-def misses_pixels(centre: float, reach: float) -> bool:
-    """Return whether no pixel's centre lies within ``reach`` of a column (or line)."""
-    return math.ceil(centre - reach - ROUNDING - 0.5) > math.floor(centre + reach + ROUNDING - 0.5)
+def misses_centre(column: float, line: float, radius: float, a: float, b: float) -> bool:
+    """Return whether a splat of less than half a pixel in radius misses every pixel's centre.
+
+    A disc seen aslant, from x / z = a and y / z = b, reaches up to sqrt(1 + a^2 + b^2) times its
+    radius (see ``host.exact.conic``). The pixel that holds its own centre is the nearest.
+    """
+    dx, dy = math.floor(column) + 0.5 - column, math.floor(line) + 0.5 - line
+    reach = radius + ROUNDING
+    return dx * dx + dy * dy > reach * reach * (1.0 + a * a + b * b)
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
@@ -130,4 +136,10 @@ def _between_centres(
     spread = reach * math.sqrt(1.0 + slope * slope) / least
     furthest = abs(slope) + spread
     span = focal * spread + disc * math.sqrt(1.0 + furthest * furthest) / least
-    return span < 0.5 and misses_pixels(middle + focal * slope, span)
+    return span < 0.5 and _misses_pixels(middle + focal * slope, span)
+
+
+@nb.njit(inline="always")
+def _misses_pixels(centre: float, reach: float) -> bool:
+    """Return whether no pixel's centre lies within ``reach`` of a column (or line)."""
+    return math.ceil(centre - reach - ROUNDING - 0.5) > math.floor(centre + reach + ROUNDING - 0.5)

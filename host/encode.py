@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ..rtl.format import BLOCK, ROWS, EngineConfig
 from .emit import LARGEST, ONE_PIXEL, emit
-from .exact import conic, encode_exact, one_fraction, quantised_depth
+from .exact import conic, covers_own_pixel, encode_exact, one_fraction, quantised_depth
 from .occlusion import cover, is_hidden, new_pyramid
 from .project import Splats
 from .quality import DEFAULT_QUALITY, QUALITIES
@@ -246,7 +246,12 @@ def _encode(
                 behind += 1
                 continue
             found = 2
-            if quality:
+            if quality and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
+                # No other pixel's centre is near enough.
+                found, scans = int(covers_own_pixel(column, line, radius * radius, form)), ONE_PIXEL
+                x, top = math.floor(column), math.floor(line)
+                found = found if 0 <= x < width and 0 <= top < height else 0
+            elif quality:
                 found, x, top, scans = one_fraction(
                     column, line, radius * radius, form, width, height
                 )

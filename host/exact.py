@@ -16,7 +16,7 @@ from ..rtl.format import BLOCK, ROWS
 from .emit import LARGEST, put
 from .shapes import EMPTY_SCANS
 
-__all__ = ["conic", "encode_exact", "extent", "one_fraction", "quantised_depth"]
+__all__ = ["conic", "covers_own_pixel", "encode_exact", "extent", "one_fraction", "quantised_depth"]
 
 
 @nb.njit(inline="always")
@@ -110,6 +110,13 @@ def _span(
 def _code(first: int, last: int, filled: bool, begin: int) -> int:
     """Return a row of the fraction at column ``begin``, as SCANS has it."""
     return (first - begin | last - begin << 3) if filled else 1
+
+
+@nb.njit(inline="always")
+def covers_own_pixel(column: float, line: float, square: float, form: Any) -> bool:
+    """Return whether an ellipse covers the centre of the pixel that holds its own."""
+    dx, dy = math.floor(column) + 0.5 - column, math.floor(line) + 0.5 - line
+    return form[0] * dx * dx + 2.0 * form[1] * dx * dy + form[2] * dy * dy <= square
 
 
 @nb.njit(error_model="numpy")

@@ -10,7 +10,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .cull import cull_blocks, faces_away, lies_outside, misses_pixels
+from .cull import cull_blocks, faces_away, lies_outside, misses_centre
 from .index import BLOCK_POINTS, Index
 from .shapes import LEVELS, quantise
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
@@ -214,6 +214,8 @@ def _project_point(i: int, growth: float, points: Any, camera: Any, look: Any, s
     radius = growth * radii[i] * inverse * focal
     if rules[OUTSIDE] and lies_outside(column, line, radius, width, height):
         return OUTSIDE
+    if rules[NO_PIXEL] and radius < 0.5 and misses_centre(column, line, radius, a, b):
+        return NO_PIXEL
 
     wx, wy, wz = normals[i, 0], normals[i, 1], normals[i, 2]
     nx = axes[0, 0] * wx + axes[0, 1] * wy + axes[0, 2] * wz
@@ -224,12 +226,6 @@ def _project_point(i: int, growth: float, points: Any, camera: Any, look: Any, s
         nx, ny, nz, facing = -nx, -ny, -nz, -facing
     if rules[FACING_AWAY] and faces_away(facing) and not two_sided[i]:
         return FACING_AWAY
-    if rules[NO_PIXEL] and radius < 0.5:
-        # A disc seen aslant reaches up to this much further (see ``host.exact.conic``).
-        if misses_pixels(column, radius * math.sqrt(1.0 + a * a)):
-            return NO_PIXEL
-        if misses_pixels(line, radius * math.sqrt(1.0 + b * b)):
-            return NO_PIXEL
 
     facing = min(facing, -STEEPEST)
     # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0: for

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splatline.host import project as project_module
+from splatline.host.errors import InputError
 from splatline.host.index import build_index
 from splatline.host.pipeline import make_frame
 from splatline.host.quality import QUALITIES
@@ -46,13 +47,20 @@ def test_no_block_hides_a_point_that_would_be_drawn(seed, orbit, fov, zoom, near
     eye = view.eye * (1 + nearer / 3) + 0.3 * nearer * view.axes[0]
     view = dataclasses.replace(view, eye=eye, near=1e-3)
     index = build_index(cloud, np.full(len(cloud), radius))
-    shades = np.zeros(4096, np.uint32)
-    found = project_module.project(index, view, shades, 14)
+    limits = (0.0, 10.0)
+    try:
+        found = make_frame(index, view, depth_range=limits)
+    except InputError:
+        found = None
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(project_module, "cull_blocks", every_block)
-        every = project_module.project(index, view, shades, 14)
-    assert np.array_equal(found.together(), every.together())
-    assert sum(found.culled.values()) == sum(every.culled.values())
+        if found is None:
+            with pytest.raises(InputError):
+                make_frame(index, view, depth_range=limits)
+            return
+        every = make_frame(index, view, depth_range=limits)
+    assert np.array_equal(found.codewords, every.codewords)
+    assert sum(found.counts["culled"].values()) == sum(every.counts["culled"].values())
 
 
 def frames(cloud, view, radius, *skips):
