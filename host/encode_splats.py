@@ -1,0 +1,215 @@
+"""The compiled loop over splats: each becomes one fraction, or what its quality says."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba as nb
+import numpy as np
+
+from ..rtl.format import BLOCK, ROWS
+from .emit import LARGEST, ONE_PIXEL, emit
+from .exact import conic, covers_own_pixel, encode_exact, one_fraction, quantised_depth
+from .occlusion import is_hidden
+from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
+from .shapes import quantise
+from .symmetric import encode_symmetric
+
+__all__ = ["encode_splats", "measure_room"]
+
+SMALLEST = 1e-3
+"""Radius in pixels below which a splat's size makes no difference; its conic stays finite."""
+
+REACH = 0.5 * BLOCK + 1.0
+"""Pixels by which a symmetric shape may reach beyond its true circle: so thin a one that it covers
+no pixel's centre has the nearest in its own metric, anywhere in its block, from a whole place."""
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def measure_room(source: Any, fixed: Any, room: Any) -> None:
+    """Set how many words each chunk has at the most."""
+    floats, starts, stops = source[0], source[3], source[4]
+    for chunk in nb.prange(len(starts)):
+        total = 0
+        for i in range(starts[chunk], stops[chunk]):
+            total += _room(floats[i, COLUMN], floats[i, LINE], floats[i, DIAMETER], fixed)
+        room[chunk] = total
+
+
+@nb.njit(error_model="numpy")
+def _room(column: float, line: float, diameter: float, fixed: Any) -> int:
+    """Return the most words that a splat may take.
+
+    A disc seen at the slant a = x / z reaches sqrt(1 + a^2) times its radius (see ``conic``), and
+    2 r pixels hold the centres of at most floor(2 r) + 1. The symmetric shapes reach a pixel
+    further, for their whole places and diameters.
+    """
+    quality, width, height, inverse_focal = fixed[2], fixed[3], fixed[4], fixed[5]
+    if quality < 2 and diameter <= BLOCK:
+        return 2
+    a, b = abs(column - 0.5 * width), abs(line - 0.5 * height)
+    a, b = a * inverse_focal, b * inverse_focal
+    wide = diameter * (1.0 + min(a, 0.5 * a * a)) + 1e-3
+    high = diameter * (1.0 + min(b, 0.5 * b * b)) + 1e-3
+    if quality == 0:
+        wide, high = wide + 2.0 * ROWS, high + 4.0 * ROWS
+    lines = min(int(min(high, LARGEST)) + 1, height + 2 * ROWS)
+    columns = min(int(min(wide, LARGEST)) + 1, width + BLOCK)
+    return -(-lines // ROWS) * -(-columns // BLOCK)
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def encode_splats(
+    wave: Any,
+    source: Any,
+    fixed: Any,
+    to: Any,
+    skip_hidden: bool,
+    bound: Any,
+    coarse: Any,
+    turns: Any,
+    starts: Any,
+    stops: Any,
+    counts: Any,
+    elements: Any,
+    hidden: Any,
+) -> None:
+    """Encode chunks, each into its own slots, and count their words on each line.
+
+    Parameters
+    ----------
+    wave
+        The chunks.
+    source
+        Views of the splats (see ``Splats.views``), and the slots of each chunk.
+    fixed
+        Shape table, its levels' slopes, number of the quality, width, height, 1 / focal length,
+        least depth, 1 / depth range, whether a splat without a pixel draws the nearest, and the
+        lowest bit of DIFFUSE.
+    to
+        Where words go; see :mod:`splatline.host.emit`.
+    skip_hidden, bound, coarse
+        Whether to look splats up in a pyramid, and what it knows; see ``host.occlusion``.
+    turns, stops, counts, elements, hidden
+        Set, from ``starts`` on; see ``Encoded``.
+    """
+    floats, bits, doubles, begins, ends = source
+    words, lines, width, height, x_lsb, z_lsb, largest = to
+    quality, inverse_focal, low, inverse_span = fixed[2], fixed[5], fixed[6], fixed[7]
+    nearest_pixel, look_lsb = fixed[8], fixed[9]
+    for number in nb.prange(len(wave)):
+        chunk = wave[number]
+        at = starts[chunk]
+        drawn, behind = 0, 0
+        for i in range(begins[chunk], ends[chunk]):
+            before = at
+            column, line = float(floats[i, COLUMN]), float(floats[i, LINE])
+            slope_x, slope_y = float(floats[i, SLOPE_X]), float(floats[i, SLOPE_Y])
+            diameter, distance = float(floats[i, DIAMETER]), doubles[i, DEPTH]
+            a, b = (column - 0.5 * width) * inverse_focal, (line - 0.5 * height) * inverse_focal
+            form = conic(a, b, slope_x, slope_y)
+            # Far smaller than a pixel or larger than any image makes no difference.
+            radius = 0.5 * diameter
+            radius = radius if radius > SMALLEST else SMALLEST
+            radius = radius if radius < LARGEST else LARGEST
+            splat = column, line, diameter, slope_x, slope_y, distance
+            if skip_hidden and _is_hidden(splat, radius, a, b, fixed, largest, bound, coarse):
+                behind += 1
+                continue
+            found = 2
+            if quality and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
+                # No other pixel's centre is near enough.
+                found, scans = int(covers_own_pixel(column, line, radius * radius, form)), ONE_PIXEL
+                x, top = math.floor(column), math.floor(line)
+                found = found if 0 <= x < width and 0 <= top < height else 0
+            elif quality:
+                found, x, top, scans = one_fraction(
+                    column, line, radius * radius, form, width, height
+                )
+            if found == 1:  # nearly all
+                z = quantised_depth((distance - low) * inverse_span, largest)
+                common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
+                words[at] = common | 1 | scans << 1 | x << x_lsb
+                lines[at] = top + ROWS
+                at += 1
+            elif found == 2 or nearest_pixel:
+                common = np.int64(bits[i, LOOK]) << look_lsb
+                at = _encode_other(splat, common, found, form, radius, fixed, at, to)
+            drawn += at > before
+            turn = _turn(column, line)
+            for word in range(before, at):
+                turns[word] = turn
+                counts[chunk, lines[word]] += 1
+        stops[chunk] = at
+        elements[chunk] = drawn
+        hidden[chunk] = behind
+
+
+@nb.njit(inline="always")
+def _turn(column: float, line: float) -> int:
+    """Return when a splat has its turn on its line, as good as at random, from its place alone.
+
+    So the order of two words does not depend on which others there are, nor on the order of the
+    points. (Multipliers of Fibonacci hashing and of xxHash.)
+    """
+    across, down = int(column * 1024.0), int(line * 1024.0)
+    return (across * 0x9E3779B1 + down * 0x85EBCA77) >> 24 & 255
+
+
+@nb.njit(error_model="numpy")
+def _is_hidden(
+    splat: Any, radius: float, a: float, b: float, fixed: Any, largest: int, bound: Any, coarse: Any
+) -> bool:
+    """Return whether none of a splat can be seen, however its words turn out.
+
+    Parameters
+    ----------
+    radius
+        In pixels.
+    a, b
+        Where its centre lies: x / z and y / z.
+    """
+    column, line, _, slope_x, slope_y, distance = splat
+    inverse_focal, low, inverse_span = fixed[5], fixed[6], fixed[7]
+    # As far as its disc reaches (see ``conic``), or its symmetric shape.
+    beyond = 0.01 if fixed[2] == 2 else REACH
+    wide = radius * (1.0 + min(abs(a), 0.5 * a * a)) + beyond
+    high = radius * (1.0 + min(abs(b), 0.5 * b * b)) + beyond
+    # The disc's plane is nearest at a corner of that.
+    change = distance * inverse_span * inverse_focal
+    nearer = change * (abs(slope_x) * wide + abs(slope_y) * high)
+    depth = (distance - low) * inverse_span
+    z = quantised_depth(depth - nearer if radius > 0.5 * ROWS - 1.0 else depth, largest)
+    return is_hidden(column, line, wide, high, z, bound, coarse)
+
+
+@nb.njit(error_model="numpy")
+def _encode_other(
+    splat: Any,
+    common: int,
+    found: int,
+    form: Any,
+    radius: float,
+    fixed: Any,
+    at: int,
+    to: Any,
+) -> int:
+    """Write the words of a splat that is not one fraction, and return the next one's place."""
+    table, levels, quality, _, _, inverse_focal, low, inverse_span, nearest_pixel, _ = fixed
+    column, line, diameter, slope_x, slope_y, distance = splat
+    z_lsb, largest = to[5], to[6]
+    depth = (distance - low) * inverse_span
+    if quality == 0 or (found and quality == 1 and diameter <= BLOCK):
+        shape = quantise(-slope_x, -1.0), quantise(-slope_y, -1.0)
+        common |= quantised_depth(depth, largest) << z_lsb
+        return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)
+    if found:
+        # From a pixel to the next the plane's depth changes by -n' z / focal.
+        change = -distance * inverse_span * inverse_focal
+        plane = depth, slope_x * change, slope_y * change
+        end = encode_exact(column, line, radius * radius, form, plane, common, at, to)
+        if end > at or not nearest_pixel:
+            return end
+    common |= quantised_depth(depth, largest) << z_lsb
+    return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
