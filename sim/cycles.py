@@ -1,7 +1,9 @@
-"""How few cycles the code words of a frame can take, by how the window's memory is laid out.
+"""How many cycles a frame takes, and how few its code words could take.
 
-A memory word holds four neighbouring pixels; a bank reads one word and writes one word a cycle. No
-order of work draws an element in fewer cycles than its busiest bank has words of it.
+``count_cycles`` is exact: what the Verilog would count, without running it. ``least_cycles`` is a
+bound by how the window's memory is laid out. A memory word holds four neighbouring pixels; a bank
+reads one word and writes one word a cycle. No order of work draws an element in fewer cycles than
+its busiest bank has words of it.
 """
 
 from __future__ import annotations
@@ -9,11 +11,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..host.errors import InputError
 from ..host.frame import Frame
-from ..rtl.format import BLOCK, ROWS
+from ..rtl.format import BLOCK, ROWS, EngineConfig
 from .golden import decode
+from .pipeline_model import machine_of, walk
 
-__all__ = ["LAYOUTS", "least_cycles"]
+__all__ = ["LAYOUTS", "clearing_cycles", "count_cycles", "least_cycles"]
 
 LAYOUTS = {
     "whole columns": "bank = line mod 8; all lines take the same column of words at a time",
@@ -21,6 +25,63 @@ LAYOUTS = {
     "interleaved": "bank = (line + 4 (word mod 2)) mod 8, as the engine has it",
 }
 """The layouts compared, all with the same sixteen block RAMs."""
+
+
+REGISTERS = 6
+"""Table writes of a frame beside the materials."""
+
+START = 4
+"""Cycles that the simulation takes from the reset to the first table write, and from the last one
+to the first code word."""
+
+
+def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = True) -> int:
+    """Return the clock cycles that the engine takes for a frame.
+
+    They run from the first code word taken to the end beat, both included: the ``cycles`` of
+    ``sim.cosim.frames``, to the cycle. No port ever waits and there is no initial raster.
+
+    Parameters
+    ----------
+    frame
+        What to draw.
+    after_reset
+        The frame is the engine's first, as in ``simulate_frame``: the window is still being cleared
+        when the first code word is taken. False: a later frame, or an engine that had the time.
+    conflicts
+        False counts as if a bank could take the word that it is writing at the moment. That is not
+        always less: an element that waits leaves its other banks to the lines that leave.
+
+    Raises
+    ------
+    InputError
+        If there is no end-of-frame word.
+    NotImplementedError
+        If the configuration has more than one colour plane.
+    """
+    config = frame.config
+    if config.colour_planes != 1:
+        raise NotImplementedError(
+            f"cycles are counted for engines with one colour plane, not {config.colour_planes}"
+        )
+    clearing = clearing_cycles(config) if after_reset else 0
+    words = np.ascontiguousarray(frame.codewords, np.uint64).view(np.int64)
+    machine = machine_of(config, frame.width, frame.height, clearing)
+    cycles = walk(words, machine._replace(hazard=conflicts))
+    if not cycles:
+        raise InputError("the code words have no end-of-frame word: the stream is cut short")
+    return int(cycles)
+
+
+def clearing_cycles(config: EngineConfig) -> int:
+    """Return for how long the window is still cleared when a first frame's first word is taken.
+
+    It takes a cycle an address of a bank (the half words of four lines), from the reset on; the
+    table writes go before the first code word.
+    """
+    clearing: int = 4 << (config.word_bits - 1)
+    writes = config.register_base + REGISTERS
+    return max(clearing - writes - START, 0)
 
 
 def least_cycles(frame: Frame) -> dict[str, float]:

@@ -1,13 +1,13 @@
 """The golden renderer: ``docs/contract.md`` as a program, and the judge of the hardware.
 
 It is written from the contract and ``rtl/format.py`` alone and shares nothing else with the
-hardware. ``_draw`` is the engine; what stands around it checks the frame and turns its tables and
-images into arrays.
+hardware. What draws is in ``golden_draw.py``; here the frame is checked and its tables are turned
+into arrays.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
@@ -15,18 +15,14 @@ import numpy.typing as npt
 
 from ..host.errors import InputError
 from ..host.frame import Frame, Tables
-from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig, Field
+from ..rtl.format import PAPER, ROWS, EngineConfig, Field
+from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
 from .raster import Raster
 
 __all__ = ["decode", "render"]
 
-ABOVE = BLOCK // 2
-"""Lines of an element's block that lie above the engine's current line."""
-
-# The scans have the same place in every configuration, so that the compiler may know it.
-FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
-LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
-COLUMN_MASK = PAPER.first(0).mask
+WORD_WORK = 4
+"""How much more work a code word is than a pixel of the image, about."""
 
 
 CODEWORD = np.dtype(
@@ -46,22 +42,7 @@ CODEWORD = np.dtype(
 """A code word, taken apart."""
 
 
-class Positions(NamedTuple):
-    """The configuration as ``_draw`` needs it: lowest bit and mask of each field, and widths."""
-
-    mode: tuple[int, int]
-    diffuse: tuple[int, int]
-    specular: tuple[int, int]
-    material: tuple[int, int]
-    x: tuple[int, int]
-    z: tuple[int, int]
-    control_end: tuple[int, int]
-    colour_shift: int
-    channel_bits: int
-    channel_max: int
-
-
-def render(frame: Frame, initial: Raster | None = None) -> Raster:
+def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = None) -> Raster:
     """Draw a frame, exact to the bit.
 
     Parameters
@@ -72,6 +53,9 @@ def render(frame: Frame, initial: Raster | None = None) -> Raster:
     initial
         The raster to start from, as the engine before in a chain has left it; nothing but
         background if not given. It is not changed.
+    bands
+        Bands of lines to draw in parallel, at least 1; as many as numba has threads if not given.
+        The picture is the same with any number.
 
     Returns
     -------
@@ -84,39 +68,39 @@ def render(frame: Frame, initial: Raster | None = None) -> Raster:
         If there is no end-of-frame word, the image does not fit the engine, or the tables have
         another shape or larger values than the engine's.
     ValueError
-        If the initial raster has another size or configuration than the frame, a value that no
-        pixel holds, or a colour at background depth.
+        If ``bands`` is below 1, or the initial raster has another size or configuration than the
+        frame, a value that no pixel holds, or a colour at background depth.
     """
     config = frame.config
+    if bands is None:
+        bands = numba.get_num_threads()
+    if bands < 1:
+        raise ValueError(f"the image is drawn in at least one band of lines, not {bands}")
     _check_image(frame)
     _check_tables(frame.tables, config)
     if initial is not None:
         _check_initial(initial, frame)
 
-    # A canvas with a margin into which every block fits that reaches over a border, so that nothing
-    # is clipped while drawing. The image is cut out of it afterwards.
-    canvas = (frame.height + ABOVE + BLOCK - 1, config.max_width + BLOCK - 1)
-    image = (slice(ABOVE, ABOVE + frame.height), slice(frame.width))
-    depth = np.full(canvas, config.background_depth, np.uint16)
-    colour = np.zeros(canvas, np.uint32)
-    if initial is not None:
-        depth[image] = initial.depth
-        colour[image] = initial.colour_words
-
-    ended = _draw(
-        # Signed, since numba turns a mixture of uint64 and int64 into float64. The fields come out
-        # the same: each is masked after its shift.
-        np.ascontiguousarray(frame.codewords, np.uint64).view(np.int64),
-        np.ascontiguousarray(frame.tables.ambient, np.int64),
-        np.ascontiguousarray(frame.tables.diffuse, np.int64),
-        np.ascontiguousarray(frame.tables.specular, np.int64),
-        _positions(config),
-        depth,
-        colour,
-    )
+    layout = layout_of(config)
+    words = np.ascontiguousarray(frame.codewords, np.uint64)
+    starts, ended = index_lines(words, frame.height + ABOVE, layout)
     if not ended:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
-    return Raster.from_words(depth[image], colour[image], config)
+
+    raster = _start(frame, initial)
+    tables = frame.tables
+    draw_bands(
+        words,
+        starts,
+        _cut(starts, frame.width, frame.height, bands),
+        np.ascontiguousarray(tables.ambient, np.int64),
+        np.stack([tables.diffuse, tables.specular], axis=1).astype(np.int64, copy=False),
+        thresholds(config),
+        layout,
+        raster.depth,
+        raster.colour,
+    )
+    return raster
 
 
 def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> npt.NDArray[Any]:
@@ -153,96 +137,24 @@ def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> n
     return fields
 
 
-@numba.njit(cache=True)
-def _draw(
-    words: Any, ambient: Any, diffuse: Any, specular: Any, at: Positions, depth: Any, colour: Any
-) -> bool:
-    """Draw code words into a canvas, and return whether there was an end of frame.
+def _start(frame: Frame, initial: Raster | None) -> Raster:
+    """Return the raster that a frame starts from, in new arrays."""
+    if initial is None:
+        return Raster.background(frame.width, frame.height, frame.config)
+    return Raster(initial.depth.astype(np.uint16), initial.colour.astype(np.uint8), frame.config)
 
-    Canvas line i is image line ``i - ABOVE``: row 0 of a block at line y lies on canvas line y.
+
+def _cut(
+    starts: npt.NDArray[np.int64], width: int, height: int, bands: int
+) -> npt.NDArray[np.int64]:
+    """Cut an image into bands of about the same work; return the lines of the cuts, 0 and the last.
+
+    The work is that of the words and that of the pixels.
     """
-    lines = len(depth)
-    y = 0
-    for word in words:
-        fraction = _field(word, at.mode) == 1
-        x = _field(word, at.x)
-
-        if fraction and _is_empty(word):
-            if _field(word, at.control_end) == 1:
-                return True
-            y += x
-            continue
-        if y + BLOCK > lines:  # the whole block lies below the image
-            continue
-
-        z = _field(word, at.z)
-        material = _field(word, at.material)
-        d = _field(word, at.diffuse)
-        s = _field(word, at.specular)
-        element = 0
-        for channel in range(3):
-            product = diffuse[material, channel] * d + specular[material, channel] * s
-            level = min((ambient[channel] + product) >> at.colour_shift, at.channel_max)
-            element |= level << (at.channel_bits * channel)
-
-        for row in range(ROWS):
-            first = _column(word, FIRST[row])
-            last = _column(word, LAST[row])
-            _draw_row(depth, colour, y + row, x + first, x + last, z, element)
-            if not fraction:  # the row turned by 180 degrees
-                below = y + BLOCK - 1 - row
-                left, right = x + BLOCK - 1 - last, x + BLOCK - 1 - first
-                _draw_row(depth, colour, below, left, right, z, element)
-    return False
-
-
-@numba.njit(cache=True, inline="always")
-def _draw_row(
-    depth: Any, colour: Any, line: int, left: int, right: int, z: int, element: int
-) -> None:
-    """Draw ``left .. right`` of a line, nothing if ``left > right``; what is nearer stays."""
-    for column in range(left, right + 1):
-        if z < depth[line, column]:
-            depth[line, column] = z
-            colour[line, column] = element
-
-
-@numba.njit(cache=True, inline="always")
-def _field(word: int, position: tuple[int, int]) -> int:
-    lsb, mask = position
-    return (word >> lsb) & mask
-
-
-@numba.njit(cache=True, inline="always")
-def _column(word: int, lsb: int) -> int:
-    return (word >> lsb) & COLUMN_MASK
-
-
-@numba.njit(cache=True, inline="always")
-def _is_empty(word: int) -> bool:
-    """Return whether all rows are empty."""
-    empty = True
-    for row in range(ROWS):
-        empty &= _column(word, FIRST[row]) > _column(word, LAST[row])
-    return empty
-
-
-def _positions(config: EngineConfig) -> Positions:
-    def place(field: Field) -> tuple[int, int]:
-        return field.lsb, field.mask
-
-    return Positions(
-        mode=place(config.mode),
-        diffuse=place(config.diffuse),
-        specular=place(config.specular),
-        material=place(config.material),
-        x=place(config.x),
-        z=place(config.z),
-        control_end=place(config.control_end),
-        colour_shift=config.colour_shift,
-        channel_bits=config.channel_bits,
-        channel_max=config.channel_max,
-    )
+    lines = np.arange(height + 1)
+    work = WORD_WORK * starts[: height + 1] + width * lines
+    cuts = np.searchsorted(work, np.linspace(0, work[-1], bands + 1))
+    return np.unique(np.concatenate([[0], cuts, [height]]))
 
 
 def _check_image(frame: Frame) -> None:

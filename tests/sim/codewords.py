@@ -3,19 +3,27 @@
 import numpy as np
 
 from splatline.host.frame import Frame, Tables
-from splatline.rtl.format import PAPER, EngineConfig
+from splatline.rtl.format import PAPER, PRESETS, EngineConfig
 from splatline.sim.raster import Raster
 
-# Two engines other than the paper's, at the ends of what a configuration allows.
+# Two engines beside the named ones, at the ends of what a configuration allows.
 COLOURFUL = EngineConfig(
     name="colourful", intensity_bits=6, material_bits=5, x_bits=11, depth_bits=11, line_bits=11,
     channel_bits=8, coefficient_bits=8, colour_shift=6,
 )  # fmt: skip
 DEEP = EngineConfig(
-    name="deep", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
-    channel_bits=1, coefficient_bits=12, colour_shift=13,
+    name="deepest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
+    channel_bits=1, coefficient_bits=12, colour_shift=13, dither=True,
 )  # fmt: skip
-CONFIGS = (PAPER, COLOURFUL, DEEP)
+CONFIGS = (*PRESETS.values(), COLOURFUL, DEEP)
+
+# Where four neighbouring pixels of four lines come in the order of their thresholds.
+DITHER = [
+    [0, 8, 2, 10],
+    [12, 4, 14, 6],
+    [3, 11, 1, 9],
+    [15, 7, 13, 5],
+]
 
 
 def widths(config):
@@ -52,6 +60,14 @@ def advance(lines, config=PAPER):
 
 def end(config=PAPER):
     return encode(NOTHING, mode=1, d=1, config=config)
+
+
+def largest_tables(config=PAPER):
+    """Every entry and I0 as large as they can be."""
+    shape = (1 << config.material_bits, 3)
+    top = (1 << config.coefficient_bits) - 1
+    ambient = np.full(3, (1 << config.ambient_bits) - 1)
+    return Tables(ambient, np.full(shape, top), np.full(shape, top))
 
 
 def random_tables(rng, config=PAPER):
@@ -111,6 +127,13 @@ def covers(word, row, column):
     return first <= column <= last
 
 
+def shown(total, line, column, config):
+    """The level that a pixel shows of a channel's sum."""
+    if config.dither:
+        total += DITHER[line % 4][column % 4] << (config.colour_shift - 4)
+    return min(total >> config.colour_shift, (1 << config.channel_bits) - 1)
+
+
 def draw(frame, initial=None):
     """What the contract says a frame looks like."""
     config, tables = frame.config, frame.tables
@@ -130,21 +153,19 @@ def draw(frame, initial=None):
                 break
             y += fields["x"]
             continue
-        shown = []
-        for channel in range(3):
-            total = (
-                int(tables.ambient[channel])
-                + int(tables.diffuse[fields["m"], channel]) * fields["d"]
-                + int(tables.specular[fields["m"], channel]) * fields["s"]
-            )
-            shown.append(min(total >> config.colour_shift, (1 << config.channel_bits) - 1))
+        sums = [
+            int(tables.ambient[channel])
+            + int(tables.diffuse[fields["m"], channel]) * fields["d"]
+            + int(tables.specular[fields["m"], channel]) * fields["s"]
+            for channel in range(3)
+        ]
         for row in range(8):
             for column in range(8):
                 line, place = y - 4 + row, fields["x"] + column
                 inside = 0 <= line < frame.height and place < frame.width
                 if inside and covers(word, row, column) and fields["z"] < depth[line][place]:
                     depth[line][place] = fields["z"]
-                    colour[line][place] = shown
+                    colour[line][place] = [shown(total, line, place, config) for total in sums]
     assert background == config.background_depth
     size = (frame.height, frame.width)
     return Raster(

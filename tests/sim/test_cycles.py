@@ -1,10 +1,19 @@
+import itertools
+
+import codewords as cw
 import numpy as np
 import pytest
+from random_frames import nonsense, shapes
 
+from splatline.host import fit_view, load_scene, make_frame, splat_radii
+from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
-from splatline.rtl.format import PAPER
-from splatline.sim.cycles import least_cycles
+from splatline.rtl.bank import bank_address_bits
+from splatline.rtl.engine import Engine
+from splatline.rtl.format import PAPER, get_preset
+from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cycles import clearing_cycles, count_cycles, least_cycles
 
 
 def frame_of(rows, x, mode):
@@ -31,3 +40,188 @@ def frame_of(rows, x, mode):
 )
 def test_known_shapes(rows, x, mode, expected):
     assert tuple(least_cycles(frame_of(rows, x, mode)).values()) == expected
+
+
+DOT = [*cw.NOTHING[1:], (4, 4)]
+LINE = [*cw.NOTHING[1:], (0, 7)]
+
+
+def element(rng, rows, x, config=PAPER):
+    return cw.encode(rows, x=int(x), mode=int(rng.integers(2)), z=int(rng.integers(400)),
+                     config=config)  # fmt: skip
+
+
+def crowded(rng, count, width, height, spread, advance):
+    """Elements of any rows within a few columns, so that one follows another into its words."""
+    words = []
+    for _ in range(count):
+        rows = rng.integers(0, 8, (4, 2)).tolist()
+        words.append(element(rng, rows, rng.integers(0, spread)))
+        if rng.random() < advance:
+            words.append(cw.advance(int(rng.integers(0, 3))))
+    return cw.make_frame([*words, cw.end()], (width, height))
+
+
+def jumping(rng, count, width, height, furthest):
+    """Elements here and there, few on a line, with lines between that nothing is written into."""
+    words = []
+    for _ in range(count):
+        rows = [cw.EVERYTHING, DOT, LINE, cw.NOTHING][rng.integers(4)]
+        words += [element(rng, rows, rng.integers(0, width))] * int(rng.integers(0, 4))
+        words += [cw.advance(int(rng.integers(0, furthest)))] * int(rng.integers(1, 4))
+    return cw.make_frame([*words, cw.end()], (width, height))
+
+
+def climbing(rng, count, width, height, step):
+    """Wide elements and narrow ones by turns: the window must move on while banks are busy."""
+    words = []
+    for index in range(count):
+        rows = DOT if rng.random() < 0.3 else cw.EVERYTHING
+        words += [element(rng, rows, rng.integers(0, width))] * int(rng.integers(1, 5))
+        if index % 3 == 0:
+            words.append(cw.advance(int(rng.integers(0, step))))
+    return cw.make_frame([*words, cw.end()], (width, height))
+
+
+def scene(name, size):
+    loaded = load_scene(name)
+    view = fit_view(loaded.cloud, orbit=loaded.orbit, fov=loaded.fov, up=loaded.up, size=size)
+    return make_frame(loaded.cloud, view, radii=splat_radii(loaded.cloud))
+
+
+def trials():
+    """Frames by name, in the order in which they are played."""
+    rng = np.random.default_rng(77)
+    frames = {
+        # The first is drawn while the window is being cleared.
+        "first": crowded(rng, 500, 64, 40, 40, 0.1),
+        # The next one too, and its first element wants the word that is cleared last.
+        "cleared": cw.make_frame(
+            [cw.advance(9), *[cw.encode(cw.EVERYTHING, x=508)] * 2, cw.end()], (512, 512)
+        ),
+        "at once": cw.make_frame([cw.end()], (512, 512)),
+        "no elements": cw.make_frame([*[cw.advance(3)] * 40, cw.end()], (64, 64)),
+        "one dot": cw.make_frame([cw.encode(DOT, x=9), cw.end()], (64, 64)),
+        "last dot": cw.make_frame([cw.advance(511), cw.encode(DOT, x=507), cw.end()], (512, 512)),
+        "below": cw.make_frame(
+            [cw.encode(DOT), *[cw.advance(511)] * 9, *[cw.encode(cw.EVERYTHING)] * 5, cw.end()],
+            (64, 64),
+        ),
+        "one place": cw.make_frame(
+            [cw.advance(9), *[cw.encode(DOT, x=8)] * 300, cw.end()], (64, 64)
+        ),
+        "two places": cw.make_frame(
+            [cw.advance(9), *[cw.encode(DOT, x=8), cw.encode(LINE, x=5)] * 300, cw.end()], (64, 64)
+        ),
+        "terrain": scene("terrain", (192, 128)),
+        "knot": scene("knot", (96, 160)),
+    }
+    for width, height in [(1, 1), (5, 3), (8, 17), (64, 40), (512, 1024), (509, 30)]:
+        size = f"{width}x{height}"
+        frames |= {
+            f"any bits, {size}": nonsense(rng, 700, width, height),
+            f"any bits, flat, {size}": nonsense(rng, 400, width, height, advance=0.002),
+            f"steps, {size}": nonsense(rng, 700, width, height, advance=0.7),
+            f"shapes, {size}": shapes(rng, 700, width, min(height, 300)),
+            f"crowded, {size}": crowded(rng, 500, width, height, 12, 0.05),
+            f"jumping, {size}": jumping(rng, 60, width, height, 40),
+            f"leaping, {size}": jumping(rng, 30, width, height, 400),
+            f"climbing, {size}": climbing(rng, 200, width, height, 7),
+        }
+    return frames
+
+
+AFTER_RESET = ("first", "cleared")
+
+
+@pytest.fixture(scope="module")
+def played():
+    """Each frame and the cycles that the Verilog takes for it."""
+    frames = trials()
+    jobs = [
+        Job(frame=frame, reset_after=30 if name == "cleared" else None)
+        for name, frame in frames.items()
+    ]
+    outcomes = play(jobs)
+    return {
+        name: (frame, outcome.cycles)
+        for (name, frame), outcome in zip(frames.items(), outcomes, strict=True)
+    }
+
+
+def test_the_count_is_that_of_the_verilog_to_the_cycle(played):
+    counted = {
+        name: count_cycles(frame, after_reset=name in AFTER_RESET)
+        for name, (frame, _) in played.items()
+    }
+    assert counted == {name: cycles for name, (_, cycles) in played.items()}
+
+
+def test_without_conflicts_the_count_would_be_another(played):
+    for name in ("one place", "crowded, 64x40", "climbing, 64x40", "shapes, 64x40", "terrain"):
+        frame, cycles = played[name]
+        assert count_cycles(frame, after_reset=False, conflicts=False) < cycles, name
+
+
+def test_clearing_the_window_holds_a_first_frame_up(played):
+    frame, cycles = played["first"]
+    assert count_cycles(frame, after_reset=False) < cycles
+    assert clearing_cycles(PAPER) == (1 << bank_address_bits(PAPER)) - (128 + 6) - 4
+
+
+def test_another_configuration_is_counted_as_exactly():
+    config = get_preset("deep")
+    frames = [
+        cw.random_frame(np.random.default_rng(seed), 500, size, config)
+        for seed, size in enumerate([(60, 50), (12, 9), (512, 70)])
+    ]
+    outcomes = play([Job(frame=frame) for frame in frames])
+    counted = [count_cycles(frame, after_reset=index == 0) for index, frame in enumerate(frames)]
+    assert counted == [outcome.cycles for outcome in outcomes]
+
+
+def test_known_counts():
+    """A cycle a code word, one more for its latency, and the end beat behind."""
+    latency = Engine.LATENCY
+
+    def count(words):
+        return count_cycles(cw.make_frame([*words, cw.end()], (64, 64)), after_reset=False)
+
+    assert count([]) == latency + 1
+    assert count([cw.advance(1)] * 10) == latency + 11
+    # One dot: the word leaves in the cycle after the end token has come, and the end token then
+    # waits until it is out: the line above is complete (1), flushed (16 words), merged, emitted.
+    for dots in (1, 2, 5):
+        apart = [cw.encode(DOT, mode=1, x=4 * n) for n in range(dots)]
+        same = [cw.encode(DOT, mode=1, x=4)] * dots
+        assert count([cw.advance(4), *same]) - count([cw.advance(4), *apart]) == dots - 1
+
+
+def test_more_words_never_take_less():
+    rng = np.random.default_rng(4)
+    frame = crowded(rng, 60, 40, 30, 20, 0.2)
+    words = frame.codewords.tolist()[:-1]
+    counts = [
+        count_cycles(cw.make_frame([*words[:count], cw.end()], (40, 30)))
+        for count in range(len(words) + 1)
+    ]
+    assert all(before <= after for before, after in itertools.pairwise(counts))
+
+
+@pytest.mark.parametrize("words", [[], [cw.encode(cw.EVERYTHING)] * 30, [cw.advance(3)]])
+def test_a_stream_without_an_end_is_cut_short(words):
+    with pytest.raises(InputError, match="no end-of-frame word"):
+        count_cycles(cw.make_frame(words, (8, 8)))
+
+
+def test_words_after_the_end_are_not_counted():
+    words = [cw.encode(cw.EVERYTHING, x=3), cw.end()]
+    short, long = (cw.make_frame(words + more, (30, 20)) for more in ([], words * 9))
+    assert count_cycles(short) == count_cycles(long)
+
+
+def test_further_colour_planes_are_refused():
+    config = get_preset("rgb18")
+    frame = cw.make_frame([cw.end(config)], (8, 8), config=config)
+    with pytest.raises(NotImplementedError, match="one colour plane, not 2"):
+        count_cycles(frame)

@@ -1,10 +1,11 @@
 import codewords as cw
+import numba
 import numpy as np
 import pytest
 
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import PAPER, get_preset
 from splatline.sim import golden
 from splatline.sim.raster import Raster
 
@@ -50,11 +51,103 @@ def test_the_widest_and_highest_image_has_its_borders_where_they_are():
     assert_same(golden.render(frame), cw.draw(frame))
 
 
-def test_any_bits_at_all_are_safe():
+@pytest.mark.parametrize("config", cw.CONFIGS, ids=lambda config: config.name)
+def test_any_bits_at_all_are_safe(config):
     rng = np.random.default_rng(8)
-    words = [*rng.integers(0, 1 << 64, 3000, dtype=np.uint64).tolist(), cw.end()]
-    frame = cw.make_frame(words, (50, 30))
+    words = rng.integers(0, 1 << 64, 2000, dtype=np.uint64)
+    # Rows whose last column is 0 are mostly empty: more control words than chance has.
+    words[rng.random(2000) < 0.1] &= ~np.uint64(0o70707070 << 1)
+    frame = cw.make_frame([*words.tolist(), cw.end(config)], (50, 30), config=config)
     assert_same(golden.render(frame), cw.draw(frame))
+
+
+@pytest.mark.parametrize("config", cw.CONFIGS, ids=lambda config: config.name)
+def test_the_largest_numbers_do_not_overflow(config):
+    last = (1 << 64) - 1
+    fields = {name: (1 << width) - 1 for name, width in cw.widths(config).items()}
+    fields |= {"x": 0, "z": fields["z"] - 1}
+    words = [
+        last,
+        cw.advance((1 << config.x_bits) - 1, config),
+        last,
+        cw.end(config),
+    ]
+    first = cw.encode(cw.EVERYTHING, config=config, **fields)
+    frame = cw.make_frame([first, *words], (16, 8), cw.largest_tables(config), config)
+    assert_same(golden.render(frame), cw.draw(frame))
+    assert golden.render(frame).colour[0, 0].tolist() == [config.channel_max] * 3
+    # The sums themselves, where nothing saturates: as wide a channel as there is.
+    wide = config.replace(channel_bits=8, colour_shift=config.coefficient_bits)
+    frame = cw.make_frame([first, *words], (16, 8), cw.largest_tables(wide), wide)
+    assert_same(golden.render(frame), cw.draw(frame))
+
+
+def test_the_line_may_grow_without_end():
+    words = [*[cw.advance(511)] * 5000, cw.encode(cw.EVERYTHING), cw.end()]
+    assert not golden.render(cw.make_frame(words, (8, 1024))).drawn.any()
+
+
+def test_dithering_follows_the_thresholds():
+    config = get_preset("dither")
+    nothing = np.zeros((128, 3), np.int64)
+    pictures = []
+    for step in range(17):  # a sum of 0, 1/16 .. 16/16
+        ambient = np.full(3, step << 6)
+        word = cw.encode(cw.EVERYTHING, d=0, config=config)
+        tables = Tables(ambient, nothing, nothing)
+        frame = cw.make_frame([cw.advance(4), word, cw.end()], (4, 4), tables, config)
+        pictures.append(golden.render(frame).colour[..., 0])
+    lit = np.array(pictures)
+    assert lit.sum(axis=(1, 2)).tolist() == list(range(17))  # one pixel more each time
+    assert lit[1].argmax() == 12  # the highest threshold: line 3, column 0
+    assert (np.diff(lit.astype(int), axis=0) >= 0).all()
+
+
+@pytest.fixture
+def threads():
+    """Set the number of threads; what it was before comes back."""
+    before = numba.get_num_threads()
+    yield numba.set_num_threads
+    numba.set_num_threads(before)
+
+
+def spread(rng, size, config=PAPER):
+    """A frame with a few elements on every line and a start to draw over."""
+    words = []
+    for _ in range(size[1] + 6):
+        chosen = cw.random_frame(rng, 12, size, config).codewords[:-1].tolist()
+        words += [*(word for word in chosen if not cw.is_control(word)), cw.advance(1, config)]
+    words.append(cw.end(config))
+    return cw.make_frame(words, size, cw.random_tables(rng, config), config)
+
+
+@pytest.mark.parametrize("size", [(40, 61), (9, 7), (5, 1)])
+def test_the_picture_is_the_same_however_it_is_cut(size, threads):
+    rng = np.random.default_rng([3, *size])
+    frame = spread(rng, size, get_preset("dither"))
+    initial = cw.draw(cw.random_frame(rng, 200, size, frame.config))
+    expected = cw.draw(frame, initial)
+    for count in range(1, min(2, numba.config.NUMBA_NUM_THREADS) + 1):
+        threads(count)
+        assert_same(golden.render(frame, initial), expected)
+        for bands in (1, 2, 3, 7, 61, 200):
+            assert_same(golden.render(frame, initial, bands=bands), expected)
+
+
+def test_bands_may_be_cut_where_all_elements_are():
+    rng = np.random.default_rng(12)
+    words = [word for word in cw.random_frame(rng, 900, (30, 1)).codewords.tolist()
+             if not cw.is_control(word)]  # fmt: skip
+    frame = cw.make_frame([cw.advance(20), *words, cw.end()], (30, 40))
+    expected = cw.draw(frame)
+    for bands in range(1, 41):
+        assert_same(golden.render(frame, bands=bands), expected)
+
+
+@pytest.mark.parametrize("bands", [0, -1])
+def test_there_is_at_least_one_band(bands):
+    with pytest.raises(ValueError, match="band"):
+        golden.render(cw.make_frame([cw.end()], (8, 8)), bands=bands)
 
 
 def test_a_symmetric_word_has_its_half_turn_below():
