@@ -28,10 +28,28 @@ NO_PIXEL = REASONS["no_pixel"]
 
 
 @nb.njit(inline="always")
-def lies_outside(column: float, line: float, radius: float, width: int, height: int) -> bool:
-    """Return whether a splat cannot touch the image (all lengths in pixels)."""
-    reach = radius + MARGIN
-    return not (-reach < column < width + reach and -reach < line < height + reach)
+def lies_outside(place: float, slope: float, radius: float, share: float, size: int) -> bool:
+    """Return whether a splat lies beyond one of the two borders of an axis.
+
+    A disc of radius R at the depth z, seen at the slant a = x / z, reaches at most
+    sqrt(1 + a^2) R / (z - R) from its centre's place: R is the ``share`` of z that it comes nearer.
+
+    Parameters
+    ----------
+    place
+        Column (or line) of its centre, in pixels.
+    slope
+        Its slant a.
+    radius
+        R over z in pixels.
+    share
+        R over z.
+    size
+        Pixels of the image along the axis.
+    """
+    less = 1.0 - share if share < 1.0 else 0.0
+    reach = radius * (1.0 + abs(slope)) + MARGIN
+    return not (place * less > -reach and (place - size) * less < reach)
 
 
 @nb.njit(inline="always")
@@ -81,8 +99,8 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
         if z + reach < near or (
             rules[OUTSIDE]
             and (
-                _beyond(x, z, focal, width, reach, disc)
-                or _beyond(y, z, focal, height, reach, disc)
+                _beyond(x, z, focal, width, reach, bound.largest)
+                or _beyond(y, z, focal, height, reach, bound.largest)
             )
         ):
             status[block] = OUTSIDE
@@ -100,11 +118,11 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
 def _beyond(across: float, z: float, focal: float, size: int, reach: float, disc: float) -> bool:
     """Return whether a sphere lies beyond one of the two borders of an axis, discs and all.
 
-    A point with x / z = a lands at column size / 2 + focal a and reaches disc / z further, so it
-    lies beyond the right border where focal x - (size / 2 + MARGIN) z > disc: a plane in space.
+    What lies beyond the right border has focal x - (size / 2 + MARGIN) z > 0: a plane in space,
+    from which the sphere's centre must be further than its radius and a disc's together.
     """
     half = 0.5 * size + MARGIN
-    needed = disc + reach * math.sqrt(focal * focal + half * half)
+    needed = (reach + disc) * math.sqrt(focal * focal + half * half)
     return focal * abs(across) - half * z > needed
 
 

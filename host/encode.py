@@ -110,6 +110,7 @@ def encode(
         _inverse(high - low),
         nearest_pixel,
         config.diffuse.lsb,
+        view.near,
     )
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)

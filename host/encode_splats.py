@@ -10,13 +10,24 @@ import numpy as np
 
 from ..rtl.format import BLOCK, ROWS
 from .emit import LARGEST, ONE_PIXEL, emit
-from .exact import conic, covers_own_pixel, encode_exact, one_fraction, quantised_depth
+from .exact import (
+    conic,
+    covers_own_pixel,
+    encode_exact,
+    in_perspective,
+    one_fraction,
+    quantised_depth,
+)
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 from .shapes import quantise
 from .symmetric import encode_symmetric
 
 __all__ = ["encode_splats", "measure_room"]
+
+FLAT = 0.04
+"""Pixels of r^2 over the focal length up to which a disc is drawn to first order: its true ellipse
+lies within half of that."""
 
 SMALLEST = 1e-3
 """Radius in pixels below which a splat's size makes no difference; its conic stays finite."""
@@ -50,8 +61,11 @@ def _room(column: float, line: float, diameter: float, fixed: Any) -> int:
         return 2
     a, b = abs(column - 0.5 * width), abs(line - 0.5 * height)
     a, b = a * inverse_focal, b * inverse_focal
-    wide = diameter * (1.0 + min(a, 0.5 * a * a)) + 1e-3
-    high = diameter * (1.0 + min(b, 0.5 * b * b)) + 1e-3
+    # As in ``cull.lies_outside``; what comes nearer than half the distance may fill the image.
+    share = 0.5 * diameter * inverse_focal
+    larger = 1.0 / (1.0 - share) if share < 0.5 else LARGEST
+    wide = diameter * (1.0 + min(a, 0.5 * a * a)) * larger + 1e-3
+    high = diameter * (1.0 + min(b, 0.5 * b * b)) * larger + 1e-3
     if quality == 0:
         wide, high = wide + 2.0 * ROWS, high + 4.0 * ROWS
     lines = min(int(min(high, LARGEST)) + 1, height + 2 * ROWS)
@@ -85,8 +99,8 @@ def encode_splats(
         Views of the splats (see ``Splats.views``), and the slots of each chunk.
     fixed
         Shape table, its levels' slopes, number of the quality, width, height, 1 / focal length,
-        least depth, 1 / depth range, whether a splat without a pixel draws the nearest, and the
-        lowest bit of DIFFUSE.
+        least depth, 1 / depth range, whether a splat without a pixel draws the nearest, the lowest
+        bit of DIFFUSE, and the distance of the near plane.
     to
         Where words go; see :mod:`splatline.host.emit`.
     skip_hidden, bound, coarse
@@ -113,20 +127,31 @@ def encode_splats(
             radius = 0.5 * diameter
             radius = radius if radius > SMALLEST else SMALLEST
             radius = radius if radius < LARGEST else LARGEST
+            square = radius * radius
+            in_depth = quality and square * inverse_focal > FLAT
             splat = column, line, diameter, slope_x, slope_y, distance
-            if skip_hidden and _is_hidden(splat, radius, a, b, fixed, largest, bound, coarse):
+            if (
+                skip_hidden
+                and not in_depth
+                and _is_hidden(splat, radius, a, b, fixed, largest, bound, coarse)
+            ):
                 behind += 1
                 continue
+            centre_x, centre_y = column, line
+            if in_depth:
+                right, down, square, form_a, form_b, form_c, determinant = in_perspective(
+                    form, slope_x, slope_y, square, inverse_focal
+                )
+                form = form_a, form_b, form_c, determinant
+                centre_x, centre_y = column + right, line + down
             found = 2
-            if quality and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
+            if quality and not in_depth and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
                 # No other pixel's centre is near enough.
-                found, scans = int(covers_own_pixel(column, line, radius * radius, form)), ONE_PIXEL
+                found, scans = int(covers_own_pixel(column, line, square, form)), ONE_PIXEL
                 x, top = math.floor(column), math.floor(line)
                 found = found if 0 <= x < width and 0 <= top < height else 0
-            elif quality:
-                found, x, top, scans = one_fraction(
-                    column, line, radius * radius, form, width, height
-                )
+            elif quality and radius * inverse_focal < 0.5:
+                found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
             if found == 1:  # nearly all
                 z = quantised_depth((distance - low) * inverse_span, largest)
                 common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
@@ -135,7 +160,9 @@ def encode_splats(
                 at += 1
             elif found == 2 or nearest_pixel:
                 common = np.int64(bits[i, LOOK]) << look_lsb
-                at = _encode_other(splat, common, found, form, radius, fixed, at, to)
+                share = radius * inverse_focal
+                ellipse = centre_x, centre_y, square, share * share
+                at = _encode_other(splat, common, found, form, ellipse, fixed, at, to)
             drawn += at > before
             turn = _turn(column, line)
             for word in range(before, at):
@@ -190,13 +217,13 @@ def _encode_other(
     common: int,
     found: int,
     form: Any,
-    radius: float,
+    ellipse: Any,
     fixed: Any,
     at: int,
     to: Any,
 ) -> int:
     """Write the words of a splat that is not one fraction, and return the next one's place."""
-    table, levels, quality, _, _, inverse_focal, low, inverse_span, nearest_pixel, _ = fixed
+    table, levels, quality, _, _, inverse_focal, low, inverse_span, nearest_pixel, _, _ = fixed
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to[5], to[6]
     depth = (distance - low) * inverse_span
@@ -205,10 +232,18 @@ def _encode_other(
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)
     if found:
-        # From a pixel to the next the plane's depth changes by -n' z / focal.
-        change = -distance * inverse_span * inverse_focal
-        plane = depth, slope_x * change, slope_y * change
-        end = encode_exact(column, line, radius * radius, form, plane, common, at, to)
+        plane = (
+            column,
+            line,
+            slope_x * inverse_focal,
+            slope_y * inverse_focal,
+            distance,
+            low,
+            inverse_span,
+            ellipse[3],
+            fixed[10],
+        )
+        end = encode_exact(ellipse[0], ellipse[1], ellipse[2], form, plane, common, at, to)
         if end > at or not nearest_pixel:
             return end
     common |= quantised_depth(depth, largest) << z_lsb

@@ -1,8 +1,9 @@
 """Exact footprints: fractions at a splat's true place, size and slant, each with its own depth.
 
 A disc's image is, to first order in its size, the ellipse ``A u^2 + 2 B u v + C v^2 <= r^2`` about
-its centre, u and v in pixels. Each line is cut where the ellipse crosses its pixels' centres, and
-four lines by eight columns make a fraction.
+its centre, u and v in pixels; ``in_perspective`` gives the true one of a disc for which that is not
+enough. Each line is cut where the ellipse crosses its pixels' centres, and four lines by eight
+columns make a fraction.
 """
 
 from __future__ import annotations
@@ -16,7 +17,20 @@ from ..rtl.format import BLOCK, ROWS
 from .emit import LARGEST, put
 from .shapes import EMPTY_SCANS
 
-__all__ = ["conic", "covers_own_pixel", "encode_exact", "extent", "one_fraction", "quantised_depth"]
+__all__ = [
+    "CLOSED",
+    "conic",
+    "covers_own_pixel",
+    "encode_exact",
+    "extent",
+    "in_perspective",
+    "one_fraction",
+    "quantised_depth",
+]
+
+
+CLOSED = 0.99
+"""Square of a disc's radius over its distance up to which its image is an ellipse."""
 
 
 @nb.njit(inline="always")
@@ -51,6 +65,54 @@ def conic(a: float, b: float, slope_x: float, slope_y: float) -> tuple[float, fl
     )
 
 
+@nb.njit(error_model="numpy")
+def in_perspective(
+    form: Any, slope_x: float, slope_y: float, square: float, inverse_focal: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return a disc's image without approximation: an ellipse about another centre.
+
+    The ray at the offset w = (s, t) from the centre's meets the disc's plane at the depth
+    z / (1 + n'.w), so that the point lies within R of the disc's centre where
+    Q(w) <= (R / z)^2 (1 + n'.w)^2, with Q the conic's form: again a quadratic in w. Its determinant
+    is that of Q less (R / z)^2 |n'|^2, since Q is |n'|^2 across n'.
+
+    A disc that reaches as far as the eye's plane, R >= z, has no ellipse; see ``_open_row``.
+
+    Parameters
+    ----------
+    form
+        A, B, C and determinant of the conic.
+    slope_x, slope_y
+        n'x and n'y.
+    square
+        Of the radius in pixels.
+    inverse_focal
+        1 over the focal length in pixels.
+
+    Returns
+    -------
+    right, down
+        From the disc's centre to the ellipse's, in pixels.
+    square
+        The ellipse's right side.
+    a, b, c, determinant
+        Its form.
+    """
+    share = square * inverse_focal * inverse_focal
+    a = form[0] - share * slope_x * slope_x
+    b = form[1] - share * slope_x * slope_y
+    c = form[2] - share * slope_y * slope_y
+    steep = slope_x * slope_x + slope_y * slope_y
+    determinant = form[3] - share * steep
+    if share >= CLOSED:
+        return 0.0, 0.0, square, form[0], form[1], form[2], form[3]
+    pull = square * inverse_focal
+    right = pull * (c * slope_x - b * slope_y) / determinant
+    down = pull * (a * slope_y - b * slope_x) / determinant
+    right_side = square + pull * (slope_x * right + slope_y * down)
+    return right, down, right_side, a, b, c, determinant
+
+
 @nb.njit(inline="always")
 def extent(centre: float, square: float) -> tuple[int, int]:
     """Return the first and last line (or column) whose pixels' centres an ellipse may cover.
@@ -70,7 +132,9 @@ def extent(centre: float, square: float) -> tuple[int, int]:
 @nb.njit(inline="always")
 def quantised_depth(depth: float, largest: int) -> int:
     """Return the code of a depth given as a share of the frame's range."""
-    return int(min(max(depth, 0.0), 1.0) * largest + 0.5)
+    # Not a number, as a range of 0 makes of a plane at infinity, counts as nearest.
+    depth = depth if depth > 0.0 else 0.0
+    return int((depth if depth < 1.0 else 1.0) * largest + 0.5)
 
 
 @nb.njit(inline="always")
@@ -191,7 +255,7 @@ def encode_exact(
     line: float,
     square: float,
     form: Any,
-    plane: tuple[float, float, float],
+    plane: Any,
     common: int,
     at: int,
     to: Any,
@@ -205,25 +269,27 @@ def encode_exact(
     column, line, square, form
         As for :func:`one_fraction`.
     plane
-        Depth of the centre, as a share of the frame's depth range, and the change of that share
-        from a pixel to the next on the right and below.
+        The disc's plane: column and line of its centre, n'x and n'y over the focal length, the
+        centre's distance along the view, the least distance and 1 over the depth range, the square
+        of the radius over the distance, and the distance of the near plane.
     common
         The words' bits that do not depend on the place.
     """
     width, height, z_lsb, largest = to[2], to[3], to[5], to[6]
+    is_open = plane[7] >= CLOSED
     top, bottom = extent(line, form[0] / form[3] * square)
-    top, bottom = max(top, 0), min(bottom, height - 1)
+    top, bottom = (0, height - 1) if is_open else (max(top, 0), min(bottom, height - 1))
     for begin_line in range(top, bottom + 1, ROWS):
         rows = min(bottom + 1 - begin_line, ROWS)
         left, right = width, -1
         for row in range(rows):
-            first, last, fills = _row(begin_line + row, column, line, square, form, width)
-            if fills:
+            first, last = _row(begin_line + row, column, line, square, form, plane, width)
+            if first <= last:
                 left, right = min(left, first), max(right, last)
         for begin in range(left, right + 1, BLOCK):
             scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
             for row in range(rows):
-                first, last, _ = _row(begin_line + row, column, line, square, form, width)
+                first, last = _row(begin_line + row, column, line, square, form, plane, width)
                 first, last = max(first, begin), min(last, begin + BLOCK - 1)
                 if first <= last:
                     scans ^= (1 ^ _code(first, last, True, begin)) << 6 * row
@@ -232,20 +298,69 @@ def encode_exact(
                     across += count * (first + last + 1)  # twice their centres' sum
                     down += count * (2 * row + 1)
             if pixels:
-                du = 0.5 * across / pixels - column
-                dv = begin_line + 0.5 * down / pixels - line
-                z = quantised_depth(plane[0] + plane[1] * du + plane[2] * dv, largest)
+                du = 0.5 * across / pixels - plane[0]
+                dv = begin_line + 0.5 * down / pixels - plane[1]
+                # Where the ray meets the plane; none does behind the eye.
+                nearer = 1.0 + plane[2] * du + plane[3] * dv
+                distance = plane[4] / nearer if nearer > 0.0 else math.inf
+                z = quantised_depth((distance - plane[5]) * plane[6], largest)
                 at = put(common | z << z_lsb, scans, begin, begin_line, at, to)
     return at
 
 
 @nb.njit(error_model="numpy")
 def _row(
-    row: int, column: float, line: float, square: float, form: Any, width: int
-) -> tuple[int, int, bool]:
-    """Return the first and last pixel of a line of the image, and whether it has any."""
+    row: int, column: float, line: float, square: float, form: Any, plane: Any, width: int
+) -> tuple[int, int]:
+    """Return the first and last pixel of a line of the image; first > last if there is none."""
+    if plane[7] >= CLOSED:
+        return _open_row(row, column, line, square, form, plane, width)
     inverse = 1.0 / form[0]
     dv = row + 0.5 - line
     middle = column - form[1] * inverse * dv - 0.5
     first, last, fills = _span(form[0] * square, form[3] * dv * dv, middle, inverse, width)
-    return (first, last, True) if fills else (width, -1, False)
+    return (first, last) if fills else (width, -1)
+
+
+@nb.njit(error_model="numpy")
+def _open_row(
+    row: int, column: float, line: float, square: float, form: Any, plane: Any, width: int
+) -> tuple[int, int]:
+    """Return a row of a disc that reaches behind the eye's plane: its image is no ellipse.
+
+    The condition of ``in_perspective``, times the focal length squared and with (u, v) in pixels,
+    is F(u) = a u^2 + 2 h u + k <= 0 on a row; what is in front of the near plane has
+    0 < g = 1 + n'.(u, v) / focal <= z / near. Where g is 0, F is above 0; so one side of that
+    place holds the row's pixels, an interval.
+    """
+    slope_x, slope_y = plane[2], plane[3]
+    v = row + 0.5 - line
+    ahead = 1.0 + slope_y * v  # g is this plus slope_x u
+    a = form[0] - slope_x * slope_x * square
+    h = form[1] * v - slope_x * square * ahead
+    k = form[2] * v * v - square * ahead * ahead
+    low, high = -column, width - column
+    root = h * h - a * k
+    if a > 0.0:
+        if root < 0.0:
+            return width, -1
+        half = math.sqrt(root) / a
+        low, high = max(low, -h / a - half), min(high, -h / a + half)
+    elif a < 0.0 and root >= 0.0:
+        half = math.sqrt(root) / -a
+        if slope_x > 0.0:
+            low = max(low, -h / a + half)
+        else:
+            high = min(high, -h / a - half)
+    # Between the eye's plane and the near one.
+    nearest = plane[4] / plane[8]
+    if slope_x != 0.0:
+        zero, near = -ahead / slope_x, (nearest - ahead) / slope_x
+        low, high = max(low, min(zero, near)), min(high, max(zero, near))
+    elif not 0.0 < ahead <= nearest:
+        return width, -1
+    if not low <= high:
+        return width, -1
+    first = math.ceil(max(column + low - 0.5, 0.0))
+    last = math.floor(min(column + high - 0.5, width - 1.0))
+    return (first, last) if first <= last else (width, -1)

@@ -54,10 +54,10 @@ def estimate_normals(
         return normals
     # In units of the cloud's own size, so that no square over- or underflows.
     extent = float(np.ptp(positions, axis=0).max())
-    scale = 1.0 / extent if extent > 0.0 else 1.0
-    tree = cKDTree(positions * scale)
+    unit = extent if extent > 0.0 else 1.0
+    tree = cKDTree(positions / unit)
     for start in range(0, len(points), CHUNK):
-        part = points[start : start + CHUNK] * scale
+        part = points[start : start + CHUNK] / unit
         normals[start : start + CHUNK] = _estimate(part, tree)
     return normals
 

@@ -60,7 +60,8 @@ def make_frame(
     quality
         One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
     skips
-        What to leave out, by name; see ``SKIPS``.
+        What to leave out, by name; see ``SKIPS``. If ``no_pixel`` would leave nothing at all, it is
+        not applied.
     depth_range
         Distances along the view of depth 0 and of the largest depth, so that frames of one view can
         be put together; fitted to what is seen if not given.
@@ -107,6 +108,17 @@ def make_frame(
     culled = splats.culled
     culled["hidden"] = encoded.hidden
     culled["no_pixel"] += len(splats) - encoded.elements - encoded.hidden
+    if not encoded.elements and culled["no_pixel"] and "no_pixel" in useful:
+        # Better a pixel for each than a picture of nothing.
+        return make_frame(
+            index,
+            view,
+            lighting=lighting,
+            config=config,
+            quality=quality,
+            skips=chosen - {"no_pixel"},
+            depth_range=depth_range,
+        )
     name, points, dropped = index.cloud.name, len(index), index.cloud.dropped
     if not encoded.elements:
         raise InputError(

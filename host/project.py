@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .cull import cull_blocks, faces_away, lies_outside, misses_centre
+from .emit import LARGEST
 from .index import BLOCK_POINTS, Index
 from .shapes import LEVELS, quantise
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
@@ -128,7 +129,7 @@ def project(
     view
         Where they are looked at from.
     shades
-        DIFFUSE and SPECULAR by quantised normal: shape (4096,); see ``shade_bits``.
+        DIFFUSE and SPECULAR by quantised normal: shape (2, 4096); see ``shade_bits``.
     material_shift
         Lowest bit of MATERIAL, counted from DIFFUSE's.
     skips
@@ -273,13 +274,17 @@ def _project_point(
     z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
     if not z >= near:
         return OUTSIDE
-    inverse = 1.0 / z
-    a = (axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz) * inverse
-    b = (axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz) * inverse
+    # Divided, not multiplied by 1 / z, which overflows where z is tiny.
+    a = (axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz) / z
+    b = (axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz) / z
     column = 0.5 * width + focal * a
     line = 0.5 * height + focal * b
-    radius = growth * radii[i] * inverse * focal
-    if rules[OUTSIDE] and lies_outside(column, line, radius, width, height):
+    share = growth * radii[i] / z
+    radius = share * focal
+    if rules[OUTSIDE] and (
+        lies_outside(column, a, radius, share, width)
+        or lies_outside(line, b, radius, share, height)
+    ):
         return OUTSIDE
     if rules[NO_PIXEL] and radius < 0.5 and misses_centre(column, line, radius, a, b):
         return NO_PIXEL
@@ -294,15 +299,29 @@ def _project_point(
     if rules[FACING_AWAY] and faces_away(facing) and not two_sided[i]:
         return FACING_AWAY
 
+    if radius > LARGEST:
+        # All the same to an image, and nothing overflows: the middle of the image stays in place.
+        smaller = LARGEST / radius
+        column = 0.5 * width + (column - 0.5 * width) * smaller
+        line = 0.5 * height + (line - 0.5 * height) * smaller
+        radius = LARGEST
     facing = min(facing, -STEEPEST)
     # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0: for
     # shading such a normal counts as just grazing.
     towards = min(nz, -STEEPEST)
-    shade = LEVELS * quantise(nx, towards) + quantise(ny, towards)
+    diffuse = LEVELS * quantise(nx, towards) + quantise(ny, towards)
+    # The table's viewer is on the axis. A highlight is seen as by the true one if the normal turns
+    # along by half of the way from his direction to the axis: n + ((n.v) e - (n.e) v) / 2, with v
+    # and e the directions to the viewer and against the axis.
+    half = 0.5 / math.sqrt(a * a + b * b + 1.0)
+    mx, my = nx - half * a * nz, ny - half * b * nz
+    mz = min(nz + half * (facing - nz), -STEEPEST)
+    specular = LEVELS * quantise(mx, mz) + quantise(my, mz)
     floats[at, COLUMN], floats[at, LINE], floats[at, DIAMETER] = column, line, 2.0 * radius
     inverse = 1.0 / facing
     floats[at, SLOPE_X], floats[at, SLOPE_Y] = nx * inverse, ny * inverse
-    bits[at, LOOK] = shades[shade] | np.uint32(material[i]) << np.uint32(material_shift)
+    shade = shades[0, diffuse] | shades[1, specular]
+    bits[at, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
     doubles[at, DEPTH] = z
     return 0
 

@@ -60,8 +60,8 @@ def shade_bits(lighting: Lighting, config: EngineConfig) -> npt.NDArray[np.uint3
     Returns
     -------
     ndarray
-        Shape (64 * 64,), uint32; bit 0 is the lowest bit of DIFFUSE.
+        Shape (2, 64 * 64), uint32: DIFFUSE, then SPECULAR; bit 0 is the lowest of DIFFUSE.
     """
     diffuse, specular = shade_tables(lighting, config.intensity_bits)
     shift = np.uint32(config.specular.lsb - config.diffuse.lsb)
-    return diffuse.astype(np.uint32) | specular.astype(np.uint32) << shift
+    return np.stack([diffuse.astype(np.uint32), specular.astype(np.uint32) << shift])

@@ -55,8 +55,9 @@ def encode_symmetric(
     if size <= 1:
         return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
 
-    x = math.floor(column + 0.5)
-    y = math.floor(line + 0.5)
+    # Further off than any integer is far enough.
+    x = math.floor(min(max(column, -LARGEST), LARGEST) + 0.5)
+    y = math.floor(min(max(line, -LARGEST), LARGEST) + 0.5)
     level_x, level_y = shape
     if size <= BLOCK:
         scans = int(table[size, level_x, level_y, 0])

@@ -142,5 +142,5 @@ def _fit_eye(
     eye[2] = min(*distances, nearest - 1e-3 * extent)
     if extent == 0.0:  # a single place: look at it from a distance of one unit
         eye[2] = nearest - 1.0
-    near = max((nearest - eye[2]) * 1e-3, np.finfo(np.float64).tiny)
+    near = max((nearest - eye[2]) * 1e-3, float(np.finfo(np.float64).smallest_subnormal))
     return eye @ axes, near

@@ -1,10 +1,15 @@
 import math
 
 import numpy as np
+from clouds import cloud_of
 
+from splatline.host.index import build_index
 from splatline.host.lighting import Light, Lighting
-from splatline.host.shade import shade_tables
+from splatline.host.project import project
+from splatline.host.shade import shade_bits, shade_tables
 from splatline.host.shapes import level_slopes
+from splatline.host.view import View
+from splatline.rtl.format import PAPER
 
 
 def test_tables_are_phong_s_model_at_each_level():
@@ -37,3 +42,29 @@ def test_bright_lights_saturate_and_no_light_leaves_the_ambient():
     dark_diffuse, dark_specular = shade_tables(Lighting((), 0.2), 7)
     assert np.unique(dark_diffuse).tolist() == [round(0.2 * 127)]
     assert not dark_specular.any()
+
+
+def test_highlights_are_those_that_the_true_viewer_sees():
+    """Away from the axis, where a table for a viewer on it would show others."""
+    rng = np.random.default_rng(5)
+    lamp = Lighting((Light((-0.5, -0.7, -0.6), 1.0),), 0.0, 1.0, 12.0)
+    towards = np.array(lamp.lights[0].direction) / np.linalg.norm(lamp.lights[0].direction)
+    count = 3000
+    positions = np.stack([*rng.uniform(-1.5, 1.5, (2, count)), np.full(count, 2.0)], -1)
+    ray = positions / np.linalg.norm(positions, axis=1, keepdims=True)
+    normals = -ray + 0.7 * rng.normal(size=(count, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    kept = ((normals * ray).sum(1) < -0.3) & (normals[:, 2] < -0.2)
+    positions, normals, ray = positions[kept], normals[kept], ray[kept]
+    index = build_index(cloud_of(positions, normals), np.full(len(positions), 0.1))
+    view = View(np.zeros(3), np.eye(3), 100.0, 400, 400, 0.1)
+    splats = project(index, view, shade_bits(lamp, PAPER), 14, frozenset()).together()
+    shown = (splats["look"] >> 7 & 127) / 127.0
+    order = index.point
+    cosine = normals[order] @ towards
+    mirrored = 2.0 * cosine[:, None] * normals[order] - towards
+    glance = np.maximum(-(mirrored * ray[order]).sum(1), 0.0)
+    true = np.where(cosine > 0, glance**12.0, 0.0)
+    on_axis = np.where(cosine > 0, np.maximum(-mirrored[:, 2], 0.0) ** 12.0, 0.0)
+    # To first order in the slant, which goes up to 50 degrees here.
+    assert np.sqrt(np.mean((shown - true) ** 2)) < 0.5 * np.sqrt(np.mean((on_axis - true) ** 2))
