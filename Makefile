@@ -2,6 +2,7 @@
 
 PYTHON ?= python3
 SCENE ?= terrain
+SCANS ?=
 PRESET ?= paper
 
 VENV := .venv
@@ -13,12 +14,14 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render test lint verilog synth clean distclean tools
+.PHONY: help setup render bench test lint verilog synth clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
 	@echo 'make render     the main job: a scene, drawn by the Verilog and checked -> build/render/'
 	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
+	@echo 'make bench      error against run time, rates, stress suite -> docs/bench/'
+	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
 	@echo 'make lint       style and types: ruff, mypy'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
@@ -58,6 +61,11 @@ tools:
 render: setup
 	@$(VENV)/bin/splatline render $(if $(CLOUD),'$(CLOUD)',--scene $(SCENE)) --engine rtl \
 	  --out-dir build/render
+
+bench: setup
+	@$(VENV)/bin/splatline bench accuracy $(SCANS)
+	@$(VENV)/bin/splatline bench host $(SCANS)
+	@$(VENV)/bin/splatline bench stability
 
 test: setup
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)

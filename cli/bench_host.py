@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .outputs import check_folder, write_json
+from .outputs import check_folder, write_json, write_text
 from .parameters import PRESET, SIZE
 from .statistics import tool_versions
 
@@ -128,10 +128,7 @@ def host(
     text = page(report)
     out_dir.mkdir(parents=True, exist_ok=True)
     write_json(out_dir / "host.json", report)
-    from ..host.atomic import replacing
-
-    with replacing(out_dir / "host.md") as place:
-        place.write_text(text)
+    write_text(out_dir / "host.md", text)
     click.echo(text)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from ..host.errors import InputError
+from .bench import bench
 from .errors import ToolFailure
 from .frames import encode, info, play
 from .hardware import synth, verilog
@@ -98,5 +99,5 @@ def main() -> None:
     """  # noqa: D301  (click reads the backspace as "do not wrap")
 
 
-for _command in (render, encode, play, info, verilog, synth):
+for _command in (render, encode, play, info, verilog, synth, bench):
     main.add_command(_command)

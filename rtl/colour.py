@@ -1,11 +1,12 @@
 """Colour evaluation: the paper's equation 2, with its material table."""
 
 from amaranth.hdl import Cat, Const, Module, Mux, Signal
-from amaranth.lib import data, memory, stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
 from .layouts import ColouredLayout, ElementLayout
+from .material_table import MaterialTable
 from .tables import MaterialWriteLayout
 
 __all__ = ["ColourUnit"]
@@ -17,7 +18,9 @@ class ColourUnit(wiring.Component):
     **Latency**: 3 cycles (table, products, sum). **Throughput**: one element a cycle. The whole
     pipeline stops while its output waits.
 
-    The sum of 14 + 1 bits in ``paper`` cannot overflow: see ``docs/contract.md``, "Colour".
+    With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
+    16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
+    the shift would, and 0..15 sixteenths above the largest channel are the largest still.
 
     Members
     -------
@@ -28,7 +31,7 @@ class ColourUnit(wiring.Component):
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
     material : In(MaterialWriteLayout)
-        Write port of the table.
+        Write port of the table; not used while an element is inside.
     """
 
     def __init__(self, config: EngineConfig):
@@ -47,19 +50,8 @@ class ColourUnit(wiring.Component):
         m = Module()
         config = self.config
 
-        m.submodules.table = table = memory.Memory(
-            shape=6 * config.coefficient_bits,
-            depth=1 << config.material_bits,
-            init=[],
-            attrs={"ram_style": "block"},
-        )
-        write = table.write_port()
-        read = table.read_port()
-        m.d.comb += [
-            write.en.eq(self.material.enable),
-            write.addr.eq(self.material.address),
-            write.data.eq(self.material.data),
-        ]
+        m.submodules.table = table = MaterialTable(config)
+        m.d.comb += table.write.eq(self.material)
 
         step = Signal()
         valid = Signal(3)
@@ -71,10 +63,18 @@ class ColourUnit(wiring.Component):
             self.i.ready.eq(step),
             self.o.valid.eq(valid[2]),
             self.o.payload.eq(coloured),
-            read.en.eq(step),
-            read.addr.eq(self.i.payload.material),
+            table.enable.eq(step),
+            table.address.eq(self.i.payload.material),
         ]
 
+        # With c bits of a coefficient and i of an intensity a product is at most
+        #     (2^c - 1)(2^i - 1) = 2^(c+i) - 2^c - 2^i + 1           and fits c + i bits,
+        # I0 has c + i + 1 bits, so that the first sum is at most
+        #     2^(c+i+1) - 1 + 2^(c+i) - 2^c - 2^i + 1 < 3 2^(c+i)     and fits c + i + 2 bits,
+        # and the whole is at most
+        #     2^(c+i+1) - 1 + 2 (2^(c+i) - 2^c - 2^i + 1)
+        #         = 2^(c+i+2) - 2 (2^c + 2^i) + 1 < 2^(c+i+2)         and fits them as well.
+        # Nothing is negative, nothing wraps: a channel saturates where a bit above its own is set.
         product_bits = config.coefficient_bits + config.intensity_bits
         channels = []
         for channel, name in enumerate(("red", "green", "blue")):
@@ -86,18 +86,21 @@ class ColourUnit(wiring.Component):
             with m.If(step):
                 m.d.sync += [
                     diffuse.eq(
-                        read.data[kd.lsb : kd.end] * looked_up.diffuse + self.ambient[channel]
+                        table.data[kd.lsb : kd.end] * looked_up.diffuse + self.ambient[channel]
                     ),
-                    specular.eq(read.data[ks.lsb : ks.end] * looked_up.specular),
+                    specular.eq(table.data[ks.lsb : ks.end] * looked_up.specular),
                 ]
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
-            level = Signal(len(total) - config.colour_shift, name=f"level_{name}")
+            # With dithering a channel keeps the fraction that the thresholds are added to.
+            shift = config.colour_shift - config.dither_bits
+            level = Signal(len(total) - shift, name=f"level_{name}")
             m.d.comb += [
                 total.eq(diffuse + specular),
-                level.eq(total >> config.colour_shift),
+                level.eq(total >> shift),
             ]
-            largest = Const(config.channel_max, config.channel_bits)
-            channels.append(Mux(level > config.channel_max, largest, level[: len(largest)]))
+            bits = config.channel_bits + config.dither_bits
+            largest = Const((1 << bits) - 1, bits)
+            channels.append(Mux(level > largest, largest, level[:bits]))
 
         with m.If(step):
             m.d.sync += [

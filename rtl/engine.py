@@ -24,7 +24,9 @@ class Engine(wiring.Component):
 
     **Latency**: 6 cycles from a code word to its pixels; a line leaves once a code word follows
     that lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code
-    word, one more where two follow each other into the same word of memory.
+    word, one more where two follow each other into the same word of memory. Where
+    ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes its
+    bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is drawn.
 
     Parameters
     ----------
@@ -44,7 +46,8 @@ class Engine(wiring.Component):
     """
 
     LATENCY = 6
-    """Cycles from the one that takes a code word to the one that writes its first pixels."""
+    """Cycles from the one that takes a code word to the one that writes its first pixels, but for
+    the further planes of their colours, which follow two cycles later."""
 
     @property
     def clear_cycles(self) -> int:

@@ -226,6 +226,16 @@ class EngineConfig:
         """Largest value of a stored channel, at which the colour sum saturates."""
         return (1 << self.channel_bits) - 1
 
+    @property
+    def plane_bits(self) -> int:
+        """Bits of a pixel's colour in one plane; the last plane may have fewer."""
+        return -(-self.colour_bits // self.colour_planes)
+
+    @property
+    def dither_bits(self) -> int:
+        """Fraction bits that an element's channels keep until the thresholds are added."""
+        return 4 if self.dither else 0
+
     # The tables: a write is (address, data).
 
     @property

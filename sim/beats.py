@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ..rtl.format import PAPER, EngineConfig, Field
 from .raster import Raster
 
-__all__ = ["from_beats", "to_beats"]
+__all__ = ["from_beats", "put_field", "to_beats"]
 
 _Limbs = npt.NDArray[np.uint64]
 LIMB = 64
@@ -54,11 +54,11 @@ def to_beats(raster: Raster) -> npt.NDArray[np.uint64]:
     beats = np.zeros((len(lines) + 1, -(-config.raster_end.end // LIMB)), np.uint64)
     for pixel in range(pixels):
         columns = words * pixels + pixel
-        _put(beats[:-1], config.raster_depth(pixel), depth[lines, columns])
-        _put(beats[:-1], config.raster_colour(pixel), colour[lines, columns])
-    _put(beats[:-1], config.raster_word, words)
-    _put(beats[:-1], config.raster_line, lines)
-    _put(beats[-1:], config.raster_end, np.ones(1))
+        put_field(beats[:-1], config.raster_depth(pixel), depth[lines, columns])
+        put_field(beats[:-1], config.raster_colour(pixel), colour[lines, columns])
+    put_field(beats[:-1], config.raster_word, words)
+    put_field(beats[:-1], config.raster_line, lines)
+    put_field(beats[-1:], config.raster_end, np.ones(1))
     return beats
 
 
@@ -139,8 +139,11 @@ def _check_places(
         )
 
 
-def _put(beats: _Limbs, field: Field, values: npt.NDArray[np.generic]) -> None:
-    """Set a field of at most 64 bits, which must be 0 before; it may reach into the next limb."""
+def put_field(beats: _Limbs, field: Field, values: npt.NDArray[np.generic]) -> None:
+    """Set a field of at most 64 bits in words of several limbs.
+
+    It must be 0 before, and may reach into the next limb.
+    """
     limb, shift = divmod(field.lsb, LIMB)
     bits = values.astype(np.uint64)
     beats[:, limb] |= bits << np.uint64(shift)

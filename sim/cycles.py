@@ -56,14 +56,8 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     ------
     InputError
         If there is no end-of-frame word.
-    NotImplementedError
-        If the configuration has more than one colour plane.
     """
     config = frame.config
-    if config.colour_planes != 1:
-        raise NotImplementedError(
-            f"cycles are counted for engines with one colour plane, not {config.colour_planes}"
-        )
     clearing = clearing_cycles(config) if after_reset else 0
     words = np.ascontiguousarray(frame.codewords, np.uint64).view(np.int64)
     machine = machine_of(config, frame.width, frame.height, clearing)

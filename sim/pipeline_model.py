@@ -1,10 +1,9 @@
 """The engine's clock, as a program: what each stage holds from cycle to cycle.
 
 It follows the circuit of ``rtl/`` stage by stage, but only in what decides about time: which code
-word stands where, which banks it still needs, and which lines are on their way out. Depths and
-colours do not matter, as long as a colour has one plane: then a word takes a bank for one cycle
-whether its pixels pass or not. (With further planes a bank in which a pixel passes is busy for
-another cycle. That model would keep a depth buffer beside ``Window`` and count in ``_draw``.)
+word stands where, which banks it still needs, and which lines are on their way out. Colours do not
+matter, and depths only where colours have further planes: two cycles after a word in which a pixel
+passed, or that was cleared and not all background, its bank reads them and takes nothing else.
 
 All ports are willing in every cycle and there is no initial raster.
 """
@@ -61,6 +60,10 @@ class Machine(NamedTuple):
         Cycles, from the first code word on, in which the window is still being cleared.
     hazard
         A bank cannot take the word that it writes at that moment. False is a machine that could.
+    planes
+        Planes of a colour.
+    z_lsb, z_mask
+        Place of a code word's depth; the mask is the background's depth as well.
     """
 
     x_lsb: int
@@ -72,6 +75,9 @@ class Machine(NamedTuple):
     half_words: int
     clearing: int
     hazard: bool
+    planes: int
+    z_lsb: int
+    z_mask: int
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
@@ -86,6 +92,9 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         half_words=1 << (config.word_bits - 1),
         clearing=clearing,
         hazard=True,
+        planes=config.colour_planes,
+        z_lsb=config.z.lsb,
+        z_mask=config.z.mask,
     )
 
 
@@ -102,18 +111,37 @@ class Window(NamedTuple):
         The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape (8,).
     ring
         See ``OLDEST`` and what follows: shape (5,).
+    covered, place
+        Pixels that the element covers of each slot's word, a bit each, and where that word starts
+        in ``depth``: shape (8, 3).
+    depth
+        Of every pixel of the image's words, if there are further planes: shape (pixels,).
+    reading
+        Banks that read further planes in this cycle and in the two that follow: shape (3, 8).
+    leaving
+        What was flushed one, two and three cycles before: nothing, ``BLANK`` or ``SHOWN``: shape
+        (3,).
     """
 
     left: Any
     address: Any
     taken: Any
     ring: Any
+    covered: Any
+    place: Any
+    depth: Any
+    reading: Any
+    leaving: Any
 
 
 OLDEST, FLUSHED, WRITTEN, TOP, TOUCHED = range(5)
 """Registers of the ring: the first line in the window; how many of its words have been flushed; a
 bit a place that was written into; the line above which all lines are complete. And the bits of the
 places that the element at hand is written into."""
+
+
+BLANK, SHOWN = 1, 2
+"""A flushed word that is background, or not; it matters only where there are further planes."""
 
 
 @nb.njit(cache=True)
@@ -137,31 +165,38 @@ def walk(words: Any, machine: Machine) -> int:
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(BANKS, EMPTY, np.int64),
         np.zeros(5, np.int64),
+        np.zeros((BANKS, NEIGHBOURS), np.int64),
+        np.zeros((BANKS, NEIGHBOURS), np.int64),
+        np.full(_pixels(machine), machine.z_mask, np.int64),
+        np.zeros((3, BANKS), np.int64),
+        np.zeros(3, np.int64),
     )
     ring = window.ring
+    z = 0  # depth of the element at hand
     ring[TOP] = -ABOVE
     held = np.full(DECODER + 1, EMPTY, np.int64)  # index of each stage's code word
     tops = np.zeros(DECODER + 1, np.int64)  # and its block's first line
     top = -ABOVE
     following = 0  # the next code word
     end_word = EMPTY
-    leaving = False  # a flushed word stands on its bank's output
     cycle = 0
     while following < len(words) or end_word != EMPTY:
         clearing = cycle < machine.clearing
         head = held[DECODER]
         ends = head != EMPTY and head == end_word
-        if ends and ring[WRITTEN] == 0 and not leaving:
+        if ends and ring[WRITTEN] == 0 and not _on_the_way(window, machine):
             return cycle + 2  # the end beat is on the port in the next cycle
 
         near = tops[DECODER] - ring[OLDEST] < LINES - BANKS
         go = head != EMPTY and not ends and not clearing and near
         complete = ring[TOP]
-        leaving = not clearing and _flushes(window, go)
-        done = _draw(window, go, machine.hazard)
+        flushed = not clearing and _flushes(window, go, machine)
+        done = _draw(window, go, z, machine)
         if clearing:  # all banks, one address after the other; the last is the highest
             window.taken[:] = 4 * machine.half_words - 1
-        _step_ring(ring, complete, leaving, go, machine)
+            window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
+        _shift(window, _give_up(window, machine) if flushed else 0)
+        _step_ring(ring, complete, flushed, go, machine)
         if head != EMPTY:
             ring[TOP] = tops[DECODER]
 
@@ -176,6 +211,7 @@ def walk(words: Any, machine: Machine) -> int:
                 ring[TOUCHED] = 0
                 if held[DECODER] != end_word:
                     _place(words[held[DECODER]], tops[DECODER], window, machine)
+                    z = words[held[DECODER]] >> machine.z_lsb & machine.z_mask
         if colour_moves:
             for stage in range(DECODER - 1, SEQUENCER, -1):
                 held[stage], tops[stage] = held[stage - 1], tops[stage - 1]
@@ -224,6 +260,10 @@ def _place_row(
         slot = number - outermost
         window.left[bank] |= 1 << slot
         window.address[bank, slot] = _address(line, number, machine)
+        if machine.planes > 1:
+            first, last = max(begin - WORD * number, 0), min(end - WORD * number, WORD - 1)
+            window.covered[bank, slot] = (2 << last) - (1 << first)
+            window.place[bank, slot] = _start(line, number, machine)
         window.ring[TOUCHED] |= 1 << line % LINES
 
 
@@ -234,7 +274,7 @@ def _address(line: int, number: int, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
-def _draw(window: Window, go: bool, hazard: bool) -> bool:
+def _draw(window: Window, go: bool, z: int, machine: Machine) -> bool:
     """Let each bank take a word of the element, its leftmost, and return whether all are taken."""
     done = go
     for bank in range(BANKS):
@@ -244,11 +284,13 @@ def _draw(window: Window, go: bool, hazard: bool) -> bool:
             continue
         slot = 0 if left & 1 else 1 if left & 2 else 2
         address = window.address[bank, slot]
-        if hazard and window.taken[bank] == address:
+        if (machine.hazard and window.taken[bank] == address) or window.reading[0, bank] == 1:
             window.taken[bank] = EMPTY
             done = False
             continue
         window.taken[bank] = address
+        if machine.planes > 1 and _passes(window, bank, slot, z):
+            window.reading[2, bank] = 1
         left &= left - 1
         window.left[bank] = left
         done = done and left == 0
@@ -256,19 +298,82 @@ def _draw(window: Window, go: bool, hazard: bool) -> bool:
 
 
 @nb.njit(cache=True)
-def _flushes(window: Window, go: bool) -> bool:
+def _passes(window: Window, bank: int, slot: int, z: int) -> bool:
+    """Draw the pixels of a word that pass the depth test; return whether any did."""
+    passed = False
+    start = window.place[bank, slot]
+    for pixel in range(WORD):
+        if window.covered[bank, slot] >> pixel & 1 and z < window.depth[start + pixel]:
+            window.depth[start + pixel] = z
+            passed = True
+    return passed
+
+
+@nb.njit(cache=True)
+def _flushes(window: Window, go: bool, machine: Machine) -> bool:
     """Return whether a word leaves in this cycle: the next one of the oldest line.
 
-    It does if the line is complete and was written into, and the element does not need the bank.
-    No word that leaves is ever one that its bank writes at the moment, or draws in the next cycle:
-    the line was complete a cycle before, and its place is not used again until it has left.
+    It does if the line is complete and was written into, and the element does not need the bank,
+    nor the bank and the way out are at a word's further planes. No word that leaves is ever one
+    that its bank writes at the moment, or draws in the next cycle: the line was complete a cycle
+    before, and its place is not used again until it has left.
     """
     ring = window.ring
     oldest = ring[OLDEST]
     if oldest >= ring[TOP] or not ring[WRITTEN] >> oldest % LINES & 1:
         return False
     bank = (oldest + 4 * (ring[FLUSHED] % 2)) % BANKS
+    if machine.planes > 1 and (window.leaving[1] == SHOWN or window.reading[0, bank]):
+        return False
     return not go or window.left[bank] == 0
+
+
+@nb.njit(cache=True)
+def _give_up(window: Window, machine: Machine) -> int:
+    """Return whether the word that leaves is ``BLANK``, and keep its bank for its planes if not."""
+    if machine.planes == 1:
+        return BLANK
+    line, number = window.ring[OLDEST], window.ring[FLUSHED]
+    start = _start(line, number, machine)
+    kind = BLANK
+    for pixel in range(WORD):
+        if window.depth[start + pixel] != machine.z_mask:
+            # The bank does not know where the image ends; the way out does.
+            window.reading[2, (line + 4 * (number % 2)) % BANKS] = 1
+            if WORD * number + pixel <= machine.last_column:
+                kind = SHOWN
+    return kind
+
+
+@nb.njit(cache=True)
+def _shift(window: Window, leaves: int) -> None:
+    """Let a cycle pass for what is on its way: planes to read, and words that leave."""
+    window.reading[0] = window.reading[1]
+    window.reading[1] = window.reading[2]
+    window.reading[2] = 0
+    window.leaving[2] = window.leaving[1]
+    window.leaving[1] = window.leaving[0]
+    window.leaving[0] = leaves
+
+
+@nb.njit(cache=True)
+def _on_the_way(window: Window, machine: Machine) -> bool:
+    """Return whether a flushed word is between its bank and the port."""
+    if machine.planes == 1:
+        return window.leaving[0] != 0
+    return window.leaving[0] + window.leaving[1] + window.leaving[2] != 0
+
+
+@nb.njit(cache=True, inline="always")
+def _start(line: int, number: int, machine: Machine) -> int:
+    """Return where a word of a line starts in ``depth``."""
+    return WORD * (line * (machine.last_column // WORD + 1) + number)
+
+
+@nb.njit(cache=True)
+def _pixels(machine: Machine) -> int:
+    """Return how many pixels the image's words have; none are needed for one plane."""
+    return _start(machine.last_line + 1, 0, machine) if machine.planes > 1 else 0
 
 
 @nb.njit(cache=True)

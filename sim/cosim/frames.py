@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ...host.frame import Frame, Tables
 from ...rtl.format import EngineConfig, Register
-from ..beats import from_beats, to_beats
+from ..beats import from_beats, put_field, to_beats
 from ..raster import Raster
 from . import simulator
 from .simulator import Build, SimulationError
@@ -180,13 +180,8 @@ def play(
 def table_writes(
     tables: Tables, width: int, height: int, load: bool, config: EngineConfig
 ) -> npt.NDArray[np.uint64]:
-    """Return the table writes of a frame: shape (n, 1), uint64, address above data."""
-    entries = np.zeros(len(tables.diffuse), np.uint64)
-    for kind, table in enumerate((tables.diffuse, tables.specular)):
-        for channel in range(3):
-            lsb = config.coefficient(kind, channel).lsb
-            entries |= table[:, channel].astype(np.uint64) << np.uint64(lsb)
-    entries |= np.arange(len(entries), dtype=np.uint64) << np.uint64(config.table_address.lsb)
+    """Return the table writes of a frame: shape (n, limbs), uint64, lowest limb first."""
+    materials = len(tables.diffuse)
     registers = {
         Register.AMBIENT_RED: int(tables.ambient[0]),
         Register.AMBIENT_GREEN: int(tables.ambient[1]),
@@ -195,11 +190,14 @@ def table_writes(
         Register.LAST_LINE: height - 1,
         Register.CONTROL: int(load) << Register.CONTROL_LOAD,
     }
-    written = [
-        (config.register_base + offset) << config.table_address.lsb | value
-        for offset, value in registers.items()
-    ]
-    return np.concatenate([entries, np.array(written, np.uint64)])[:, np.newaxis]
+    writes = np.zeros((materials + len(registers), -(-config.table_address.end // 64)), np.uint64)
+    for kind, table in enumerate((tables.diffuse, tables.specular)):
+        for channel in range(3):
+            put_field(writes[:materials], config.coefficient(kind, channel), table[:, channel])
+    put_field(writes[materials:], config.table_data, np.array(list(registers.values())))
+    addresses = [config.register_base + offset for offset in registers]
+    put_field(writes, config.table_address, np.array([*range(materials), *addresses]))
+    return writes
 
 
 def write_hex(path: Path, words: npt.NDArray[np.uint64], bits: int) -> None:

@@ -36,7 +36,8 @@ def test_every_command_shows_examples(run, command):
 
 
 def test_the_commands_are_those_of_the_manual():
-    assert sorted(main.commands) == ["encode", "info", "play", "render", "synth", "verilog"]
+    manual = ["bench", "encode", "info", "play", "render", "synth", "verilog"]
+    assert sorted(main.commands) == manual
 
 
 def test_version_is_the_package_s(run):

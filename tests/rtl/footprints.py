@@ -1,17 +1,18 @@
 """Footprints for the benches of what comes after the decoder, packed from pixels."""
 
-from splatline.rtl.format import PAPER
+from presets import CONFIG
+
 from splatline.rtl.layouts import FootprintLayout
 from splatline.sim.cosim.blocks import pack
 
 __all__ = ["FOOTPRINT", "end_token", "footprint", "place_of_word"]
 
-FOOTPRINT = FootprintLayout(PAPER)
+FOOTPRINT = FootprintLayout(CONFIG)
 
 
 def place_of_word(line, word):
     """Bank and address of a word: bank (line + 4 (word mod 2)) mod 8."""
-    return (line + 4 * (word % 2)) % 8, (line // 4 % 4) << PAPER.word_bits - 1 | word // 2
+    return (line + 4 * (word % 2)) % 8, (line // 4 % 4) << CONFIG.word_bits - 1 | word // 2
 
 
 def footprint(top, x, spans, z=0, colour=0, width=512, height=512):
@@ -49,5 +50,5 @@ def footprint(top, x, spans, z=0, colour=0, width=512, height=512):
 def end_token():
     """The token that ends a frame."""
     empty = [{"first": 0, "last": 0, "words": 0}] * 4
-    lowest = (1 << PAPER.line_bits + 1) - 1
+    lowest = (1 << CONFIG.line_bits + 1) - 1
     return pack(FOOTPRINT, upper=empty, lower=empty, end=1, top=lowest)

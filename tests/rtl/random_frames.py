@@ -10,53 +10,60 @@ from splatline.sim.raster import Raster
 
 __all__ = ["frame_of", "nonsense", "random_raster", "random_tables", "shapes", "word"]
 
-END = end_word(PAPER)
 
-
-def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0):
+def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, config=PAPER):
     """A code word with four rows of (first, last)."""
     scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(rows))
     fields = (
-        (mode, 0),
-        (scans, 1),
-        (diffuse, 25),
-        (specular, 32),
-        (material, 39),
-        (x, 46),
-        (z, 55),
+        (mode, config.mode),
+        (scans, config.scans),
+        (diffuse, config.diffuse),
+        (specular, config.specular),
+        (material, config.material),
+        (x, config.x),
+        (z, config.z),
     )
-    return sum(value << lsb for value, lsb in fields)
+    return sum(value << field.lsb for value, field in fields)
 
 
-def random_tables(rng):
+def random_tables(rng, config=PAPER):
+    """Tables of numbers of every length: small ones, so that not all colours are the brightest."""
+
+    def numbers(bits, size):
+        return rng.integers(0, 1 << bits, size) >> rng.integers(0, bits, size)
+
+    size = (config.register_base, 3)
+    ambient = numbers(config.ambient_bits - 1, 3)
     return Tables(
-        rng.integers(0, 1 << 13, 3), rng.integers(0, 64, (128, 3)), rng.integers(0, 64, (128, 3))
+        ambient, numbers(config.coefficient_bits, size), numbers(config.coefficient_bits, size)
     )
 
 
-def frame_of(words, width=512, height=512, seed=0):
+def frame_of(words, width=512, height=512, seed=0, config=PAPER):
     """A frame of words and its end word."""
-    stream = np.array([*map(int, words), END], np.uint64)
-    return Frame(stream, random_tables(np.random.default_rng(seed)), width, height)
+    stream = np.array([*map(int, words), end_word(config)], np.uint64)
+    tables = random_tables(np.random.default_rng(seed), config)
+    return Frame(stream, tables, width, height, config)
 
 
-def nonsense(rng, count, width, height, advance=0.05):
+def nonsense(rng, count, width, height, advance=0.05, config=PAPER):
     """Any 64 bits at all, but with no end of the frame among them and steps to advance."""
     words = rng.integers(0, 1 << 64, count, np.uint64)
     stepping = rng.random(count) < advance
-    words[stepping] = [advance_word(int(n), PAPER) for n in rng.integers(0, 12, stepping.sum())]
-    ends = golden.decode(words, PAPER)["end"]
-    words[ends] &= ~np.uint64(1 << PAPER.control_end.lsb)
-    return frame_of(words, width, height, int(rng.integers(1 << 30)))
+    words[stepping] = [advance_word(int(n), config) for n in rng.integers(0, 12, stepping.sum())]
+    ends = golden.decode(words, config)["end"]
+    words[ends] &= ~np.uint64(1 << config.control_end.lsb)
+    return frame_of(words, width, height, int(rng.integers(1 << 30)), config)
 
 
-def shapes(rng, count, width, height, largest=8):
+def shapes(rng, count, width, height, largest=8, config=PAPER):
     """Elements like a host's: convex, mostly small, sorted by line, up to and over the borders."""
     lines = np.sort(rng.integers(0, height + 4, count))
+    step = config.background_depth // 15
     words, before = [], 0
     for line in lines:
         if line > before:
-            words.append(advance_word(int(line - before), PAPER))
+            words.append(advance_word(int(line - before), config))
             before = line
         size = int(rng.integers(1, largest + 1))
         rows = []
@@ -70,20 +77,21 @@ def shapes(rng, count, width, height, largest=8):
             word(
                 rows,
                 int(rng.integers(0, min(width + 3, 512))),
-                34 * int(rng.integers(16)),  # few depths, so that ties are common
+                step * int(rng.integers(16)),  # few depths, so that ties are common
                 mode=int(rng.integers(2)),
-                diffuse=int(rng.integers(128)),
-                specular=int(rng.integers(128)),
-                material=int(rng.integers(128)),
+                diffuse=int(rng.integers(config.diffuse.mask + 1)),
+                specular=int(rng.integers(config.specular.mask + 1)),
+                material=int(rng.integers(config.material.mask + 1)),
+                config=config,
             )
         )
-    return frame_of(words, width, height, int(rng.integers(1 << 30)))
+    return frame_of(words, width, height, int(rng.integers(1 << 30)), config)
 
 
-def random_raster(rng, width, height, share):
+def random_raster(rng, width, height, share, config=PAPER):
     """A picture in which a share of the pixels is drawn."""
-    raster = Raster.background(width, height)
+    raster = Raster.background(width, height, config)
     drawn = rng.random((height, width)) < share
-    raster.depth[drawn] = 34 * rng.integers(0, 15, drawn.sum())
-    raster.colour[drawn] = rng.integers(0, 8, (drawn.sum(), 3))
+    raster.depth[drawn] = config.background_depth // 15 * rng.integers(0, 15, drawn.sum())
+    raster.colour[drawn] = rng.integers(0, config.channel_max + 1, (drawn.sum(), 3))
     return raster

@@ -3,27 +3,39 @@
 import random
 
 import cocotb
+import pytest
+from presets import CONFIG, OTHERS, run_bench
 
 from splatline.rtl.colour import ColourUnit
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ColouredLayout, ElementLayout
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim import blocks
+from splatline.sim.cosim.blocks import pack
 from splatline.sim.cosim.streams import StreamBench
 
-ELEMENT, COLOURED = ElementLayout(PAPER), ColouredLayout(PAPER)
+ELEMENT, COLOURED = ElementLayout(CONFIG), ColouredLayout(CONFIG)
 PASSED = {"mode": 1, "x": 300, "z": 77, "top": -3, "end": 1}
+MATERIALS = CONFIG.register_base
+LARGEST = (1 << CONFIG.coefficient_bits) - 1
+BRIGHTEST = (1 << CONFIG.ambient_bits) - 1
+INTENSITY = CONFIG.diffuse.mask
+FRACTION = 4 if CONFIG.dither else 0
 
 
 def expected_colour(ambient, material, diffuse, specular):
-    kd, ks = material[:3], material[3:]
-    levels = [min((ambient[c] + kd[c] * diffuse + ks[c] * specular) >> 10, 7) for c in range(3)]
-    return levels[0] | levels[1] << 3 | levels[2] << 6
+    """Equation 2; with dithering, each channel with the fraction that thresholds are added to."""
+    bits = CONFIG.channel_bits + FRACTION
+    colour = 0
+    for c in range(3):
+        total = ambient[c] + material[c] * diffuse + material[3 + c] * specular
+        colour |= min(total >> CONFIG.colour_shift - FRACTION, (1 << bits) - 1) << bits * c
+    return colour
 
 
 async def write_materials(dut, bench, materials):
     for index, material in enumerate(materials):
-        bits = sum(value << 6 * n for n, value in enumerate(material))
-        write = 1 | index << 1 | bits << 8
+        bits = sum(value << CONFIG.coefficient_bits * n for n, value in enumerate(material))
+        write = 1 | index << 1 | bits << 1 + CONFIG.material_bits
         await bench.step(lambda write=write: setattr(dut.material, "value", write))
     dut.material.value = 0
 
@@ -31,7 +43,7 @@ async def write_materials(dut, bench, materials):
 async def check(dut, ambient, materials, elements, rates, seed):
     bench = StreamBench(dut, seed)
     dut.material.value = 0
-    dut.ambient.value = sum(value << 14 * c for c, value in enumerate(ambient))
+    dut.ambient.value = sum(value << CONFIG.ambient_bits * c for c, value in enumerate(ambient))
     source = bench.source("i", [], rates[0])
     sink = bench.sink("o", rates[1])
     await bench.reset()
@@ -53,10 +65,15 @@ async def random_materials(dut):
     """Random tables and intensities, at full rate and with stalls."""
     for seed, rates in enumerate([(1.0, 1.0), (0.6, 0.6), (1.0, 0.2)]):
         rng = random.Random(seed)
-        ambient = [rng.randrange(1 << 13) for _ in range(3)]
-        materials = [[rng.randrange(64) for _ in range(6)] for _ in range(128)]
+        ambient = [rng.randrange(BRIGHTEST // 2) for _ in range(3)]
+        # Numbers of every length, so that not all colours are the brightest.
+        materials = [
+            [rng.getrandbits(rng.randrange(CONFIG.coefficient_bits + 1)) for _ in range(6)]
+            for _ in range(MATERIALS)
+        ]
         elements = [
-            (rng.randrange(128), rng.randrange(128), rng.randrange(128)) for _ in range(1500)
+            (rng.randrange(MATERIALS), rng.randint(0, INTENSITY), rng.randint(0, INTENSITY))
+            for _ in range(1500)
         ]
         cycles = await check(dut, ambient, materials, elements, rates, seed)
         if rates == (1.0, 1.0):
@@ -66,12 +83,29 @@ async def random_materials(dut):
 @cocotb.test()
 async def extremes(dut):
     """The largest sum saturates and never wraps; each corner of the ranges is right."""
-    materials = [[63] * 6, [0] * 6, [63, 0, 1, 0, 63, 1], [1, 2, 4, 8, 16, 32]]
-    corners = [(m, d, s) for m in range(4) for d in (0, 1, 126, 127) for s in (0, 1, 126, 127)]
-    for number, level in enumerate((0, 1, 512, 1023, 1024, 8191, 16383)):
-        ambient = [level, 16383 - level, level]
+    materials = [
+        [LARGEST] * 6,
+        [0] * 6,
+        [LARGEST, 0, 1, 0, LARGEST, 1],
+        [1 << n for n in range(6)],
+    ]
+    ends = (0, 1, INTENSITY - 1, INTENSITY)
+    corners = [(m, d, s) for m in range(4) for d in ends for s in ends]
+    unit = 1 << CONFIG.colour_shift
+    for number, level in enumerate((0, 1, unit // 2, unit - 1, unit, BRIGHTEST // 2, BRIGHTEST)):
+        ambient = [level, BRIGHTEST - level, level]
         await check(dut, ambient, materials, corners, (1.0, 1.0), number)
 
 
 def test_colours_follow_equation_2(simulator_name):
-    run_bench(ColourUnit(PAPER), __file__, simulator_name=simulator_name)
+    blocks.run_bench(ColourUnit(PAPER), __file__, simulator_name=simulator_name)
+
+
+@pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
+def test_the_corners_of_every_preset(config):
+    run_bench(config, ColourUnit, __file__, test="extremes")
+
+
+def test_a_table_that_is_written_and_read_through_both_ports():
+    config = next(c for c in OTHERS if 6 * c.coefficient_bits > 36)
+    run_bench(config, ColourUnit, __file__, test="random_materials")

@@ -9,15 +9,18 @@ import pytest
 import test_bank
 import test_decoder
 import test_engine
+import test_planar_bank
 import test_scatter
 import test_sequencer
 import test_window
+from presets import run_bench as run_preset
 from random_frames import shapes
 
 from splatline.rtl.bank import Bank
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import BAYER, PAPER, PRESETS
+from splatline.rtl.planar_bank import PlanarBank
 from splatline.rtl.scatter import Scatter
 from splatline.rtl.sequencer import Sequencer
 from splatline.rtl.window import Window
@@ -80,6 +83,45 @@ BLOCK_FAULTS = [
 def test_a_fault_in_a_block_is_noticed(component, bench, test, edit):
     with pytest.raises(SimulationError):
         run_bench(component(PAPER), bench.__file__, test=test, edit=edit)
+
+
+PLANE_FAULTS = [
+    ("rgb18", PlanarBank, "late_colour_write", "1'h0", "plane 1 not written"),
+    ("rgb24", PlanarBank, "late_depth_write", "1'h0", "plane 2 not written"),
+    ("rgb18", PlanarBank, "conflict", "same", "requests meet the planes"),
+    ("rgb18", Window, "paint.may_draw", "1'h1", "drawn after a load"),
+    ("rgb24", Window, "paint.may_load", "1'h1", "loaded after a draw"),
+    ("rgb18", Window, "emitter.ready", "1'h1", "flushed words meet"),
+]
+
+
+@pytest.mark.parametrize(
+    ("preset", "component", "signal", "value"),
+    [pytest.param(*fault[:4], id=fault[4]) for fault in PLANE_FAULTS],
+)
+def test_a_fault_in_the_planes_is_noticed(preset, component, signal, value):
+    """Either a plane is lost, or two words meet in what planes share."""
+    *inner, name = signal.split(".")
+    bench = test_window if component is Window else test_planar_bank
+    test = "in_short" if component is Window else "random_requests"
+    with pytest.raises(SimulationError):
+        run_preset(
+            PRESETS[preset],
+            component,
+            bench.__file__,
+            test=test,
+            edit=fault(".".join(["dut", *inner]), name, value),
+        )
+
+
+def test_a_wrong_threshold_is_noticed(monkeypatch):
+    from splatline.rtl import paint
+
+    wrong = [list(row) for row in BAYER]
+    wrong[2][1] += 1
+    monkeypatch.setattr(paint, "BAYER", wrong)
+    with pytest.raises(SimulationError):
+        run_preset(PRESETS["dither"], Window, test_window.__file__, test="in_short")
 
 
 def test_a_fault_in_the_engine_is_noticed(monkeypatch):

@@ -51,6 +51,9 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         ({"depth_bits": 9.0}, "depth_bits must be an integer in 1..16, not 9.0"),
         ({"channel_bits": 9}, "channel_bits must be an integer in 1..8, not 9"),
         ({"colour_shift": 14}, "colour_shift must be an integer in 1..13, not 14"),
+        ({"colour_shift": 3, "dither": True}, "colour_shift must be an integer in 4..13, not 3"),
+        ({"colour_planes": 0}, "colour_planes must be an integer in 1..3, not 0"),
+        ({"colour_planes": 4}, "colour_planes must be an integer in 1..3, not 4"),
         ({"material_bits": 2}, "material_bits must be an integer in 3..9, not 2"),
         ({"window_lines": 12}, "window_lines must be 16, not 12"),
         ({"pixels_per_word": 3}, "pixels_per_word must be 4, not 3"),
@@ -62,8 +65,18 @@ def test_bad_parameters_are_named(change, message):
         EngineConfig(**change)
 
 
+def test_planes_hold_a_whole_colour():
+    for config in PRESETS.values():
+        used = config.colour_planes * config.plane_bits
+        assert 0 <= used - config.colour_bits < config.colour_planes
+        # A half of a bank's block RAM has ports of 36 bits.
+        assert config.pixels_per_word * config.plane_bits <= 36
+    planes = {config.name: config.plane_bits for config in PRESETS.values()}
+    assert planes == {"paper": 9, "dither": 9, "rgb18": 9, "rgb24": 8, "deep": 9}
+
+
 def test_presets_are_found_by_name():
     assert get_preset("paper") is PAPER
-    with pytest.raises(ValueError, match="no preset named 'large'; there are: paper"):
+    with pytest.raises(ValueError, match="no preset named 'large'; there are: deep, dither, paper"):
         get_preset("large")
     assert PAPER.replace(depth_bits=8, x_bits=10).name == "custom"

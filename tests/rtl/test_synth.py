@@ -1,7 +1,9 @@
 import pytest
 
-from splatline.rtl.format import PAPER
-from splatline.rtl.synth import DEVICE, synthesise
+from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.material_table import MaterialTable
+from splatline.rtl.planar_bank import PlanarBank
+from splatline.rtl.synth import DEVICE, count_component, synthesise
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +22,7 @@ def test_every_memory_is_block_ram_as_the_paper_lays_them_out(report):
     assert report["cells"]["RAMB16_S36_S36"] == 17
     banks = [counts for name, counts in report["modules"].items() if ".bank_" in name]
     assert [counts["bram"] for counts in banks] == [2] * 8
-    assert report["modules"]["colour"]["bram"] == 1
+    assert report["modules"]["colour.table"]["bram"] == 1
 
 
 def test_a_preset_does_not_outgrow_its_budget(report):
@@ -36,3 +38,11 @@ def test_the_modules_are_those_of_the_engine(report):
     assert report["modules"]["colour"]["mult"] == report["mult"] == 6
     for kind in ("ff", "bram", "mult"):
         assert sum(counts[kind] for counts in report["modules"].values()) >= report[kind]
+
+
+@pytest.mark.parametrize("preset", ["rgb18", "rgb24"])
+def test_more_colour_takes_no_more_block_ram(preset):
+    """The planes fill what the banks' memories leave empty, and so does the material table."""
+    config = PRESETS[preset]
+    assert count_component(PlanarBank(config))["bram"] == 2
+    assert count_component(MaterialTable(config))["bram"] == 1

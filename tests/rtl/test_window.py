@@ -3,24 +3,46 @@
 import random
 
 import cocotb
+import pytest
 from footprints import end_token, footprint
+from presets import CONFIG, OTHERS, run_bench
 from test_scatter import random_spans
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import BAYER, PAPER
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.window import Window
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim import blocks
+from splatline.sim.cosim.blocks import pack
 from splatline.sim.cosim.streams import StreamBench
 
-RASTER = RasterLayout(PAPER)
-BACKGROUND = (511, 0)
-END = 1 << PAPER.raster_end.lsb
+RASTER = RasterLayout(CONFIG)
+DEPTH = CONFIG.background_depth
+BACKGROUND = (DEPTH, 0)
+END = 1 << CONFIG.raster_end.lsb
+FRACTION = 4 if CONFIG.dither else 0
 
 
-def draw(image, pixels, z, colour):
-    for pixel in pixels:
-        if z < image.get(pixel, BACKGROUND)[0]:
-            image[pixel] = (z, colour)
+def random_shade(rng):
+    """An element's colour: its channels with the fraction bits, if there are any."""
+    return rng.getrandbits(3 * (CONFIG.channel_bits + FRACTION))
+
+
+def colour_of(shade, line, column):
+    """A pixel's colour: the threshold of its place added, and the fraction dropped."""
+    if not CONFIG.dither:
+        return shade
+    width = CONFIG.channel_bits + FRACTION
+    colour = 0
+    for channel in range(3):
+        value = (shade >> width * channel & (1 << width) - 1) + BAYER[line % 4][column % 4]
+        colour |= min(value >> FRACTION, CONFIG.channel_max) << CONFIG.channel_bits * channel
+    return colour
+
+
+def draw(image, pixels, z, shade):
+    for line, column in pixels:
+        if z < image.get((line, column), BACKGROUND)[0]:
+            image[line, column] = (z, colour_of(shade, line, column))
 
 
 def beats_of(image, width, height):
@@ -49,19 +71,19 @@ def image_of(received, width, height):
             pixel = (beat.pixels.depth[i], beat.pixels.colour[i])
             if 4 * beat.word + i >= width:
                 assert pixel == BACKGROUND, "drawn outside the image"
-            elif pixel[0] != 511:
+            elif pixel[0] != DEPTH:
                 image[beat.line, 4 * beat.word + i] = pixel
     return image
 
 
 def random_depth(rng):
     """One of few depths, so that ties are common: the first to draw a pixel keeps it."""
-    return 70 * rng.randrange(8)
+    return DEPTH // 8 * rng.randrange(8)
 
 
 def random_image(rng, width, height, share):
     return {
-        (line, column): (random_depth(rng), rng.randrange(512))
+        (line, column): (random_depth(rng), rng.getrandbits(CONFIG.colour_bits))
         for line in range(height)
         for column in range(width)
         if rng.random() < share
@@ -81,11 +103,11 @@ async def check(dut, frames, rates, seed):
         tops = sorted(rng.randrange(-4, height + 2) for _ in range(count))
         image, tokens = dict(start or {}), []
         for top in tops:
-            z, colour = random_depth(rng), rng.randrange(512)
+            z, shade = random_depth(rng), random_shade(rng)
             x = rng.randrange(min(512, width + 4))
-            bits, pixels = footprint(top, x, random_spans(rng), z, colour, width, height)
+            bits, pixels = footprint(top, x, random_spans(rng), z, shade, width, height)
             tokens.append(bits)
-            draw(image, pixels, z, colour)
+            draw(image, pixels, z, shade)
         source.payloads, source.sent = [*tokens, end_token()], 0
         if start is not None:
             initial.payloads, initial.sent = beats_of(start, width, height), 0
@@ -138,6 +160,15 @@ async def with_stalls(dut):
 
 
 @cocotb.test()
+async def in_short(dut):
+    """A little of everything, for what is simulated slowly or often."""
+    rng = random.Random(6)
+    # Tall enough for the elements and the initial raster to take turns often.
+    frames = [(9, 45, 90, random_image(rng, 9, 45, 0.4)), (30, 20, 100, None)]
+    await check(dut, frames, (0.9, 0.9, 0.6), 6)
+
+
+@cocotb.test()
 async def nonsense_in_the_initial_raster(dut):
     """Beats outside the image or out of order fall nowhere but on their own place."""
     rng = random.Random(5)
@@ -167,4 +198,9 @@ async def nonsense_in_the_initial_raster(dut):
 
 
 def test_window_draws_every_frame(simulator_name):
-    run_bench(Window(PAPER), __file__, simulator_name=simulator_name)
+    blocks.run_bench(Window(PAPER), __file__, simulator_name=simulator_name)
+
+
+@pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
+def test_window_draws_every_preset_s_frames(config):
+    run_bench(config, Window, __file__, test="in_short")

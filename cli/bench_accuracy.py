@@ -1,0 +1,404 @@
+"""What ``splatline bench accuracy`` measures: each quality, preset and skip, and the budget."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .statistics import drawing_statistics, tool_versions
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from ..host.cloud import Cloud
+    from ..host.frame import Frame
+    from ..host.view import View
+    from ..rtl.format import EngineConfig
+    from ..sim.bench_pictures import Crops
+    from ..sim.raster import Raster
+    from ..sim.reference import Reference
+
+__all__ = ["FLOAT", "FLOAT_ONE_DEPTH", "Sweep", "measure"]
+
+FLOAT = "float"
+FLOAT_ONE_DEPTH = "float, one depth a splat"
+"""Qualities of no engine: one exact sample a pixel, and the same with one depth for each splat."""
+
+ONCE = {"materials", "index"}
+"""Stages of the host that a cloud needs once, not every frame."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is measured.
+
+    Parameters
+    ----------
+    paths, scenes
+        Clouds and built-in scenes.
+    views
+        Orbits; empty: each scene's own, and the default one for a cloud.
+    size
+        Of the image.
+    splats
+        Medians of the splats' diameters in pixels; None: the points' own spacing.
+    presets
+        Engines that splats of the points' spacing are drawn for.
+    fewer_presets
+        Engines that splats of other sizes are drawn for.
+    ladders
+        Splats of which the error budget is drawn up.
+    repeats
+        Calls of host and golden renderer, of which the fastest counts.
+    """
+
+    paths: tuple[Path, ...]
+    scenes: tuple[str, ...]
+    views: tuple[tuple[float, float], ...]
+    size: tuple[int, int] = (512, 512)
+    splats: tuple[float | None, ...] = (None, 1.5, 3.5, 7.0, 14.0)
+    presets: tuple[str, ...] = ("paper", "dither", "rgb18", "rgb24", "deep")
+    fewer_presets: tuple[str, ...] = ("paper", "dither", "rgb18", "rgb24")
+    ladders: tuple[float | None, ...] = (None, 3.5, 7.0)
+    repeats: int = 3
+
+    @property
+    def names(self) -> list[str]:
+        """What to call each cloud."""
+        return [*self.scenes, *(path.stem for path in self.paths)]
+
+    def total(self) -> int:
+        """Return the number of pictures that will be compared."""
+        each = sum(len(_plan(self, splats)) + _rungs(self, splats) for splats in self.splats)
+        return each * len(self.names) * max(len(self.views), 1)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One picture to be drawn.
+
+    Parameters
+    ----------
+    quality
+        Of the host, or a float quality.
+    preset
+        The engine; None: drawn by none.
+    switched
+        The skip that is not as the host has it by default.
+    """
+
+    quality: str
+    preset: str | None = None
+    switched: str | None = None
+
+
+@dataclass
+class Case:
+    """A cloud, a view and a size of splats, with the picture to compare with."""
+
+    scene: str
+    cloud: Cloud
+    view: View
+    camera: dict[str, Any]
+    source: str
+    splats: float | None
+    median: float
+    radii: npt.NDArray[np.float64]
+    exact: Reference
+    background: tuple[float, float, float]
+    crops: Crops
+
+    @property
+    def key(self) -> dict[str, Any]:
+        """What tells the case from others."""
+        return {
+            "scene": self.scene,
+            "orbit": list(self.camera["orbit"]),
+            "splats": self.splats or "auto",
+            "median_pixels": round(self.median, 3),
+        }
+
+
+def measure(sweep: Sweep, advance: Callable[[str], None]) -> tuple[dict[str, Any], list[Crops]]:
+    """Measure everything.
+
+    Parameters
+    ----------
+    sweep
+        What.
+    advance
+        Called with a description before each picture that is compared.
+
+    Returns
+    -------
+    results
+        Ready for JSON: ``machine``, ``tools``, ``runs`` and ``ladders``.
+    crops
+        The pictures behind the numbers, of each case.
+    """
+    runs: list[dict[str, Any]] = []
+    ladders: list[dict[str, Any]] = []
+    crops = []
+    for case in _cases(sweep):
+        for run in _plan(sweep, case.splats):
+            advance(f"{case.scene}, {case.splats or 'auto'}: {run.quality} {run.preset or ''}")
+            runs.append(_draw_float(case, run) if run.preset is None else _draw(case, run, sweep))
+        # What a float row has no value for is null, so that every run has the same keys.
+        ladders += _walk(case, sweep, advance)
+        crops.append(case.crops)
+    keys = list(dict.fromkeys(key for run in reversed(runs) for key in run))
+    runs = [{key: run.get(key) for key in keys} for run in runs]
+    results = {
+        "machine": {"platform": platform.platform(), "processor": _processor(), "cores": _cores()},
+        "tools": tool_versions("golden"),
+        "size": list(sweep.size),
+        "reference_samples": 4,
+        "repeats": sweep.repeats,
+        "runs": runs,
+        "ladders": ladders,
+    }
+    return results, crops
+
+
+def _plan(sweep: Sweep, splats: float | None) -> list[Run]:
+    """Return the pictures of a case."""
+    from ..host.quality import DEFAULT_QUALITY, QUALITIES
+    from ..host.skips import SKIPS
+
+    presets = sweep.presets if splats is None else sweep.fewer_presets
+    runs = [Run(FLOAT), Run(FLOAT_ONE_DEPTH)]
+    runs += [Run(quality, preset) for preset in presets for quality in QUALITIES]
+    if splats is None:
+        runs += [Run(DEFAULT_QUALITY, presets[0], skip) for skip in SKIPS]
+    return runs
+
+
+def _rungs(sweep: Sweep, splats: float | None) -> int:
+    """Return the number of pictures of a case's error budget."""
+    from ..sim.budget import LADDERS, ladder
+
+    if splats not in sweep.ladders:
+        return 0
+    return sum(len(ladder(quality)) for quality in LADDERS)
+
+
+def _cases(sweep: Sweep) -> Iterator[Case]:
+    """Load each cloud once, and draw each case's reference."""
+    import numpy as np
+
+    from ..host.lighting import Lighting
+    from ..host.readers import read_cloud
+    from ..host.scenes import load_scene
+    from ..host.spacing import splat_radii
+    from ..host.view import fit_view
+    from ..sim import reference
+    from ..sim.bench_pictures import Crops
+    from ..sim.figure import BACKGROUND
+
+    for name in sweep.names:
+        camera: dict[str, Any] = {"orbit": (30.0, 20.0), "fov": 35.0, "up": "y", "zoom": 1.0}
+        source = f"scene {name}"
+        if name in sweep.scenes:
+            scene = load_scene(name)
+            cloud = scene.cloud
+            camera |= {key: getattr(scene, key) for key in camera}
+        else:
+            path = sweep.paths[sweep.names.index(name) - len(sweep.scenes)]
+            cloud, source = read_cloud(path), path.name
+        fitted = splat_radii(cloud)
+        for orbit in sweep.views or (camera["orbit"],):
+            camera["orbit"] = orbit
+            view = fit_view(cloud, size=sweep.size, **camera)
+            depth = (cloud.positions - view.eye) @ view.axes[2]
+            usual = float(np.median(2.0 * fitted * view.focal / depth))
+            place = None
+            for splats in sweep.splats:
+                radii = fitted if splats is None else fitted * (splats / usual)
+                exact = reference.render(cloud, view, radii, Lighting(), background=BACKGROUND)
+                crops = Crops(name, orbit, splats, exact, place)
+                place = crops.place  # the same for every size
+                yield Case(
+                    name,
+                    cloud,
+                    view,
+                    dict(camera),
+                    source,
+                    splats,
+                    splats or usual,
+                    radii,
+                    exact,
+                    BACKGROUND,
+                    crops,
+                )
+
+
+def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
+    """Draw and measure what an engine draws."""
+    from ..rtl.format import PRESETS
+    from ..sim import metrics
+    from ..sim.budget import blurred_psnr
+    from .engines import Drawing
+
+    assert run.preset is not None
+    config = PRESETS[run.preset]
+    frame = _make_frame(case, run, config, sweep.repeats)
+    raster, seconds = _golden(frame, sweep.repeats)
+    if run.switched is None:
+        case.crops.add(run.quality, run.preset, raster.to_rgb(case.background))
+    stages = frame.counts["seconds"]
+    host = sum(value for name, value in stages.items() if name not in ONCE)
+    numbers = {
+        **case.key,
+        **_shown(case),
+        **drawing_statistics(
+            frame,
+            Drawing(raster),
+            engine="golden",
+            seconds={**stages, "host": host, "golden": seconds},
+            stall=0.0,
+            seed=0,
+        ),
+        **metrics.compare(
+            raster,
+            case.exact,
+            background=case.background,
+            depth_range=frame.counts["depth_range"],
+        ),
+        "psnr_blurred_db": blurred_psnr(raster.to_rgb(case.background), case.exact.rgb),
+    }
+    numbers["switched"] = run.switched
+    cycles, elements = _cycles(frame), numbers["elements"]
+    numbers["cycles"] = cycles
+    numbers["cycles_per_element"] = cycles / elements if cycles is not None else None
+    return _rounded(numbers)
+
+
+def _draw_float(case: Case, run: Run) -> dict[str, Any]:
+    """Draw and measure one exact sample a pixel."""
+    import time
+
+    from ..host.lighting import Lighting
+    from ..sim.budget import measure as measure_error
+    from ..sim.float_render import Steps, render
+
+    steps = Steps() if run.quality == FLOAT else Steps(depth="splat")
+    begin = time.perf_counter()
+    picture = render(
+        case.cloud, case.view, case.radii, Lighting(), steps, background=case.background
+    )
+    seconds = time.perf_counter() - begin
+    case.crops.add(run.quality, None, picture.rgb)
+    return _rounded(
+        {
+            **case.key,
+            "quality": run.quality,
+            "preset": None,
+            **_shown(case),
+            "size": [case.view.width, case.view.height],
+            "points": len(case.cloud),
+            "drawn_pixels": int(picture.drawn.sum()),
+            "depth_range": list(picture.depth_range),
+            "seconds": {"float": round(seconds, 4)},
+            **measure_error(picture, case.exact, case.background),
+        }
+    )
+
+
+def _walk(case: Case, sweep: Sweep, advance: Callable[[str], None]) -> Iterator[dict[str, Any]]:
+    """Draw up a case's error budget."""
+    from ..host.lighting import Lighting
+    from ..sim.budget import LADDERS, ladder, walk
+
+    if case.splats not in sweep.ladders:
+        return
+    for quality in LADDERS:
+        rungs = ladder(quality)
+        steps = walk(
+            rungs, case.cloud, case.view, case.radii, Lighting(), case.exact, case.background
+        )
+        for rung in rungs:
+            advance(f"{case.scene}, {case.splats or 'auto'}: {quality}, {rung.name}")
+            yield _rounded({**case.key, "quality": quality, "preset": "paper", **next(steps)})
+
+
+def _make_frame(case: Case, run: Run, config: EngineConfig, repeats: int) -> Frame:
+    """Return the frame of the fastest call; the first, which may have compiled, is left out."""
+    from ..host.index import build_index
+    from ..host.materials import find_materials
+    from ..host.pipeline import make_frame
+    from ..host.skips import DEFAULT_SKIPS
+
+    skips = DEFAULT_SKIPS if run.switched is None else DEFAULT_SKIPS ^ {run.switched}
+    found = find_materials(case.cloud, 1 << config.material_bits)
+    index = build_index(case.cloud, case.radii, found)
+    frames = [
+        make_frame(index, case.view, config=config, quality=run.quality, skips=skips)
+        for _ in range(repeats + 1)
+    ]
+    return min(frames[1:], key=lambda frame: sum(frame.counts["seconds"].values()))
+
+
+def _golden(frame: Frame, repeats: int) -> tuple[Raster, float]:
+    """Return the golden renderer's picture, and the seconds of the fastest warm call."""
+    import time
+
+    from ..sim import golden
+
+    raster = golden.render(frame)
+    best = float("inf")
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        raster = golden.render(frame)
+        best = min(best, time.perf_counter() - begin)
+    return raster, best
+
+
+def _cycles(frame: Frame) -> int | None:
+    """Return the cycles that the engine takes, or None where there is no model of it."""
+    from ..sim import cycles
+
+    count = getattr(cycles, "count_cycles", None)
+    if count is None:
+        return None
+    try:
+        return int(count(frame))
+    except NotImplementedError:
+        return None
+
+
+def _shown(case: Case) -> dict[str, Any]:
+    """Return what was drawn, as the statistics of ``render`` name it."""
+    return {
+        "cloud": case.source,
+        "view": {**case.camera, "orbit": list(case.camera["orbit"])},
+        "splat_size": "auto" if case.splats is None else f"{case.splats:g} px",
+        "dropped": case.cloud.dropped,
+    }
+
+
+def _rounded(numbers: dict[str, Any]) -> dict[str, Any]:
+    """Return numbers without digits that say nothing."""
+    return {
+        key: float(f"{value:.7g}") if isinstance(value, float) else value
+        for key, value in numbers.items()
+    }
+
+
+def _processor() -> str:
+    """Return the processor's name where the system tells it."""
+    try:
+        lines: Sequence[str] = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = ()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor()
+
+
+def _cores() -> int:
+    import os
+
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

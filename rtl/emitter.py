@@ -1,0 +1,172 @@
+"""The way out: the word that a bank gives up becomes a beat of the raster."""
+
+from amaranth.hdl import Array, Cat, Module, Mux, Signal
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .format import EngineConfig
+from .layouts import PlaneLayout, RasterLayout
+from .ring import PlaceLayout
+from .scatter import BANKS
+
+__all__ = ["Emitter"]
+
+
+class Emitter(wiring.Component):
+    """Picks each flushed word from its bank and offers it on ``raster``.
+
+    A word stands on its bank's output in the cycle after its request and is taken from there into
+    the register on the port. Where colours have further planes, they come out two cycles after
+    plane 0, which waits for them in two registers; then a pixel that is background is given colour
+    0, as its planes are stale. Both come through one multiplexer, so no word may be requested two
+    cycles after one that is not all background.
+
+    A word that ``raster`` does not take stops the stages behind it, and the banks, once a second
+    word stands in the last stage before the port.
+
+    **Latency**: 2 cycles from a request to ``raster``, with further planes 4. **Throughput**: one
+    word a cycle; with further planes two in four, but all that are background.
+
+    Members
+    -------
+    flush : In(1)
+        A word is requested from a bank in this cycle; only while ``ready`` and ``running``.
+    place : In(PlaceLayout)
+        Which word that is.
+    bank : In(range(8))
+        The bank that holds it.
+    ready : Out(1)
+        A word may be requested.
+    words : In(8 x PlaneLayout)
+        The banks' outputs.
+    last_column : In(x_bits)
+        Width of the image less 1.
+    end : In(1)
+        The frame is over once ``empty``; leaves as the end beat.
+    raster : Out(stream of RasterLayout)
+        The beats.
+    running : Out(1)
+        Low: the banks and all requests stand still.
+    empty : Out(1)
+        No word is between a bank and the port.
+    finished : Out(1)
+        High for one cycle: the end beat is taken into the register on the port.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "flush": In(1),
+                "place": In(PlaceLayout(config)),
+                "bank": In(range(BANKS)),
+                "ready": Out(1, init=1),
+                "words": In(data.ArrayLayout(PlaneLayout(config), BANKS)),
+                "last_column": In(config.x_bits),
+                "end": In(1),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+                "running": Out(1),
+                "empty": Out(1),
+                "finished": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+
+        # The stages from a bank to the port, and the port.
+        stages = 1 if config.colour_planes == 1 else 3
+        valid = Signal(stages)
+        places = [
+            Signal(PlaceLayout(config), name=f"place_{n}", reset_less=True) for n in range(stages)
+        ]
+        emit_valid = Signal()
+        emit = Signal(RasterLayout(config), reset_less=True)
+        take = Signal()
+        over = Signal()
+        m.d.comb += [
+            self.raster.valid.eq(emit_valid),
+            self.raster.payload.eq(emit),
+            self.running.eq(~(valid[-1] & emit_valid & ~self.raster.ready)),
+            take.eq(~emit_valid | self.raster.ready),
+            self.empty.eq(~valid.any()),
+            over.eq(self.end & self.empty),
+            self.finished.eq(over & take),
+        ]
+        with m.If(self.running):
+            m.d.sync += valid.eq(Cat(self.flush, valid))
+            for earlier, place in zip([self.place, *places], places, strict=False):
+                m.d.sync += place.eq(earlier)
+
+        chosen = Signal(range(BANKS), reset_less=True)
+        word = Array(self.words)[chosen]
+        if stages == 1:
+            with m.If(self.running):
+                m.d.sync += chosen.eq(self.bank)
+            pixels = self._inside(places[0], word)
+        else:
+            pixels, drawn = self._planes(m, chosen, places, word)
+            m.d.comb += self.ready.eq(~(valid[1] & drawn))
+
+        with m.If(take):
+            m.d.sync += [
+                emit_valid.eq(valid[-1] | over),
+                emit.word.eq(places[-1].word),
+                emit.line.eq(places[-1].line),
+                emit.end.eq(over),
+            ]
+            for pixel, (depth, colour) in enumerate(pixels):
+                m.d.sync += [
+                    emit.pixels.depth[pixel].eq(depth),
+                    emit.pixels.colour[pixel].eq(colour),
+                ]
+        return m
+
+    def _inside(self, place, word):
+        """Return a word's depths and colours, with background for those outside the image."""
+        config = self.config
+        last_word = self.last_column[2:]
+        pixels = []
+        for pixel in range(config.pixels_per_word):
+            # Elements are clipped by whole words; the rest of the last word stays inside.
+            outside = (place.word == last_word) & (pixel > self.last_column[:2])
+            depth = Mux(outside, config.background_depth, word.depth[pixel][: config.depth_bits])
+            pixels.append((depth, Mux(outside, 0, word.colour[pixel])))
+        return pixels
+
+    def _planes(self, m, chosen, places, word):
+        """Build the stages in which plane 0 waits.
+
+        Return the depths and whole colours, and whether the first stage's word needs its planes.
+        """
+        config = self.config
+        before = Signal.like(chosen)  # the bank chosen one cycle ago
+        pixel = data.StructLayout(
+            {"depth": config.depth_bits, "colour": config.plane_bits, "background": 1}
+        )
+        row = data.ArrayLayout(pixel, config.pixels_per_word)
+        caught = Signal(row, reset_less=True)
+        waiting = Signal(row, reset_less=True)
+        with m.If(self.running):
+            m.d.sync += [
+                # A bank that gave plane 0 is chosen again two cycles later for the planes.
+                before.eq(chosen),
+                chosen.eq(Mux(self.flush, self.bank, before)),
+                waiting.eq(caught),
+            ]
+            for number, (depth, colour) in enumerate(self._inside(places[0], word)):
+                m.d.sync += [
+                    caught[number].depth.eq(depth),
+                    caught[number].colour.eq(colour),
+                    waiting[number].background.eq(caught[number].depth.all()),
+                ]
+        drawn = ~Cat(held.depth.all() for held in caught).all()
+        pixels = []
+        for number, held in enumerate(waiting):
+            colour = Cat(held.colour, word.colour[number])
+            if config.colour_planes == 3:
+                colour = Cat(colour, word.depth[number][: config.plane_bits])
+            pixels.append((held.depth, Mux(held.background, 0, colour)))
+        return pixels, drawn

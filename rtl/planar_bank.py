@@ -1,0 +1,197 @@
+"""A bank whose colours are cut into planes that fill the unused halves of its block RAMs."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.lib import data, memory, wiring
+from amaranth.lib.wiring import In, Out
+
+from .bank import BankRequestLayout, bank_address_bits
+from .format import EngineConfig
+from .layouts import PlaneLayout
+
+__all__ = ["PaintLayout", "PlanarBank"]
+
+
+class PaintLayout(data.StructLayout):
+    """What all banks draw, each part at its own time after the request at t.
+
+    ``depth``: what to test, at t + 1. ``early``: an element's depth and plane 0, at t + 1.
+    ``late``: an element's further planes, at t + 3. ``loaded``: a word of the initial raster, its
+    depths and plane 0 at t + 1, its further planes at t + 3. A loaded word has zeros in ``early``
+    and ``late``, an element has zeros in ``loaded``: the bank needs no multiplexer between them.
+    """
+
+    def __init__(self, config: EngineConfig):
+        plane = PlaneLayout(config)
+        super().__init__(
+            {
+                "depth": data.ArrayLayout(config.depth_bits, config.pixels_per_word),
+                "early": plane,
+                "late": plane,
+                "loaded": plane,
+            }
+        )
+
+
+class LateLayout(data.StructLayout):
+    """A word on its way through the accesses to its further planes.
+
+    ``read``: the planes are read, to draw into them or to flush them. ``write``: and written, in
+    the pixels of ``mask``.
+    """
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(
+            {
+                "read": 1,
+                "write": 1,
+                "mask": config.pixels_per_word,
+                "address": bank_address_bits(config),
+            }
+        )
+
+
+class PlanarBank(wiring.Component):
+    """Does what :class:`Bank` does, and then the further planes of words that need it.
+
+    A word requested at t is compared and merged at t + 1, as in :class:`Bank`. If a pixel passed,
+    or the word is cleared and was not all background, its further planes are read at t + 2 from the
+    upper halves of the block RAMs, which takes the read ports: ``conflict`` is high in that cycle.
+    At t + 3 they stand on ``old`` and are merged; no request was taken at t + 2, so the write ports
+    are free.
+
+    Clearing leaves background in the depths alone. **The colours under it are stale**, and whoever
+    reads the word has to put 0 in their place; a pixel that is drawn later gets all of its planes.
+    For the same reason the clears after a reset need not heed ``conflict``: if nobody wants what
+    the planes held, nothing is lost.
+
+    **Latency**: 1 cycle to ``old``, 3 to its further planes; 2 and 4 to the memory.
+    **Throughput**: one request a cycle, less one cycle for each that draws a pixel or clears one,
+    two cycles after it. Not the same word in two neighbouring cycles.
+
+    Members
+    -------
+    enable : In(1)
+        Low: everything stands still, and ``request`` is not taken.
+    request : In(BankRequestLayout)
+        What to do. ``draw`` is never raised while ``conflict`` is high.
+    new : In(PaintLayout)
+        Depths and colours to draw.
+    conflict : Out(1)
+        The word at ``request.address`` is being written, or the memories are being read for the
+        request of two cycles before.
+    old : Out(PlaneLayout)
+        The word of the request one cycle before, or the further planes of the one three before.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "enable": In(1),
+                "request": In(BankRequestLayout(config)),
+                "new": In(PaintLayout(config)),
+                "conflict": Out(1),
+                "old": Out(PlaneLayout(config)),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        pixels = config.pixels_per_word
+
+        taken = Signal(BankRequestLayout(config))
+        reading = Signal(LateLayout(config))
+        writing = Signal(LateLayout(config))
+        passes = Signal(pixels)
+        drawn = Signal()
+        given_up = Signal()
+        old_depths = Cat(depth[: config.depth_bits] for depth in self.old.depth)
+        m.d.comb += [
+            drawn.eq(taken.draw & passes.any()),
+            given_up.eq(taken.clear & ~old_depths.all()),
+        ]
+        with m.If(self.enable):
+            m.d.sync += [
+                taken.eq(self.request),
+                reading.read.eq(given_up | drawn),
+                reading.write.eq(drawn),
+                reading.mask.eq(passes),
+                reading.address.eq(taken.address),
+                writing.eq(reading),
+            ]
+        for pixel in range(pixels):
+            m.d.comb += passes[pixel].eq(
+                # The mask rides on the comparison's carry chain, which has a bit to spare.
+                Cat(self.new.depth[pixel], 1)
+                < Cat(self.old.depth[pixel][: config.depth_bits], taken.mask[pixel])
+            )
+        same = Signal()
+        m.d.comb += [
+            same.eq((taken.draw | taken.clear) & (taken.address == self.request.address)),
+            self.conflict.eq(same | reading.read),
+        ]
+
+        # Where the late accesses go, of which there are none in the depths of two planes.
+        late = {"depth": config.colour_planes == 3, "colour": True}
+        merged = Signal(PlaneLayout(config))
+        for name in ("depth", "colour"):
+            m.submodules[f"{name}_ram"] = ram = memory.Memory(
+                shape=len(merged[name].as_value()),
+                depth=1 << bank_address_bits(config) + late[name],
+                init=[],
+                attrs={"ram_style": "block"},
+            )
+            read_port, write_port = ram.read_port(), ram.write_port()
+            late_read = Signal(name=f"late_{name}_read")
+            late_write = Signal(name=f"late_{name}_write")
+            m.d.comb += [
+                late_read.eq(reading.read & late[name]),
+                late_write.eq(writing.write & late[name]),
+                read_port.en.eq(self.enable),
+                read_port.addr.eq(
+                    Cat(Mux(late_read, reading.address, self.request.address), late_read)
+                ),
+                self.old[name].as_value().eq(read_port.data),
+                # Written every cycle while standing still, the word comes out the same each time.
+                write_port.en.eq(taken.draw | taken.clear | late_write),
+                write_port.addr.eq(
+                    Cat(Mux(late_write, writing.address, taken.address), late_write)
+                ),
+                write_port.data.eq(merged[name]),
+            ]
+
+        selected = Signal(pixels)
+        m.d.comb += selected.eq(
+            Mux(writing.write, writing.mask, passes | taken.clear.replicate(pixels))
+        )
+        for pixel in range(pixels):
+            early, after, loaded = self.new.early, self.new.late, self.new.loaded
+            colour = Signal(config.plane_bits, name=f"colour_{pixel}")
+            m.d.comb += [
+                colour.eq(Mux(writing.write, after.colour[pixel], early.colour[pixel])),
+                merged.colour[pixel].eq(
+                    Mux(selected[pixel], colour | loaded.colour[pixel], self.old.colour[pixel])
+                ),
+            ]
+            if not late["depth"]:
+                m.d.comb += merged.depth[pixel].eq(
+                    Mux(passes[pixel], self.new.depth[pixel], self.old.depth[pixel])
+                    | taken.clear.replicate(config.depth_bits)
+                )
+                continue
+            depth = Signal.like(self.old.depth[pixel], name=f"depth_{pixel}")
+            m.d.comb += [
+                depth.eq(
+                    Mux(
+                        writing.write,
+                        after.depth[pixel],
+                        early.depth[pixel] | taken.clear.replicate(len(depth)),
+                    )
+                ),
+                merged.depth[pixel].eq(
+                    Mux(selected[pixel], depth | loaded.depth[pixel], self.old.depth[pixel])
+                ),
+            ]
+        return m

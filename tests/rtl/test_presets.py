@@ -1,0 +1,157 @@
+"""Frames of every preset through its Verilog, against the golden renderer, bit for bit."""
+
+import numpy as np
+import pytest
+from presets import OTHERS
+from random_frames import frame_of, nonsense, random_raster, shapes, word
+
+from splatline.host.frame import Frame, Tables
+from splatline.host.order import advance_word
+from splatline.rtl.format import PAPER
+from splatline.sim import golden
+from splatline.sim.cosim.frames import Job, play
+
+FULL = [(0, 7)] * 4
+RATES = [
+    {},
+    {"codeword": 0.4},
+    {"raster": 0.1},
+    {"codeword": 0.7, "raster": 0.5, "initial": 0.3, "table": 0.3},
+    {"codeword": 1.0, "raster": 0.9, "initial": 0.9, "table": 0.9},
+]
+
+
+def with_stalls(rng, config):
+    """Elements like a host's, and any bits at all, under every pattern of stalls."""
+    for seed, rates in enumerate(RATES):
+        yield Job(frame=shapes(rng, 400, 64, 48, config=config), rates=rates, seed=seed)
+        yield Job(frame=nonsense(rng, 800, 101, 40, config=config), rates=rates, seed=seed)
+
+
+def over_an_initial_raster(rng, config):
+    """Sparse, half and wholly full initial rasters, which take the banks from the elements."""
+    for seed, rates in enumerate(RATES):
+        for width, height, share in ((40, 30, 0.5), (37, 60, 0.02), (130, 10, 1.0)):
+            yield Job(
+                frame=shapes(rng, 200, width, height, config=config),
+                initial=random_raster(rng, width, height, share, config),
+                rates=rates,
+                seed=seed,
+            )
+
+
+def back_to_back(rng, config):
+    """Pairs of frames that differ in tables and size, the second pressing behind the first."""
+    for seed, rates in enumerate(RATES):
+        yield Job(
+            frame=shapes(rng, 200, 64, 40, config=config),
+            followed_by=shapes(rng, 200, 37, 52, config=config),
+            initial=random_raster(rng, 64, 40, 0.2, config) if seed % 2 else None,
+            rates={**rates, "table": 1.0},
+            seed=seed,
+        )
+
+
+def reset_in_the_middle(rng, config):
+    """Stopped at many stages: what is left in the memories must not show."""
+    frame = shapes(rng, 800, 96, 64, config=config)
+    for after in (140, 300, 450, 700, 1301):
+        yield Job(frame=frame, reset_after=after, rates=RATES[after % len(RATES)], seed=after)
+    yield Job(frame=shapes(rng, 200, 96, 64, config=config))
+
+
+def on_one_word(rng, config):
+    """Each element meets the words while its predecessor's are on the way back to memory."""
+    depths = rng.permutation(config.background_depth)[:300]
+    start = [advance_word(20, config)]
+    for x, rows, mode in ((98, [(1, 0)] * 3 + [(2, 2)], 1), (96, [(0, 3)] * 4, 1), (93, FULL, 0)):
+        words = [
+            word(rows, x, int(z), mode=mode, diffuse=n % 64, material=n % 64, config=config)
+            for n, z in enumerate(depths)
+        ]
+        for seed, rates in enumerate(RATES[:3]):
+            yield Job(frame=frame_of(start + words, 104, 40, config=config), rates=rates, seed=seed)
+
+
+def extreme_colours(_, config):
+    """Every corner of the ranges of I0, the coefficients and the intensities."""
+    corners = [
+        (material, diffuse, specular)
+        for material in range(4)
+        for diffuse in (0, config.diffuse.mask)
+        for specular in (0, config.specular.mask)
+    ]
+    words = [advance_word(4, config)]
+    words += [
+        word(FULL, 8 * n, n, diffuse=d, specular=s, material=m, config=config)
+        for n, (m, d, s) in enumerate(corners)
+    ]
+    largest = (1 << config.coefficient_bits) - 1
+    brightest = (1 << config.ambient_bits) - 1
+    unit = 1 << config.colour_shift
+    size = (config.register_base, 3)
+    kd, ks = np.zeros(size, np.int64), np.zeros(size, np.int64)
+    kd[1], ks[2], kd[3], ks[3] = largest, largest, largest, largest
+    for ambient in (0, 1, unit - 1, unit, config.channel_max * unit, brightest - 1, brightest):
+        tables = Tables(np.full(3, min(ambient, brightest), np.int64), kd, ks)
+        codewords = frame_of(words, config=config).codewords
+        yield Job(frame=Frame(codewords, tables, 128, 8, config))
+
+
+CASES = [
+    with_stalls,
+    over_an_initial_raster,
+    back_to_back,
+    reset_in_the_middle,
+    on_one_word,
+    extreme_colours,
+]
+
+
+def mismatches(jobs, outcomes):
+    """Return how many pixels of each job differ."""
+    counts = []
+    for job, outcome in zip(jobs, outcomes, strict=True):
+        count = outcome.raster.mismatches(golden.render(job.frame, job.initial))
+        if job.followed_by is not None:
+            count += outcome.following.mismatches(golden.render(job.followed_by))
+        counts.append(count)
+    return counts
+
+
+@pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
+def test_every_preset_draws_what_the_contract_says(config):
+    """All in one run, so that each frame meets what those before have left in the memories."""
+    rng = np.random.default_rng(11)
+    jobs, names = [], []
+    for case in CASES:
+        made = list(case(rng, config))
+        jobs += made
+        names += [f"{case.__name__} {n}" for n in range(len(made))]
+    wrong = dict(zip(names, mismatches(jobs, play(jobs)), strict=True))
+    assert {name: count for name, count in wrong.items() if count} == {}
+
+
+def test_the_corners_of_the_paper_s_colours():
+    jobs = list(extreme_colours(None, PAPER))
+    assert mismatches(jobs, play(jobs)) == [0] * len(jobs)
+
+
+@pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
+def test_what_a_drawn_word_costs(config):
+    """Hidden elements take one cycle however colours are stored; drawn ones one more for planes."""
+    start = [advance_word(20, config)]
+
+    def job(step):
+        words = [
+            word([(0, 0)] * 4, 96 + 8 * (n % 4), 200 + step * n, config=config) for n in range(200)
+        ]
+        return Job(frame=frame_of(start + words, 128, 40, config=config))
+
+    # The first waits for the memories to be cleared.
+    _, hidden, drawn = (outcome.cycles for outcome in play([job(1), job(1), job(-1)]))
+    assert 200 < hidden < 200 + 300  # four lines are flushed at the end
+    if config.colour_planes == 1:
+        assert drawn == hidden
+    else:
+        assert 180 <= drawn - hidden <= 200
