@@ -13,6 +13,7 @@ from typing import Any
 
 _HOMES = {
     "Cloud": "cloud",
+    "Columns": "assemble",
     "Frame": "frame",
     "Index": "index",
     "InputError": "errors",
@@ -23,6 +24,7 @@ _HOMES = {
     "Tables": "frame",
     "SKIPS": "skips",
     "View": "view",
+    "assemble_cloud": "assemble",
     "build_index": "index",
     "find_materials": "materials",
     "fit_view": "view",

@@ -135,7 +135,7 @@ def build_index(
     return index
 
 
-def _check_radii(radii: npt.NDArray[np.float64], count: int) -> None:
+def _check_radii(radii: npt.NDArray[np.floating[Any]], count: int) -> None:
     """Raise ``InputError`` unless there is a length for every point."""
     if np.shape(radii) != (count,):
         raise InputError(f"there must be one radius a point, {count}, not {np.shape(radii)}")

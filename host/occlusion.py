@@ -181,10 +181,10 @@ def _add(pixels: int, z: int, row: int, column: int, bound: Any, mask: Any, gath
     if pixels == 0 or z >= bound[row, column]:
         return
     covered = np.int64(mask[row, column]) | pixels
-    largest = max(np.int64(gathered[row, column]), z)
+    largest = max(int(gathered[row, column]), z)
     if covered == FULL:
         bound[row, column] = largest
         # From here on what is nearer still; outside the image there is nothing to cover.
-        covered, largest = 0, 0
+        covered, largest = np.int64(0), 0
     mask[row, column] = covered
     gathered[row, column] = largest

@@ -241,7 +241,9 @@ def _project(
                     tally[reason] += 1
         stops[chunk] = at
         limits[chunk, 0], limits[chunk, 1] = low, high
-        reasons[chunk] = tally
+        # One at a time: numba has been seen to drop the copy of a whole row here.
+        for reason in range(len(tally)):
+            reasons[chunk, reason] = tally[reason]
 
 
 @nb.njit(inline="always")

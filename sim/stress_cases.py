@@ -98,9 +98,9 @@ def degenerate_cases() -> list[Case]:
         ("a thousand points at one place", fitted, Columns(np.tile(alone, (1000, 1))), depth),
         ("two points", fitted, Columns(np.array([[0.0, 0, 0], [1.0, 2.0, 3.0]])), depth),
         (
-            "two points 5e-324 apart",
+            "two points 1e-100 apart",
             fitted,
-            Columns(np.array([[0.0, 0, 0], [5e-324, 0, 0]])),
+            Columns(np.array([[0.0, 0, 0], [1e-100, 0, 0]])),
             depth,
         ),
         ("two points 1e100 apart", fitted, Columns(np.array([[0.0] * 3, [1e100, 0, 0]])), depth),
