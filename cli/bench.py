@@ -54,6 +54,13 @@ def bench() -> None:
     default=Path("docs/bench"),
     help="Where accuracy.json, accuracy.md and the plots go.",
 )
+@click.option(
+    "--no-pictures",
+    "unseen",
+    multiple=True,
+    metavar="NAME",
+    help="Keep a cloud's numbers without its pictures, where terms forbid them; may be repeated.",
+)
 @click.option("--quick", is_flag=True, help="A small image and few runs: a trial.")
 def accuracy(
     clouds: tuple[Path, ...],
@@ -61,6 +68,7 @@ def accuracy(
     views: tuple[tuple[float, float], ...],
     size: tuple[int, int] | None,
     out_dir: Path,
+    unseen: tuple[str, ...],
     quick: bool,
 ) -> None:
     """Measure every quality, preset and skip against the exact reference.
@@ -86,6 +94,9 @@ def accuracy(
     if missing:
         raise InputError(f"{missing[0]}: no such file")
     names = [*(scenes or SCENES), *(path.stem for path in clouds)]
+    for name in unseen:
+        if name not in names:
+            raise InputError(f"no pictures of {name!r} to leave out; there are: {', '.join(names)}")
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise InputError(f"two clouds are called {twice[0]!r}; rename one of them")
@@ -105,7 +116,8 @@ def accuracy(
         )
     with _Counter(sweep.total()) as counter:
         results, crops = measure(sweep, counter.advance)
-    files = write_accuracy(out_dir, results, crops)
+    shown = [crop for crop in crops if crop.scene not in unseen]
+    files = write_accuracy(out_dir, results, shown)
     click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
 
 

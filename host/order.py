@@ -65,13 +65,7 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     starts[used] = ends - counts[used]
     total = int(ends[-1]) if len(used) else 0
     stream = np.empty(total + 1, np.uint64)
-    for line, gap in zip(used, gaps, strict=True):  # once a line of the image
-        at = int(starts[line])
-        while gap > 0:
-            at -= 1
-            step = min(int(gap), config.x.mask)
-            stream[at] = advance_word(step, config)
-            gap -= step
+    _write_controls(stream, starts[used], gaps, steps, config)
     words, turns = np.empty(total, np.uint64), np.empty(total, np.uint8)
     places = np.cumsum(counts) - counts  # of each line's words without control words
     before += places
@@ -92,6 +86,24 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
 
 def _control(config: EngineConfig) -> int:
     return 1 << config.mode.lsb | EMPTY_SCANS << config.scans.lsb
+
+
+def _write_controls(
+    stream: npt.NDArray[np.uint64],
+    starts: npt.NDArray[np.int64],
+    gaps: npt.NDArray[np.int64],
+    steps: npt.NDArray[np.int64],
+    config: EngineConfig,
+) -> None:
+    """Write the control words before each used line: the largest steps, and what is left first."""
+    furthest = config.x.mask
+    longest = int(steps.max(initial=0))
+    for back in range(1, longest + 1):  # once, unless a gap is beyond what X holds
+        here = steps >= back
+        step = np.minimum(gaps[here] - (back - 1) * furthest, furthest)
+        stream[starts[here] - back] = advance_word(0, config) | step.astype(np.uint64) << np.uint64(
+            config.x.lsb
+        )
 
 
 @nb.njit(parallel=True, cache=True)

@@ -34,7 +34,8 @@ def ball(path):
 def quick(tmp_path_factory):
     """A quick run, once: its folder and result."""
     folder = tmp_path_factory.mktemp("bench")
-    arguments = ["--scene", "knot", "--quick", "--size", "48x40", "--out-dir", folder / "out"]
+    arguments = ["--scene", "knot", "--quick", "--size", "48x40", "--no-pictures", "ball"]
+    arguments += ["--out-dir", folder / "out"]
     cloud = ball(folder / "ball.csv")
     result = CliRunner().invoke(main, ["bench", "accuracy", str(cloud), *map(str, arguments)])
     assert result.exit_code == 0, result.stderr
@@ -77,11 +78,13 @@ def test_a_quick_run_writes_numbers_page_plots_and_pictures(quick):
         assert cells > 4
         assert len(table) > 2
         assert all(row.count("|") == cells for row in table)
-    for name in ("pareto", "pareto_scenes", "waterfall", "pictures/knot", "pictures/ball"):
+    for name in ("pareto", "pareto_scenes", "waterfall", "pictures/knot"):
         assert f"({name}.png)" in page
         with Image.open(out / f"{name}.png") as picture:
             assert picture.format == "PNG"
             assert picture.width > 300
+    assert "pictures/ball" not in page
+    assert not (out / "pictures/ball.png").exists()
 
 
 def test_the_error_budget_has_every_step(quick):
@@ -123,6 +126,7 @@ def test_each_view_has_its_own_sheet(tmp_path):
         (("none.ply",), "none.ply: no such file"),
         (("knot.csv", "--scene", "knot"), "two clouds are called 'knot'"),
         (("--out-dir", "knot.csv"), "is a file"),
+        (("--no-pictures", "sea"), "no pictures of 'sea' to leave out; there are: terrain, knot"),
     ],
 )
 def test_what_cannot_be_measured_is_said_in_one_line(run, folder, cloud, arguments, words):
