@@ -21,11 +21,11 @@ from .exact import (
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 from .shapes import quantise
-from .symmetric import encode_symmetric
+from .symmetric import encode_symmetric, encode_turned
 
 __all__ = ["encode_splats", "measure_room"]
 
-FLAT = 0.04
+FLAT = 0.02
 """Pixels of r^2 over the focal length up to which a disc is drawn to first order: its true ellipse
 lies within half of that."""
 
@@ -227,7 +227,10 @@ def _encode_other(
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to[5], to[6]
     depth = (distance - low) * inverse_span
-    if quality == 0 or (found and quality == 1 and diameter <= BLOCK):
+    if found and quality == 1 and diameter <= BLOCK:
+        common |= quantised_depth(depth, largest) << z_lsb
+        return encode_turned(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
+    if quality == 0:
         shape = quantise(-slope_x, -1.0), quantise(-slope_y, -1.0)
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)

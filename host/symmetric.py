@@ -1,4 +1,4 @@
-"""The paper's elements: whole places, whole diameters, shapes from the table."""
+"""Symmetric elements: whole places; the paper's with whole diameters and shapes from the table."""
 
 from __future__ import annotations
 
@@ -9,9 +9,44 @@ import numba as nb
 
 from ..rtl.format import BLOCK, ROWS
 from .emit import LARGEST, ONE_PIXEL, emit, put_symmetric, turned
-from .shapes import SIZES, row_span
+from .shapes import EMPTY_SCANS, SIZES, row_span
 
-__all__ = ["encode_symmetric"]
+__all__ = ["encode_symmetric", "encode_turned"]
+
+
+@nb.njit(error_model="numpy")
+def encode_turned(
+    column: float, line: float, square: float, form: Any, common: int, at: int, to: Any
+) -> int:
+    """Write an ellipse of up to 8 x 8 pixels, of its true size and shape, as one symmetric word.
+
+    Its middle is the pixel corner nearest to its centre, as the paper's; so it is its own half
+    turn. One that covers no pixel's centre there is drawn as the pixel that holds its own.
+
+    Parameters
+    ----------
+    column, line
+        Centre on the image.
+    square, form
+        The ellipse; see :mod:`splatline.host.exact`.
+    common, at, to
+        See ``encode_symmetric``.
+    """
+    a, b, _, determinant = form
+    inverse = 1.0 / a
+    scans = 0
+    for row in range(ROWS):
+        dv = row + 0.5 - ROWS
+        rest = a * square - determinant * dv * dv
+        half = math.sqrt(rest if rest > 0.0 else 0.0) * inverse
+        # Pixel c has its centre at c + 0.5.
+        middle = 0.5 * (BLOCK - 1) - b * dv * inverse
+        low, high = max(middle - half, 0.0), min(middle + half, BLOCK - 1.0)
+        first, last = math.ceil(min(low, float(BLOCK))), math.floor(max(high, -1.0))
+        scans |= ((first | last << 3) if rest >= 0.0 and first <= last else 1) << 6 * row
+    if scans == EMPTY_SCANS:
+        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+    return _put_block(_corner(column), _corner(line), scans, common, at, to)
 
 
 @nb.njit
@@ -50,24 +85,14 @@ def encode_symmetric(
     common
         The words' bits that do not depend on the shape, Z among them.
     """
-    width, height = to[2], to[3]
     size = math.ceil(min(diameter, 2.0 * LARGEST))
     if size <= 1:
         return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
 
-    # Further off than any integer is far enough.
-    x = math.floor(min(max(column, -LARGEST), LARGEST) + 0.5)
-    y = math.floor(min(max(line, -LARGEST), LARGEST) + 0.5)
+    x, y = _corner(column), _corner(line)
     level_x, level_y = shape
     if size <= BLOCK:
-        scans = int(table[size, level_x, level_y, 0])
-        x -= BLOCK // 2
-        if x >= 0 and y >= 0:
-            if x >= width or y - ROWS >= height:
-                return at
-            return put_symmetric(common, scans, x, y, at, to)
-        at = emit(scans, x, y - ROWS, common, at, to)
-        return emit(turned(scans), x, y, common, at, to)
+        return _put_block(x, y, int(table[size, level_x, level_y, 0]), common, at, to)
 
     if size < SIZES:
         upper = table[size, level_x, level_y]
@@ -82,6 +107,25 @@ def encode_symmetric(
     if end == at:  # so thin that it covers no pixel's centre
         return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
     return end
+
+
+@nb.njit(inline="always")
+def _corner(place: float) -> int:
+    """Return the nearest border of pixels; further off than any integer is far enough."""
+    return math.floor(min(max(place, -LARGEST), LARGEST) + 0.5)
+
+
+@nb.njit
+def _put_block(x: int, y: int, scans: int, common: int, at: int, to: Any) -> int:
+    """Write the block about a pixel corner, as two fractions where one word would start outside."""
+    width, height = to[2], to[3]
+    x -= BLOCK // 2
+    if x >= 0 and y >= 0:
+        if x >= width or y - ROWS >= height:
+            return at
+        return put_symmetric(common, scans, x, y, at, to)
+    at = emit(scans, x, y - ROWS, common, at, to)
+    return emit(turned(scans), x, y, common, at, to)
 
 
 @nb.njit
