@@ -8,9 +8,12 @@ from .bank import bank_address_bits
 from .colour import ColourUnit
 from .decoder import Decoder
 from .format import PAPER, EngineConfig
+from .lane import lane_address_bits
+from .lane_window import LaneWindow
 from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 from .sequencer import Sequencer
 from .tables import Tables
+from .tiler import Tiler
 from .window import Window
 
 __all__ = ["Engine"]
@@ -52,7 +55,8 @@ class Engine(wiring.Component):
     @property
     def clear_cycles(self) -> int:
         """Cycles after reset in which the window's memory is cleared; code words wait."""
-        return 1 << bank_address_bits(self.config)
+        bits = lane_address_bits if self.config.lanes else bank_address_bits
+        return 1 << bits(self.config)
 
     def __init__(self, config: EngineConfig = PAPER):
         self.config = config
@@ -72,8 +76,8 @@ class Engine(wiring.Component):
         m.submodules.tables = tables = Tables(config)
         m.submodules.sequencer = sequencer = Sequencer(config)
         m.submodules.colour = colour = ColourUnit(config)
-        m.submodules.decoder = decoder = Decoder(config)
-        m.submodules.window = window = Window(config)
+        m.submodules.decoder = decoder = (Tiler if config.lanes else Decoder)(config)
+        m.submodules.window = window = (LaneWindow if config.lanes else Window)(config)
 
         connect(m, flipped(self.tables), tables.i)
         connect(m, flipped(self.codewords), sequencer.i)

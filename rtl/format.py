@@ -94,6 +94,9 @@ class EngineConfig:
         Memory words that hold the colours of one word of pixels, 1..3. Further planes lie in the
         halves that the bank's block RAMs leave empty (the second beside the first, the third beside
         the depth), and cost a bank a cycle where a pixel passes the depth test.
+    lanes
+        The window is made of sixteen lanes of pixels, which take the least silicon and a tile of
+        4 x 4 pixels a cycle; else of eight banks of words, which take larger elements faster.
     dither
         Ordered dithering: a threshold for each pixel is added to the colour sum.
 
@@ -115,6 +118,7 @@ class EngineConfig:
     window_lines: int = 16
     pixels_per_word: int = 4
     colour_planes: int = 1
+    lanes: bool = False
     dither: bool = False
 
     def __post_init__(self) -> None:
@@ -142,6 +146,8 @@ class EngineConfig:
             raise ValueError(f"window_lines must be 16, not {self.window_lines!r}")
         if self.pixels_per_word != 4:
             raise ValueError(f"pixels_per_word must be 4, not {self.pixels_per_word!r}")
+        if self.lanes and (self.colour_planes > 1 or self.dither):
+            raise ValueError("lanes have neither further colour planes nor dithering")
         if self.z.end != 64:
             raise ValueError(f"the code word must have 64 bits, not {self.z.end}")
 
@@ -296,27 +302,31 @@ class EngineConfig:
         return Field(self.raster_line.end, 1)
 
 
-PAPER = EngineConfig(name="paper")
+PAPER = EngineConfig(name="paper", lanes=True)
 """The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
+
+WIDE = PAPER.replace(name="wide", lanes=False)
+"""The same with a window of banks: more silicon, and fewer cycles for elements over 4 pixels."""
 
 PRESETS = {
     config.name: config
     for config in (
         PAPER,
-        PAPER.replace(name="dither", dither=True),
-        PAPER.replace(
+        WIDE,
+        WIDE.replace(name="dither", dither=True),
+        WIDE.replace(
             name="rgb18", channel_bits=6, coefficient_bits=8, colour_shift=9, colour_planes=2
         ),
-        PAPER.replace(
+        WIDE.replace(
             name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8, colour_planes=3
         ),
-        PAPER.replace(
+        WIDE.replace(
             name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9
         ),
     )
 }
-"""Named configurations: ``paper``; with ordered dithering; with 6 and 8 bits a colour channel; with
-12 bits of depth, which the intensities and the materials give up."""
+"""Named configurations: ``paper``; ``wide``; as ``wide``, with ordered dithering, with 6 and 8 bits
+a colour channel, and with 12 bits of depth, which the intensities and the materials give up."""
 
 BAYER = ((0, 8, 2, 10), (12, 4, 14, 6), (3, 11, 1, 9), (15, 7, 13, 5))
 """Thresholds of ordered dithering in sixteenths, by line and column modulo 4 (Bayer, 1973)."""

@@ -18,6 +18,7 @@ __all__ = [
     "RasterLayout",
     "SpanLayout",
     "TableWriteLayout",
+    "TileLayout",
     "WordLayout",
 ]
 
@@ -164,6 +165,34 @@ class FootprintLayout(data.StructLayout):
                 "word": config.word_bits,
                 "z": config.z.width,
                 "colour": _shade_bits(config),
+                "top": signed(config.line_bits + 2),
+                "end": 1,
+            }
+        )
+
+
+class TileLayout(data.StructLayout):
+    """Sixteen pixels of an element, four lines by four columns, as the window's lanes need them.
+
+    ``mask[q][p]``: the pixel on the line with residue q modulo 4 and in the column with residue p
+    is drawn. ``group[q]``: bits 3:2 of that line. ``words``: the words of four pixels that the
+    tile's columns lie in, the second one more than the first; ``next[p]``: column p lies in the
+    second.
+
+    ``lower``: the tile's first line is ``top + 4``, not ``top``. No later element touches a line
+    above ``top``. ``end``: no tile, but the end of the frame.
+    """
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(
+            {
+                "mask": data.ArrayLayout(4, 4),
+                "group": data.ArrayLayout(2, 4),
+                "words": data.ArrayLayout(config.word_bits, 2),
+                "next": 4,
+                "z": config.z.width,
+                "colour": _shade_bits(config),
+                "lower": 1,
                 "top": signed(config.line_bits + 2),
                 "end": 1,
             }

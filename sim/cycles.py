@@ -14,8 +14,10 @@ import numpy.typing as npt
 from ..host.errors import InputError
 from ..host.frame import Frame
 from ..rtl.format import BLOCK, ROWS, EngineConfig
+from .bank_model import walk_banks
 from .golden import decode
-from .pipeline_model import machine_of, walk
+from .lane_model import walk_lanes
+from .pipeline_model import machine_of
 
 __all__ = ["LAYOUTS", "clearing_cycles", "count_cycles", "least_cycles"]
 
@@ -61,6 +63,7 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     clearing = clearing_cycles(config) if after_reset else 0
     words = np.ascontiguousarray(frame.codewords, np.uint64).view(np.int64)
     machine = machine_of(config, frame.width, frame.height, clearing)
+    walk = walk_lanes if config.lanes else walk_banks
     cycles = walk(words, machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
@@ -70,10 +73,10 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
 def clearing_cycles(config: EngineConfig) -> int:
     """Return for how long the window is still cleared when a first frame's first word is taken.
 
-    It takes a cycle an address of a bank (the half words of four lines), from the reset on; the
-    table writes go before the first code word.
+    It takes a cycle an address of a bank (the half words of four lines) or of a lane (a pixel of
+    each word of four lines), from the reset on; the table writes go before the first code word.
     """
-    clearing: int = 4 << (config.word_bits - 1)
+    clearing: int = 4 << (config.word_bits if config.lanes else config.word_bits - 1)
     writes = config.register_base + REGISTERS
     return max(clearing - writes - START, 0)
 

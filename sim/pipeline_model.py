@@ -1,9 +1,8 @@
 """The engine's clock, as a program: what each stage holds from cycle to cycle.
 
-It follows the circuit of ``rtl/`` stage by stage, but only in what decides about time: which code
-word stands where, which banks it still needs, and which lines are on their way out. Colours do not
-matter, and depths only where colours have further planes: two cycles after a word in which a pixel
-passed, or that was cleared and not all background, its bank reads them and takes nothing else.
+It follows the circuit of ``rtl/`` stage by stage, but only in what decides about time. Here are the
+stages before the window, which all engines share; :mod:`splatline.sim.bank_model` and
+:mod:`splatline.sim.lane_model` have the windows.
 
 All ports are willing in every cycle and there is no initial raster.
 """
@@ -17,25 +16,39 @@ import numpy as np
 
 from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig
 
-__all__ = ["Machine", "machine_of", "walk"]
+__all__ = [
+    "ABOVE",
+    "COLUMN",
+    "EMPTY",
+    "END_WORD",
+    "FIRST",
+    "FOLLOWING",
+    "HEAD",
+    "LAST",
+    "LINES",
+    "WORD",
+    "Front",
+    "Machine",
+    "advance",
+    "machine_of",
+    "new_front",
+]
 
-BANKS = 8
 LINES = PAPER.window_lines
 """Lines of the window."""
 
 WORD = PAPER.pixels_per_word
-"""Pixels in a word of memory."""
+"""Pixels in a word of the raster."""
 
-NEIGHBOURS = 3
-"""Words of a line that a block can touch."""
-
-SEQUENCER, DECODER = 0, 4
-"""The pipeline's first and last stage; between them are the three of the colour unit."""
+SEQUENCER, HEAD = 0, 4
+"""The pipeline's first and last stage before the window; between them are the three of the colour
+unit."""
 
 EMPTY = -1
 """In place of a code word's index: a stage holds none; in place of an address: a bank rests."""
 
 ABOVE = BLOCK // 2
+"""Lines from a block's first row to the line that the engine is at."""
 
 # The scans have the same place in every configuration, so that the compiler may know it.
 FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
@@ -59,7 +72,8 @@ class Machine(NamedTuple):
     clearing
         Cycles, from the first code word on, in which the window is still being cleared.
     hazard
-        A bank cannot take the word that it writes at that moment. False is a machine that could.
+        A bank cannot take the word, nor a lane the pixel, that it writes at that moment. False is a
+        machine that could.
     planes
         Planes of a colour.
     z_lsb, z_mask
@@ -98,303 +112,77 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
     )
 
 
-class Window(NamedTuple):
-    """The window's registers, as arrays.
+FOLLOWING, TOP_LINE, END_WORD = range(3)
+"""What ``Front.state`` has: the next code word; the first line of a block at the engine's line; the
+index of the frame's end word, or ``EMPTY`` until it was taken."""
+
+
+class Front(NamedTuple):
+    """The stages before the window.
 
     Parameters
     ----------
-    left
-        Slots of the element that each bank still has to draw, a bit a slot: shape (8,).
-    address
-        Address of each slot: shape (8, 3).
-    taken
-        The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape (8,).
-    ring
-        See ``OLDEST`` and what follows: shape (5,).
-    covered, place
-        Pixels that the element covers of each slot's word, a bit each, and where that word starts
-        in ``depth``: shape (8, 3).
-    depth
-        Of every pixel of the image's words, if there are further planes: shape (pixels,).
-    reading
-        Banks that read further planes in this cycle and in the two that follow: shape (3, 8).
-    leaving
-        What was flushed one, two and three cycles before: nothing, ``BLANK`` or ``SHOWN``: shape
-        (3,).
+    held
+        Index of each stage's code word, or ``EMPTY``: shape (5,).
+    tops
+        Its block's first line: shape (5,).
+    state
+        See ``FOLLOWING`` and what follows: shape (3,).
     """
 
-    left: Any
-    address: Any
-    taken: Any
-    ring: Any
-    covered: Any
-    place: Any
-    depth: Any
-    reading: Any
-    leaving: Any
-
-
-OLDEST, FLUSHED, WRITTEN, TOP, TOUCHED = range(5)
-"""Registers of the ring: the first line in the window; how many of its words have been flushed; a
-bit a place that was written into; the line above which all lines are complete. And the bits of the
-places that the element at hand is written into."""
-
-
-BLANK, SHOWN = 1, 2
-"""A flushed word that is background, or not; it matters only where there are further planes."""
+    held: Any
+    tops: Any
+    state: Any
 
 
 @nb.njit(cache=True)
-def walk(words: Any, machine: Machine) -> int:
-    """Return the cycles from the first code word taken to the end beat, both included.
+def new_front() -> Front:
+    """Return empty stages before the first code word."""
+    state = np.array([0, -ABOVE, EMPTY])
+    return Front(np.full(HEAD + 1, EMPTY, np.int64), np.zeros(HEAD + 1, np.int64), state)
+
+
+@nb.njit(cache=True)
+def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
+    """Let a cycle pass; return whether the last stage took something, or nothing, anew.
+
+    Every stage moves on if what it holds is taken or it holds nothing; the colour unit's three
+    stages as one.
 
     Parameters
     ----------
     words
-        Code words: shape (n,), int64 (the bits of unsigned ones).
+        The code words.
+    front
+        Changed.
+    done
+        The window takes what the last stage holds.
     machine
-        The engine and the image.
-
-    Returns
-    -------
-    int
-        0 if there is no end word.
+        The engine.
     """
-    window = Window(
-        np.zeros(BANKS, np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.full(BANKS, EMPTY, np.int64),
-        np.zeros(5, np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.full(_pixels(machine), machine.z_mask, np.int64),
-        np.zeros((3, BANKS), np.int64),
-        np.zeros(3, np.int64),
-    )
-    ring = window.ring
-    z = 0  # depth of the element at hand
-    ring[TOP] = -ABOVE
-    held = np.full(DECODER + 1, EMPTY, np.int64)  # index of each stage's code word
-    tops = np.zeros(DECODER + 1, np.int64)  # and its block's first line
-    top = -ABOVE
-    following = 0  # the next code word
-    end_word = EMPTY
-    cycle = 0
-    while following < len(words) or end_word != EMPTY:
-        clearing = cycle < machine.clearing
-        head = held[DECODER]
-        ends = head != EMPTY and head == end_word
-        if ends and ring[WRITTEN] == 0 and not _on_the_way(window, machine):
-            return cycle + 2  # the end beat is on the port in the next cycle
-
-        near = tops[DECODER] - ring[OLDEST] < LINES - BANKS
-        go = head != EMPTY and not ends and not clearing and near
-        complete = ring[TOP]
-        flushed = not clearing and _flushes(window, go, machine)
-        done = _draw(window, go, z, machine)
-        if clearing:  # all banks, one address after the other; the last is the highest
-            window.taken[:] = 4 * machine.half_words - 1
-            window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
-        _shift(window, _give_up(window, machine) if flushed else 0)
-        _step_ring(ring, complete, flushed, go, machine)
-        if head != EMPTY:
-            ring[TOP] = tops[DECODER]
-
-        # Every stage moves on if what it holds is taken or it holds nothing; the colour unit's
-        # three stages as one.
-        decoder_moves = head == EMPTY or done
-        colour_moves = held[DECODER - 1] == EMPTY or decoder_moves
-        sequencer_moves = held[SEQUENCER] == EMPTY or colour_moves
-        if decoder_moves:
-            held[DECODER], tops[DECODER] = held[DECODER - 1], tops[DECODER - 1]
-            if held[DECODER] != EMPTY:
-                ring[TOUCHED] = 0
-                if held[DECODER] != end_word:
-                    _place(words[held[DECODER]], tops[DECODER], window, machine)
-                    z = words[held[DECODER]] >> machine.z_lsb & machine.z_mask
-        if colour_moves:
-            for stage in range(DECODER - 1, SEQUENCER, -1):
-                held[stage], tops[stage] = held[stage - 1], tops[stage - 1]
-            held[SEQUENCER] = EMPTY
-        if sequencer_moves and end_word == EMPTY:
-            word = words[following]
-            if not _is_control(word):
-                held[SEQUENCER], tops[SEQUENCER] = following, top
-            elif word >> machine.end_lsb & 1:
-                held[SEQUENCER], tops[SEQUENCER] = following, machine.lowest
-                end_word = following
-            else:
-                top = min(top + (word >> machine.x_lsb & machine.x_mask), machine.lowest)
-            following += 1
-        cycle += 1
-    return 0
-
-
-@nb.njit(cache=True)
-def _place(word: int, top: int, window: Window, machine: Machine) -> None:
-    """Deal the words of memory that an element touches to the banks: ``left``, ``address``.
-
-    Words and lines outside the image are left out.
-    """
-    x = word >> machine.x_lsb & machine.x_mask
-    for row in range(ROWS):
-        first, last = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
-        if first > last:
-            continue
-        _place_row(top + row, x + first, x + last, x // WORD, window, machine)
-        if word & 1 == 0:  # the row turned by 180 degrees
-            begin, end = x + BLOCK - 1 - last, x + BLOCK - 1 - first
-            _place_row(top + BLOCK - 1 - row, begin, end, x // WORD, window, machine)
-
-
-@nb.njit(cache=True, inline="always")
-def _place_row(
-    line: int, begin: int, end: int, outermost: int, window: Window, machine: Machine
-) -> None:
-    """Deal the words of the columns ``begin .. end`` of a line; slot 0 is word ``outermost``."""
-    if line < 0 or line > machine.last_line:
-        return
-    rightmost = min(end, machine.last_column) // WORD
-    for number in range(begin // WORD, rightmost + 1):
-        bank = (line + 4 * (number % 2)) % BANKS
-        slot = number - outermost
-        window.left[bank] |= 1 << slot
-        window.address[bank, slot] = _address(line, number, machine)
-        if machine.planes > 1:
-            first, last = max(begin - WORD * number, 0), min(end - WORD * number, WORD - 1)
-            window.covered[bank, slot] = (2 << last) - (1 << first)
-            window.place[bank, slot] = _start(line, number, machine)
-        window.ring[TOUCHED] |= 1 << line % LINES
-
-
-@nb.njit(cache=True, inline="always")
-def _address(line: int, number: int, machine: Machine) -> int:
-    """Return where a bank has a word of a line: any number of its own will do."""
-    return line // 4 % 4 * machine.half_words + number // 2
-
-
-@nb.njit(cache=True)
-def _draw(window: Window, go: bool, z: int, machine: Machine) -> bool:
-    """Let each bank take a word of the element, its leftmost, and return whether all are taken."""
-    done = go
-    for bank in range(BANKS):
-        left = window.left[bank]
-        if not go or left == 0:
-            window.taken[bank] = EMPTY
-            continue
-        slot = 0 if left & 1 else 1 if left & 2 else 2
-        address = window.address[bank, slot]
-        if (machine.hazard and window.taken[bank] == address) or window.reading[0, bank] == 1:
-            window.taken[bank] = EMPTY
-            done = False
-            continue
-        window.taken[bank] = address
-        if machine.planes > 1 and _passes(window, bank, slot, z):
-            window.reading[2, bank] = 1
-        left &= left - 1
-        window.left[bank] = left
-        done = done and left == 0
-    return done
-
-
-@nb.njit(cache=True)
-def _passes(window: Window, bank: int, slot: int, z: int) -> bool:
-    """Draw the pixels of a word that pass the depth test; return whether any did."""
-    passed = False
-    start = window.place[bank, slot]
-    for pixel in range(WORD):
-        if window.covered[bank, slot] >> pixel & 1 and z < window.depth[start + pixel]:
-            window.depth[start + pixel] = z
-            passed = True
-    return passed
-
-
-@nb.njit(cache=True)
-def _flushes(window: Window, go: bool, machine: Machine) -> bool:
-    """Return whether a word leaves in this cycle: the next one of the oldest line.
-
-    It does if the line is complete and was written into, and the element does not need the bank,
-    nor the bank and the way out are at a word's further planes. No word that leaves is ever one
-    that its bank writes at the moment, or draws in the next cycle: the line was complete a cycle
-    before, and its place is not used again until it has left.
-    """
-    ring = window.ring
-    oldest = ring[OLDEST]
-    if oldest >= ring[TOP] or not ring[WRITTEN] >> oldest % LINES & 1:
-        return False
-    bank = (oldest + 4 * (ring[FLUSHED] % 2)) % BANKS
-    if machine.planes > 1 and (window.leaving[1] == SHOWN or window.reading[0, bank]):
-        return False
-    return not go or window.left[bank] == 0
-
-
-@nb.njit(cache=True)
-def _give_up(window: Window, machine: Machine) -> int:
-    """Return whether the word that leaves is ``BLANK``, and keep its bank for its planes if not."""
-    if machine.planes == 1:
-        return BLANK
-    line, number = window.ring[OLDEST], window.ring[FLUSHED]
-    start = _start(line, number, machine)
-    kind = BLANK
-    for pixel in range(WORD):
-        if window.depth[start + pixel] != machine.z_mask:
-            # The bank does not know where the image ends; the way out does.
-            window.reading[2, (line + 4 * (number % 2)) % BANKS] = 1
-            if WORD * number + pixel <= machine.last_column:
-                kind = SHOWN
-    return kind
-
-
-@nb.njit(cache=True)
-def _shift(window: Window, leaves: int) -> None:
-    """Let a cycle pass for what is on its way: planes to read, and words that leave."""
-    window.reading[0] = window.reading[1]
-    window.reading[1] = window.reading[2]
-    window.reading[2] = 0
-    window.leaving[2] = window.leaving[1]
-    window.leaving[1] = window.leaving[0]
-    window.leaving[0] = leaves
-
-
-@nb.njit(cache=True)
-def _on_the_way(window: Window, machine: Machine) -> bool:
-    """Return whether a flushed word is between its bank and the port."""
-    if machine.planes == 1:
-        return window.leaving[0] != 0
-    return window.leaving[0] + window.leaving[1] + window.leaving[2] != 0
-
-
-@nb.njit(cache=True, inline="always")
-def _start(line: int, number: int, machine: Machine) -> int:
-    """Return where a word of a line starts in ``depth``."""
-    return WORD * (line * (machine.last_column // WORD + 1) + number)
-
-
-@nb.njit(cache=True)
-def _pixels(machine: Machine) -> int:
-    """Return how many pixels the image's words have; none are needed for one plane."""
-    return _start(machine.last_line + 1, 0, machine) if machine.planes > 1 else 0
-
-
-@nb.njit(cache=True)
-def _step_ring(ring: Any, complete: int, flushing: bool, go: bool, machine: Machine) -> None:
-    """Move the window on: by a word, by an empty line, or over all lines if none is written."""
-    oldest, written = ring[OLDEST], ring[WRITTEN]
-    here = 1 << oldest % LINES
-    if oldest < complete:
-        if written == 0:
-            ring[OLDEST] = complete
-        elif not written & here:
-            ring[OLDEST] = oldest + 1
-        elif flushing and ring[FLUSHED] == machine.last_column // WORD:
-            ring[OLDEST] = oldest + 1
-            ring[FLUSHED] = 0
-            written &= ~here
-        elif flushing:
-            ring[FLUSHED] += 1
-    if go:
-        written |= ring[TOUCHED]
-    ring[WRITTEN] = written
+    held, tops, state = front.held, front.tops, front.state
+    head_moves = held[HEAD] == EMPTY or done
+    colour_moves = held[HEAD - 1] == EMPTY or head_moves
+    sequencer_moves = held[SEQUENCER] == EMPTY or colour_moves
+    if head_moves:
+        held[HEAD], tops[HEAD] = held[HEAD - 1], tops[HEAD - 1]
+    if colour_moves:
+        for stage in range(HEAD - 1, SEQUENCER, -1):
+            held[stage], tops[stage] = held[stage - 1], tops[stage - 1]
+        held[SEQUENCER] = EMPTY
+    if sequencer_moves and state[END_WORD] == EMPTY:
+        following = state[FOLLOWING]
+        word = words[following]
+        if not _is_control(word):
+            held[SEQUENCER], tops[SEQUENCER] = following, state[TOP_LINE]
+        elif word >> machine.end_lsb & 1:
+            held[SEQUENCER], tops[SEQUENCER] = following, machine.lowest
+            state[END_WORD] = following
+        else:
+            step = word >> machine.x_lsb & machine.x_mask
+            state[TOP_LINE] = min(state[TOP_LINE] + step, machine.lowest)
+        state[FOLLOWING] += 1
+    return head_moves
 
 
 @nb.njit(cache=True, inline="always")

@@ -124,11 +124,27 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
         run_preset(PRESETS["dither"], Window, test_window.__file__, test="in_short")
 
 
-def test_a_fault_in_the_engine_is_noticed(monkeypatch):
-    """One bank of eight forgets its conflicts: the picture differs where elements touch."""
+@pytest.mark.parametrize(
+    ("preset", "edit"),
+    [
+        pytest.param(
+            "wide", fault("splatline.window.bank_5", "conflict", "1'h0"), id="a bank's conflict"
+        ),
+        pytest.param("paper", fault("splatline.window", "conflict", "1'h0"), id="conflict"),
+        pytest.param(
+            "paper", fault("splatline.window.lane_2_1", "passes", "1'h1"), id="no depth test"
+        ),
+        pytest.param(
+            "paper", fault("splatline.window.walker.marks", "bit_1", "8'h01"), id="a wrong mark"
+        ),
+        pytest.param("paper", fault("splatline.window", "ahead", "12'h000"), id="lines overtaken"),
+        pytest.param("paper", fault("splatline.decoder", "past_1", "1'h0"), id="a line misplaced"),
+    ],
+)
+def test_a_fault_in_the_engine_is_noticed(monkeypatch, preset, edit):
+    """One bank of eight, or the window of lanes, forgets its conflicts: elements that touch mix."""
     from splatline.rtl import verilog
 
-    edit = fault("splatline.window.bank_5", "conflict", "1'h0")
     whole = verilog.generate
 
     def broken(config, name="splatline"):
@@ -136,8 +152,11 @@ def test_a_fault_in_the_engine_is_noticed(monkeypatch):
         return edit(text), sidecar
 
     monkeypatch.setattr(verilog, "generate", broken)
-    frame = shapes(np.random.default_rng(1), 2000, 64, 48)
-    outcome = frames.play([frames.Job(frame=frame)])[0]
+    frame = shapes(np.random.default_rng(1), 2000, 64, 48, config=PRESETS[preset])
+    try:
+        outcome = frames.play([frames.Job(frame=frame)])[0]
+    except SimulationError:  # words outside the image
+        return
     assert outcome.raster.mismatches(golden.render(frame)) > 0
 
 

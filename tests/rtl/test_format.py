@@ -72,7 +72,7 @@ def test_planes_hold_a_whole_colour():
         # A half of a bank's block RAM has ports of 36 bits.
         assert config.pixels_per_word * config.plane_bits <= 36
     planes = {config.name: config.plane_bits for config in PRESETS.values()}
-    assert planes == {"paper": 9, "dither": 9, "rgb18": 9, "rgb24": 8, "deep": 9}
+    assert planes == {"paper": 9, "wide": 9, "dither": 9, "rgb18": 9, "rgb24": 8, "deep": 9}
 
 
 def test_presets_are_found_by_name():

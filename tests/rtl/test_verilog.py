@@ -51,7 +51,7 @@ def test_the_sidecar_says_how_it_was_made(generated):
     _, sidecar = generated
     assert sidecar["config"]["name"] == "paper"
     assert sidecar["tools"]["amaranth"]
-    assert sidecar["latency"]["clear_after_reset_cycles"] == 256
+    assert sidecar["latency"]["clear_after_reset_cycles"] == 512
 
 
 def test_the_top_module_can_be_renamed():

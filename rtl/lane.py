@@ -1,0 +1,104 @@
+"""A lane of the window: one block RAM of pixels, and the writer behind it."""
+
+from amaranth.hdl import Cat, Module, Signal
+from amaranth.lib import data, memory, wiring
+from amaranth.lib.wiring import In, Out
+
+from .format import EngineConfig
+
+__all__ = ["Lane", "LaneRequestLayout", "PixelLayout", "lane_address_bits"]
+
+
+class PixelLayout(data.StructLayout):
+    """A pixel of the window's memory."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"depth": config.depth_bits, "colour": config.colour_bits})
+
+
+def lane_address_bits(config: EngineConfig) -> int:
+    """Return the address bits of a lane: two for its lines, the rest for its columns."""
+    return 2 + config.word_bits
+
+
+class LaneRequestLayout(data.StructLayout):
+    """What a lane is asked to do in a cycle.
+
+    ``draw``: depth-test the pixel at ``address``. ``clear``: read it and leave background there. At
+    most one of the two.
+    """
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"draw": 1, "clear": 1, "address": lane_address_bits(config)})
+
+
+class Lane(wiring.Component):
+    """Reads a pixel, tests it, and writes over it if it is behind.
+
+    The lane has every fourth pixel of every fourth line of the window, one a word of its memory:
+    so nothing need be merged with what was there, and a pixel that does not pass is not written.
+
+    A pixel is read in the cycle of the request; in the next it stands on ``old``, is compared with
+    ``new``, and what is written is written at that cycle's end. A request for that very pixel in
+    that cycle would read it as it was before: whoever requests must wait a cycle.
+
+    Of a cleared pixel the depth is set to the background's; its colour then means nothing.
+
+    **Latency**: 1 cycle to ``old``, 2 to the memory. **Throughput**: one request a cycle.
+
+    Members
+    -------
+    enable : In(1)
+        Low: everything stands still, and ``request`` is not taken.
+    request : In(LaneRequestLayout)
+        What to do.
+    new : In(PixelLayout)
+        What to draw, in the cycle after the request.
+    old : Out(PixelLayout)
+        The pixel as it was before the last request taken.
+    drawing : Out(1)
+        The last request taken was to draw.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "enable": In(1),
+                "request": In(LaneRequestLayout(config)),
+                "new": In(PixelLayout(config)),
+                "old": Out(PixelLayout(config)),
+                "drawing": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        pixel = PixelLayout(config)
+        m.submodules.ram = ram = memory.Memory(
+            shape=pixel,
+            depth=1 << lane_address_bits(config),
+            init=[],
+            attrs={"ram_style": "block"},
+        )
+        read, write = ram.read_port(), ram.write_port()
+        taken = Signal(LaneRequestLayout(config))
+        passes = Signal()
+        with m.If(self.enable):
+            m.d.sync += taken.eq(self.request)
+        m.d.comb += [
+            read.addr.eq(self.request.address),
+            read.en.eq(self.enable),
+            self.old.eq(read.data),
+            self.drawing.eq(taken.draw),
+            # The request rides on the comparison's carry chain, which has a bit to spare.
+            passes.eq(Cat(self.new.depth, 1) < Cat(self.old.depth, taken.draw)),
+            write.addr.eq(taken.address),
+            write.data.colour.eq(self.new.colour),
+            write.data.depth.eq(self.new.depth | taken.clear.replicate(config.depth_bits)),
+            # Written every cycle while standing still, the pixel comes out the same each time.
+            write.en.eq(passes | taken.clear),
+        ]
+        return m

@@ -1,0 +1,119 @@
+"""The way out of the lanes: four pixels that leave together become a beat of the raster."""
+
+from amaranth.hdl import Module, Mux, Signal
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .format import EngineConfig
+from .lane import PixelLayout
+from .layouts import RasterLayout
+from .ring import PlaceLayout
+
+__all__ = ["LaneEmitter"]
+
+
+class LaneEmitter(wiring.Component):
+    """Picks each flushed word from its four lanes and offers it on ``raster``.
+
+    A word stands on its lanes' outputs in the cycle after its request and is taken from there into
+    the register on the port. A word of background only is dropped: it was marked as one of a pair.
+    The colour of a pixel that is background, or that lies right of the image, is made 0.
+
+    A word that ``raster`` does not take stops the stages behind it, and the lanes, once a second
+    word stands before the port.
+
+    **Latency**: 2 cycles from a request to ``raster``. **Throughput**: one word a cycle.
+
+    Members
+    -------
+    flush : In(1)
+        A word is requested in this cycle; only while ``running``.
+    place : In(PlaceLayout)
+        Which word that is.
+    lanes : In(4 x 4 x PixelLayout)
+        The lanes' outputs, by residue of line and column.
+    last_column : In(x_bits)
+        Width of the image less 1.
+    end : In(1)
+        The frame is over once no word is on its way; leaves as the end beat.
+    raster : Out(stream of RasterLayout)
+        The beats.
+    running : Out(1)
+        Low: the lanes and all requests stand still.
+    last_word : Out(word_bits)
+        Number of the word of ``place`` one cycle ago.
+    finished : Out(1)
+        High for one cycle: the end beat is taken into the register on the port.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "flush": In(1),
+                "place": In(PlaceLayout(config)),
+                "lanes": In(data.ArrayLayout(data.ArrayLayout(PixelLayout(config), 4), 4)),
+                "last_column": In(config.x_bits),
+                "end": In(1),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+                "running": Out(1),
+                "last_word": Out(config.word_bits),
+                "finished": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        flushed = Signal()
+        place = Signal(PlaceLayout(config), reset_less=True)
+        emit_valid = Signal()
+        emit = Signal(RasterLayout(config), reset_less=True)
+        take, over, drawn = Signal(), Signal(), Signal()
+        m.d.comb += [
+            self.raster.valid.eq(emit_valid),
+            self.raster.payload.eq(emit),
+            self.running.eq(~(flushed & emit_valid & ~self.raster.ready)),
+            take.eq(~emit_valid | self.raster.ready),
+            over.eq(self.end & ~flushed),
+            self.finished.eq(over & take),
+            self.last_word.eq(place.word),
+        ]
+        with m.If(self.running):
+            m.d.sync += [flushed.eq(self.flush), place.eq(self.place)]
+
+        last_word = self.last_column[2:]
+        background = config.background_depth
+        visible = Signal(config.pixels_per_word)
+        m.d.comb += drawn.eq(visible.any())
+        with m.If(take):
+            m.d.sync += [
+                emit_valid.eq((flushed & drawn) | over),
+                emit.word.eq(place.word),
+                emit.line.eq(place.line),
+                emit.end.eq(over),
+            ]
+        for column in range(config.pixels_per_word):
+            pixel = Signal(PixelLayout(config), name=f"pixel_{column}")
+            rows = [self.lanes[row][column].as_value() for row in range(4)]
+            line = place.line[:2]
+            outside = (place.word == last_word) & (column > self.last_column[:2])
+            m.d.comb += [
+                pixel.as_value().eq(
+                    Mux(line[1], Mux(line[0], rows[3], rows[2]), Mux(line[0], rows[1], rows[0]))
+                ),
+                visible[column].eq((pixel.depth != background) & ~outside),
+            ]
+            with m.If(take):
+                m.d.sync += [
+                    emit.pixels.depth[column].eq(pixel.depth),
+                    emit.pixels.colour[column].eq(pixel.colour),
+                ]
+                # Elements are clipped by whole words; the rest of the last word stays inside.
+                with m.If(~visible[column]):
+                    m.d.sync += [
+                        emit.pixels.depth[column].eq(background),
+                        emit.pixels.colour[column].eq(0),
+                    ]
+        return m

@@ -1,0 +1,252 @@
+"""The sliding window in sixteen lanes of pixels: the least silicon for small elements."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from .format import EngineConfig
+from .lane import Lane, PixelLayout, lane_address_bits
+from .lane_emitter import LaneEmitter
+from .layouts import RasterLayout, TileLayout
+from .loader import Loader
+from .ring import PlaceLayout
+from .walker import Walker
+
+__all__ = ["LaneWindow"]
+
+SIDE = 4
+
+
+class LaneWindow(wiring.Component):
+    """Draws tiles into sixteen lines that slide down the image.
+
+    The lane of a pixel is the residue of its line and of its column modulo 4, so that a tile of
+    4 x 4 pixels has each lane once, wherever it lies. Three stages: *request* (an address a lane),
+    *write* (the lanes write over what is behind; a flushed word stands on its lanes' outputs) and
+    *emit* (the word waits on ``raster``). In the request stage the initial raster goes first, then
+    the tile, and the flush takes a row of four lanes that the tile leaves. A word that ``raster``
+    does not take stops all three.
+
+    A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
+    the lanes are cleared, which takes as many cycles as a lane has pixels.
+
+    **Latency**: 4 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
+    for that, and for a cycle for each stretch of 32 words whose marks are taken (see
+    :class:`Walker`); a word a cycle of the initial raster; a word a cycle of ``raster``, of those
+    that were written, while a row of lanes is free.
+
+    Members
+    -------
+    i : In(stream of TileLayout)
+        Tiles in the order of their lines; the ``end`` token is taken when its frame is out.
+    initial : In(stream of RasterLayout)
+        Initial raster; read if ``load`` is set.
+    raster : Out(stream of RasterLayout)
+        The words in which something was drawn, then an ``end`` beat.
+    last_column, last_line : In
+        Size of the image less 1; steady during a frame, as is ``load``.
+    load : In(1)
+        The frame starts from the initial raster.
+    active : In(1)
+        A frame is open: from its first code word until ``finished``.
+    finished : Out(1)
+        High for one cycle: the frame's end beat goes into the emit stage.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "i": In(stream.Signature(TileLayout(config))),
+                "initial": In(stream.Signature(RasterLayout(config))),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+                "load": In(1),
+                "active": In(1),
+                "finished": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        tile = self.i.payload
+
+        m.submodules.walker = walker = Walker(config)
+        m.submodules.loader = loader = Loader(config)
+        m.submodules.emitter = emitter = LaneEmitter(config)
+        lanes = [[Lane(config) for _ in range(SIDE)] for _ in range(SIDE)]
+        for i, row in enumerate(lanes):
+            for j, lane in enumerate(row):
+                m.submodules[f"lane_{i}_{j}"] = lane
+        running = emitter.running
+
+        sweeping = Signal(init=1)
+        sweep = Signal(lane_address_bits(config))
+        with m.If(sweeping):
+            m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
+
+        connect(m, flipped(self.initial), loader.i)
+        connect(m, emitter.raster, flipped(self.raster))
+        m.d.comb += [
+            loader.enable.eq(self.load),
+            loader.active.eq(self.active),
+            loader.last_line.eq(self.last_line),
+            loader.last_word.eq(self.last_column[2:]),
+            loader.oldest.eq(walker.oldest),
+            loader.restart.eq(self.finished),
+            emitter.last_column.eq(self.last_column),
+            emitter.end.eq(self.i.valid & tile.end & walker.clean & loader.finished),
+            self.finished.eq(emitter.finished),
+        ]
+
+        # What is served beside the tile: a word of the initial raster, or one that leaves.
+        service = Signal(PlaceLayout(config))
+        m.d.comb += service.eq(walker.flush.payload)
+        with m.If(loader.o.valid):
+            m.d.comb += [
+                service.word.eq(loader.o.payload.word),
+                service.line.eq(loader.o.payload.line),
+            ]
+        line = Signal(SIDE)  # the row of lanes that it lies in
+        m.d.comb += line.eq(1 << service.line[:2])
+
+        # Request: the initial raster, else the tile, and the flush in a row that neither wants.
+        going, loading, flushing = Signal(), Signal(), Signal()
+        drawn, loaded, cleared = Signal(), Signal(), Signal()  # in the cycle before
+        top = Signal.like(tile.top, init=-SIDE)
+        ahead = Signal.like(tile.top)
+        busy = Signal(SIDE)
+        m.d.comb += [
+            walker.top.eq(top),
+            walker.loaded.eq(loader.oldest_loaded),
+            walker.jump.eq(loader.finished),
+            walker.enable.eq(running & ~sweeping & ~loader.o.valid),
+            walker.wipe.eq(sweeping),
+            walker.wipe_row.eq(sweep),
+            walker.restart.eq(self.finished),
+            # A line takes the place of the one that left two cycles ago, not of the one before it:
+            # that may still be cleared.
+            ahead.eq(tile.top - walker.oldest),
+            going.eq(
+                self.i.valid
+                & ~tile.end
+                & running
+                & ~sweeping
+                & ~loader.o.valid
+                & loader.window_loaded
+                & ~walker.taking
+                & (ahead < Mux(tile.lower, config.window_lines - 8, config.window_lines - 4))
+                & ~loaded
+                & ~self._conflict(m, lanes, going)
+            ),
+            self.i.ready.eq(going | self.finished),
+            busy.eq(Cat(row.any() for row in tile.mask) & going.replicate(SIDE)),
+            # A word does not follow at once on what may still write it.
+            loading.eq(
+                loader.o.valid
+                & running
+                & ~sweeping
+                & ~drawn
+                & ~cleared
+                & ~(loaded & (service.word == emitter.last_word))
+            ),
+            loader.o.ready.eq(loading),
+            flushing.eq(walker.flush.valid & walker.flush.ready),
+            walker.flush.ready.eq(running & ~sweeping & ~loader.o.valid & ~(line & busy).any()),
+            emitter.flush.eq(flushing),
+            emitter.place.eq(service),
+        ]
+        with m.If(self.i.valid):
+            m.d.sync += top.eq(tile.top)
+        with m.If(self.finished):
+            m.d.sync += top.eq(top.init)
+        with m.If(running):
+            m.d.sync += [
+                drawn.eq(going),
+                loaded.eq(loading | sweeping),
+                cleared.eq(flushing | sweeping),
+            ]
+
+        new = [Signal(PixelLayout(config), name=f"new_{j}", reset_less=True) for j in range(SIDE)]
+        for j in range(SIDE):
+            with m.If(running):
+                m.d.sync += [
+                    new[j].depth.eq(Mux(loader.o.valid, loader.o.payload.pixels.depth[j], tile.z)),
+                    new[j].colour.eq(
+                        Mux(loader.o.valid, loader.o.payload.pixels.colour[j], tile.colour)
+                    ),
+                ]
+        word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in range(SIDE)]
+        for i, row in enumerate(lanes):
+            for j, lane in enumerate(row):
+                address = Signal(lane_address_bits(config), name=f"address_{i}_{j}")
+                m.d.comb += [
+                    address.eq(
+                        Mux(
+                            busy[i],
+                            Cat(word[j], tile.group[i]),
+                            Cat(service.word, service.line[2:4]),
+                        )
+                    ),
+                    lane.enable.eq(running),
+                    lane.request.address.eq(Mux(sweeping, sweep, address)),
+                    lane.request.draw.eq((going & tile.mask[i][j]) | (loading & line[i])),
+                    lane.request.clear.eq((flushing & line[i]) | sweeping),
+                    lane.new.eq(new[j]),
+                    emitter.lanes[i][j].eq(lane.old),
+                ]
+        self._touch(m, walker, going, loading, service, line)
+        return m
+
+    def _conflict(self, m, lanes, going):
+        """Return whether the tile has a pixel that is being written now."""
+        tile = self.i.payload
+        before = Signal(TileLayout(self.config), reset_less=True)
+        with m.If(going):
+            m.d.sync += [
+                before.group.eq(tile.group),
+                before.words.eq(tile.words),
+                before.next.eq(tile.next),
+            ]
+        same, after, ahead = Signal(), Signal(), Signal()
+        m.d.comb += [
+            same.eq(tile.words[0] == before.words[0]),
+            after.eq(tile.words[1] == before.words[0]),
+            ahead.eq(tile.words[0] == before.words[1]),
+        ]
+        lines = Cat(tile.group[i] == before.group[i] for i in range(SIDE))
+        columns = Signal(SIDE)
+        for j in range(SIDE):
+            new, old = tile.next[j], before.next[j]
+            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, ahead)))
+        both = Signal(SIDE * SIDE)
+        for i in range(SIDE):
+            for j in range(SIDE):
+                m.d.comb += both[SIDE * i + j].eq(
+                    lanes[i][j].drawing & tile.mask[i][j] & lines[i] & columns[j]
+                )
+        conflict = Signal()
+        m.d.comb += conflict.eq(both.any())
+        return conflict
+
+    def _touch(self, m, walker, going, loading, service, line):
+        """Tell the walker which words are written."""
+        tile = self.i.payload
+        m.d.comb += [
+            walker.words.eq(tile.words),
+            walker.group.eq(tile.group),
+        ]
+        with m.If(loading):
+            m.d.comb += walker.words[0].eq(service.word)
+        for i in range(SIDE):
+            with m.If(loading):
+                m.d.comb += walker.group[i].eq(service.line[2:4])
+            m.d.comb += [
+                walker.touch[i][0].eq(
+                    (going & (tile.mask[i] & ~tile.next).any()) | (loading & line[i])
+                ),
+                walker.touch[i][1].eq(going & (tile.mask[i] & tile.next).any()),
+            ]
