@@ -20,7 +20,7 @@ help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
 	@echo 'make render     the main job: a scene, drawn by the Verilog and checked -> build/render/'
 	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
-	@echo 'make bench      error against run time, rates, stress suite -> docs/bench/'
+	@echo 'make bench      error against run time, cycles, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
 	@echo 'make lint       style and types: ruff, mypy'
@@ -64,6 +64,7 @@ render: setup
 
 bench: setup
 	@$(VENV)/bin/splatline bench accuracy $(SCANS)
+	@$(VENV)/bin/splatline bench engine --luts $(SCANS)
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
 

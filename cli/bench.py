@@ -6,10 +6,13 @@ from pathlib import Path
 
 import click
 
+from .bench_engine import engine
 from .bench_host import host
 from .bench_stability import stability
+from .bench_subjects import check_names
 from .outputs import check_folder
 from .parameters import ORBIT, SIZE
+from .progress import Counter
 
 __all__ = ["bench"]
 
@@ -21,6 +24,7 @@ def bench() -> None:
     \b
     Examples:
       splatline bench accuracy                  every quality and preset against the reference
+      splatline bench engine                    cycles beside the fewest that the memory allows
       splatline bench host                      rates of every stage, beside other renderers
       splatline bench stability                 the stress suite as tables
     """  # noqa: D301  (click reads the backspace as "do not wrap")
@@ -87,19 +91,10 @@ def accuracy(
     from .bench_accuracy import Sweep, measure
     from .bench_write import write_accuracy
 
-    unknown = [name for name in scenes if name not in SCENES]
-    if unknown:
-        raise InputError(f"no scene named {unknown[0]!r}; there are: {', '.join(SCENES)}")
-    missing = [path for path in clouds if not path.is_file()]
-    if missing:
-        raise InputError(f"{missing[0]}: no such file")
-    names = [*(scenes or SCENES), *(path.stem for path in clouds)]
+    names = check_names(scenes or tuple(SCENES), clouds)
     for name in unseen:
         if name not in names:
             raise InputError(f"no pictures of {name!r} to leave out; there are: {', '.join(names)}")
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise InputError(f"two clouds are called {twice[0]!r}; rename one of them")
     check_folder(out_dir)
     sweep = Sweep(clouds, scenes or SCENES, views, size or (512, 512))
     if quick:
@@ -114,64 +109,12 @@ def accuracy(
             ladders=(None,),
             repeats=1,
         )
-    with _Counter(sweep.total()) as counter:
+    with Counter(sweep.total()) as counter:
         results, crops = measure(sweep, counter.advance)
     shown = [crop for crop in crops if crop.scene not in unseen]
     files = write_accuracy(out_dir, results, shown)
     click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
 
 
-class _Counter:
-    """Shows how far a known number of runs has come: a bar, or a line every tenth elsewhere."""
-
-    def __init__(self, total: int) -> None:
-        from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            Progress,
-            TaskProgressColumn,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
-
-        self._total = total
-        self._begun = 0
-        self._console = Console(stderr=True)
-        self._progress = Progress(
-            BarColumn(bar_width=30),
-            TaskProgressColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-            TextColumn("{task.description}", markup=False),
-            console=self._console,
-            transient=True,
-            disable=not self._console.is_terminal,
-        )
-        self._task = self._progress.add_task("", total=total)
-
-    def __enter__(self) -> _Counter:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._progress.stop()
-
-    def advance(self, description: str) -> None:
-        """Say that one run is done, if it is not the first, and the next begins."""
-        self._progress.update(self._task, completed=self._begun, description=description)
-        tenths = 10 * self._begun // self._total
-        if not self._console.is_terminal and (
-            self._begun == 0 or tenths > 10 * (self._begun - 1) // self._total
-        ):
-            self._console.print(
-                f"{10 * tenths:3d} %  {description} ...", highlight=False, markup=False,
-                soft_wrap=True,
-            )  # fmt: skip
-        self._begun += 1
-
-
-for _command in (host, stability):
+for _command in (engine, host, stability):
     bench.add_command(_command)

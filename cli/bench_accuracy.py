@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .bench_subjects import poses
 from .statistics import drawing_statistics, tool_versions
 
 if TYPE_CHECKING:
@@ -66,15 +67,10 @@ class Sweep:
     ladders: tuple[float | None, ...] = (None, 3.5, 7.0)
     repeats: int = 3
 
-    @property
-    def names(self) -> list[str]:
-        """What to call each cloud."""
-        return [*self.scenes, *(path.stem for path in self.paths)]
-
     def total(self) -> int:
         """Return the number of pictures that will be compared."""
         each = sum(len(_plan(self, splats)) + _rungs(self, splats) for splats in self.splats)
-        return each * len(self.names) * max(len(self.views), 1)
+        return each * (len(self.scenes) + len(self.paths)) * max(len(self.views), 1)
 
 
 @dataclass(frozen=True)
@@ -188,52 +184,34 @@ def _rungs(sweep: Sweep, splats: float | None) -> int:
 
 def _cases(sweep: Sweep) -> Iterator[Case]:
     """Load each cloud once, and draw each case's reference."""
-    import numpy as np
-
     from ..host.lighting import Lighting
-    from ..host.readers import read_cloud
-    from ..host.scenes import load_scene
-    from ..host.spacing import splat_radii
-    from ..host.view import fit_view
     from ..sim import reference
     from ..sim.bench_pictures import Crops
     from ..sim.figure import BACKGROUND
 
-    for name in sweep.names:
-        camera: dict[str, Any] = {"orbit": (30.0, 20.0), "fov": 35.0, "up": "y", "zoom": 1.0}
-        source = f"scene {name}"
-        if name in sweep.scenes:
-            scene = load_scene(name)
-            cloud = scene.cloud
-            camera |= {key: getattr(scene, key) for key in camera}
-        else:
-            path = sweep.paths[sweep.names.index(name) - len(sweep.scenes)]
-            cloud, source = read_cloud(path), path.name
-        fitted = splat_radii(cloud)
-        for orbit in sweep.views or (camera["orbit"],):
-            camera["orbit"] = orbit
-            view = fit_view(cloud, size=sweep.size, **camera)
-            depth = (cloud.positions - view.eye) @ view.axes[2]
-            usual = float(np.median(2.0 * fitted * view.focal / depth))
-            place = None
-            for splats in sweep.splats:
-                radii = fitted if splats is None else fitted * (splats / usual)
-                exact = reference.render(cloud, view, radii, Lighting(), background=BACKGROUND)
-                crops = Crops(name, orbit, splats, exact, place)
-                place = crops.place  # the same for every size
-                yield Case(
-                    name,
-                    cloud,
-                    view,
-                    dict(camera),
-                    source,
-                    splats,
-                    splats or usual,
-                    radii,
-                    exact,
-                    BACKGROUND,
-                    crops,
-                )
+    for pose in poses(sweep.scenes, sweep.paths, sweep.size, sweep.views):
+        place = None
+        orbit = pose.camera["orbit"]
+        for splats in sweep.splats:
+            radii = pose.scaled(splats)
+            exact = reference.render(
+                pose.cloud, pose.view, radii, Lighting(), background=BACKGROUND
+            )
+            crops = Crops(pose.name, orbit, splats, exact, place)
+            place = crops.place  # the same for every size
+            yield Case(
+                pose.name,
+                pose.cloud,
+                pose.view,
+                pose.camera,
+                pose.source,
+                splats,
+                splats or pose.usual,
+                radii,
+                exact,
+                BACKGROUND,
+                crops,
+            )
 
 
 def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:

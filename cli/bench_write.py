@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .bench_tables import budgets, fitted, page, size_name
 from .bench_targets import judge
+from .outputs import lines_of_json
 
 if TYPE_CHECKING:
     from ..sim.bench_pictures import Crops
@@ -34,7 +34,7 @@ def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops
     scenes = fitted(results["runs"])
     sheets = _sheets(crops, results["runs"])
     files = {
-        "accuracy.json": _json(results).encode(),
+        "accuracy.json": lines_of_json(results).encode(),
         "accuracy.md": page(results, sheets).encode(),
         "pareto.png": plot_pareto(_mean(scenes)),
         "pareto_scenes.png": plot_pareto_scenes(scenes),
@@ -47,18 +47,6 @@ def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops
         place.parent.mkdir(exist_ok=True)
         atomic_write(place, data)
     return [out_dir / name for name in files]
-
-
-def _json(results: Mapping[str, Any]) -> str:
-    """Return the results with one run a line, so that two files compare line by line."""
-    parts = []
-    for key, value in results.items():
-        if isinstance(value, list) and value and isinstance(value[0], dict):
-            rows = ",\n".join(f"    {json.dumps(row, allow_nan=False)}" for row in value)
-            parts.append(f'  "{key}": [\n{rows}\n  ]')
-        else:
-            parts.append(f'  "{key}": {json.dumps(value, allow_nan=False)}')
-    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:

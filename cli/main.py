@@ -14,6 +14,7 @@ from .bench import bench
 from .errors import ToolFailure
 from .frames import encode, info, play
 from .hardware import synth, verilog
+from .pnr import netlist, pnr
 from .render import render
 
 __all__ = ["main"]
@@ -99,5 +100,5 @@ def main() -> None:
     """  # noqa: D301  (click reads the backspace as "do not wrap")
 
 
-for _command in (render, encode, play, info, verilog, synth, bench):
+for _command in (render, encode, play, info, verilog, synth, netlist, pnr, bench):
     main.add_command(_command)

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..host.errors import InputError
 
-__all__ = ["check_files", "check_folder", "require_suffix", "write_json", "write_text"]
+__all__ = [
+    "check_files",
+    "check_folder",
+    "lines_of_json",
+    "require_suffix",
+    "write_json",
+    "write_text",
+]
 
 
 def check_files(outputs: Iterable[Path | None], *, inputs: Iterable[Path | None] = ()) -> None:
@@ -77,3 +84,15 @@ def write_text(path: Path, text: str) -> None:
 def write_json(path: Path, data: dict[str, Any]) -> None:
     """Write a JSON file beside its place, then rename it; infinities and NaN are refused."""
     write_text(path, json.dumps(data, indent=2, allow_nan=False) + "\n")
+
+
+def lines_of_json(results: Mapping[str, Any]) -> str:
+    """Return JSON with one object of a list a line, so that two files compare line by line."""
+    parts = []
+    for key, value in results.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            rows = ",\n".join(f"    {json.dumps(row, allow_nan=False)}" for row in value)
+            parts.append(f'  "{key}": [\n{rows}\n  ]')
+        else:
+            parts.append(f'  "{key}": {json.dumps(value, allow_nan=False)}')
+    return "{\n" + ",\n".join(parts) + "\n}\n"

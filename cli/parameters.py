@@ -10,7 +10,7 @@ import click
 
 from ..rtl.format import PRESETS, EngineConfig
 
-__all__ = ["COLOUR", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
+__all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
 
 UP_AXES = click.Choice(["x", "y", "z", "-x", "-y", "-z"])
 """The axes that ``host.view.fit_view`` knows."""
@@ -63,9 +63,11 @@ class _Orbit(click.ParamType):  # type: ignore[type-arg]
 
 
 class _SplatSize(click.ParamType):  # type: ignore[type-arg]
-    """``auto`` or a diameter in the cloud's unit."""
+    """``auto`` or a diameter."""
 
-    name = "auto|WORLD"
+    def __init__(self, name: str, unit: str) -> None:
+        self.name = name
+        self._unit = unit
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -76,8 +78,7 @@ class _SplatSize(click.ParamType):  # type: ignore[type-arg]
         size = value if isinstance(value, float) else _finite(value)
         if size is None or size <= 0.0:
             self.fail(
-                f"{value!r} is not a splat size; write auto, or a diameter above 0 in the cloud's"
-                " own unit",
+                f"{value!r} is not a splat size; write auto, or a diameter above 0 in {self._unit}",
                 param,
                 ctx,
             )
@@ -128,6 +129,7 @@ def _finite(text: str) -> float | None:
 
 SIZE = _Size()
 ORBIT = _Orbit()
-SPLAT_SIZE = _SplatSize()
+SPLAT_SIZE = _SplatSize("auto|WORLD", "the cloud's own unit")
+DIAMETER = _SplatSize("auto|PIXELS", "pixels")
 COLOUR = _Colour()
 PRESET = _Preset()

@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-__all__ = ["format_value", "nonzero", "print_facts", "print_statistics", "print_synthesis"]
+__all__ = ["format_value", "nonzero", "print_facts", "print_statistics"]
 
 _Fact = tuple[str, "str | tuple[str, str]"]
-
-_RESOURCES = {
-    "lut4": "4-input LUTs",
-    "ff": "flip-flops",
-    "bram": "block RAMs",
-    "mult": "multipliers",
-}
 
 _QUALITY = {
     "psnr_db": ("PSNR", "{:.2f} dB"),
@@ -68,6 +58,7 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
 
 def print_facts(facts: list[_Fact | None], *, title: str) -> None:
     """Print a table of names and values, plain or with a style; None is a line between groups."""
+    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
@@ -80,44 +71,7 @@ def print_facts(facts: list[_Fact | None], *, title: str) -> None:
         else:
             # As Text, since a file's name may hold square brackets, which are markup to rich.
             table.add_row(fact[0], Text(*fact[1]) if isinstance(fact[1], tuple) else Text(fact[1]))
-    _show(table)
-
-
-def print_synthesis(report: dict[str, Any]) -> None:
-    """Print what an engine takes of a device, beside the paper's Table 1."""
-    from rich.table import Table
-
-    table = Table(
-        title=f"Preset {report['preset']} on {report['device']['name']}",
-        title_justify="left",
-        caption=report["command"],
-        caption_justify="left",
-    )
-    table.add_column("resource", style="bold")
-    for heading in ("this engine", "paper, Table 1", "device"):
-        table.add_column(heading, justify="right")
-    for key, label in _RESOURCES.items():
-        used, budget, paper = report[key], report["device"][key], report["paper"].get(key)
-        style = "red" if used > budget else ""
-        table.add_row(
-            label,
-            f"{used:,} ({used / budget:.0%})",
-            "-" if paper is None else f"{paper:,}",
-            f"{budget:,}",
-            style=style,
-        )
-    _show(table)
-
-    modules = Table(
-        title="By instance, each without what is inside it",
-        title_justify="left",
-    )
-    modules.add_column("module", style="bold", overflow="fold")
-    for label in _RESOURCES.values():
-        modules.add_column(label, justify="right")
-    for name, counts in report["modules"].items():
-        modules.add_row(name, *(f"{counts[key]:,}" for key in _RESOURCES))
-    _show(modules)
+    Console().print(table)
 
 
 def format_value(value: Any) -> str:
@@ -141,10 +95,3 @@ def nonzero(value: Any) -> Any:
 
 def _verdict(mismatched: int) -> tuple[str, str]:
     return f"{mismatched:,}", "bold red" if mismatched else "green"
-
-
-def _show(table: Table) -> None:
-    """Print a table on standard output."""
-    from rich.console import Console
-
-    Console().print(table)

@@ -15,8 +15,8 @@ __all__ = ["ColourUnit"]
 class ColourUnit(wiring.Component):
     """Gives each element its colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
 
-    **Latency**: 3 cycles (table, products, sum). **Throughput**: one element a cycle. The whole
-    pipeline stops while its output waits.
+    **Latency**: 2 cycles (table, products); the sum follows in the same cycle. **Throughput**: one
+    element a cycle. A stage whose element waits lets those before it close up.
 
     With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
     16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
@@ -53,17 +53,16 @@ class ColourUnit(wiring.Component):
         m.submodules.table = table = MaterialTable(config)
         m.d.comb += table.write.eq(self.material)
 
-        step = Signal()
-        valid = Signal(3)
+        valid = Signal(2)
+        step = Signal(2)
         looked_up = Signal(ElementLayout(config), reset_less=True)
         multiplied = Signal(ElementLayout(config), reset_less=True)
-        coloured = Signal(ColouredLayout(config), reset_less=True)
         m.d.comb += [
-            step.eq(~valid[2] | self.o.ready),
-            self.i.ready.eq(step),
-            self.o.valid.eq(valid[2]),
-            self.o.payload.eq(coloured),
-            table.enable.eq(step),
+            step[1].eq(~valid[1] | self.o.ready),
+            step[0].eq(~valid[0] | step[1]),
+            self.i.ready.eq(step[0]),
+            self.o.valid.eq(valid[1]),
+            table.enable.eq(step[0]),
             table.address.eq(self.i.payload.material),
         ]
 
@@ -83,7 +82,7 @@ class ColourUnit(wiring.Component):
             # I0 joins the first product, so that each adder has two inputs.
             diffuse = Signal(product_bits + 2, name=f"diffuse_{name}", reset_less=True)
             specular = Signal(product_bits, name=f"specular_{name}", reset_less=True)
-            with m.If(step):
+            with m.If(step[1]):
                 m.d.sync += [
                     diffuse.eq(
                         table.data[kd.lsb : kd.end] * looked_up.diffuse + self.ambient[channel]
@@ -102,13 +101,11 @@ class ColourUnit(wiring.Component):
             largest = Const((1 << bits) - 1, bits)
             channels.append(Mux(level > largest, largest, level[:bits]))
 
-        with m.If(step):
-            m.d.sync += [
-                valid.eq(Cat(self.i.valid, valid[:2])),
-                looked_up.eq(self.i.payload),
-                multiplied.eq(looked_up),
-                coloured.colour.eq(Cat(channels)),
-            ]
-            for name in ("mode", "scans", "x", "z", "top", "end"):
-                m.d.sync += coloured[name].eq(multiplied[name])
+        with m.If(step[0]):
+            m.d.sync += [valid[0].eq(self.i.valid), looked_up.eq(self.i.payload)]
+        with m.If(step[1]):
+            m.d.sync += [valid[1].eq(valid[0]), multiplied.eq(looked_up)]
+        m.d.comb += self.o.payload.colour.eq(Cat(channels))
+        for name in ("mode", "scans", "x", "z", "top", "end"):
+            m.d.comb += self.o.payload[name].eq(multiplied[name])
         return m

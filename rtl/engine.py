@@ -25,7 +25,7 @@ class Engine(wiring.Component):
     A frame opens with its first code word and closes with its end beat on ``raster``. Between
     frames, table writes go before the next frame's first code word.
 
-    **Latency**: 6 cycles from a code word to its pixels; a line leaves once a code word follows
+    **Latency**: 4 cycles from a code word to its pixels; a line leaves once a code word follows
     that lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code
     word, one more where two follow each other into the same word of memory. Where
     ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes its
@@ -48,7 +48,7 @@ class Engine(wiring.Component):
         The picture: the words of each line that was written into, sorted; then the end beat.
     """
 
-    LATENCY = 6
+    LATENCY = 4
     """Cycles from the one that takes a code word to the one that writes its first pixels, but for
     the further planes of their colours, which follow two cycles later."""
 
@@ -91,12 +91,11 @@ class Engine(wiring.Component):
         draining = Signal()
         with m.If(window.finished):
             m.d.sync += draining.eq(0)
-        with m.Elif(sequencer.o.valid & sequencer.o.payload.end):
+        with m.Elif(sequencer.o.valid & sequencer.o.ready & sequencer.o.payload.end):
             m.d.sync += draining.eq(1)
-        ending = sequencer.o.valid & sequencer.o.payload.end
         registers = tables.registers
         m.d.comb += [
-            tables.idle.eq(~sequencer.open & ~draining & ~ending),
+            tables.idle.eq(~sequencer.open & ~draining),
             sequencer.admit.eq(tables.idle & ~self.tables.valid),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
@@ -105,6 +104,6 @@ class Engine(wiring.Component):
             window.last_column.eq(registers.last_column),
             window.last_line.eq(registers.last_line),
             window.load.eq(registers.load),
-            window.active.eq(sequencer.open | draining | ending),
+            window.active.eq(sequencer.open | draining),
         ]
         return m

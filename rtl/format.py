@@ -320,9 +320,7 @@ PRESETS = {
         WIDE.replace(
             name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8, colour_planes=3
         ),
-        WIDE.replace(
-            name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9
-        ),
+        WIDE.replace(name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9),
     )
 }
 """Named configurations: ``paper``; ``wide``; as ``wide``, with ordered dithering, with 6 and 8 bits

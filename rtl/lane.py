@@ -58,6 +58,8 @@ class Lane(wiring.Component):
         The pixel as it was before the last request taken.
     drawing : Out(1)
         The last request taken was to draw.
+    group : Out(2)
+        Bits 3:2 of the line that it was for.
     """
 
     def __init__(self, config: EngineConfig):
@@ -69,6 +71,7 @@ class Lane(wiring.Component):
                 "new": In(PixelLayout(config)),
                 "old": Out(PixelLayout(config)),
                 "drawing": Out(1),
+                "group": Out(2),
             }
         )
 
@@ -93,6 +96,7 @@ class Lane(wiring.Component):
             read.en.eq(self.enable),
             self.old.eq(read.data),
             self.drawing.eq(taken.draw),
+            self.group.eq(taken.address[config.word_bits :]),
             # The request rides on the comparison's carry chain, which has a bit to spare.
             passes.eq(Cat(self.new.depth, 1) < Cat(self.old.depth, taken.draw)),
             write.addr.eq(taken.address),

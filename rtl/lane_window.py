@@ -204,24 +204,22 @@ class LaneWindow(wiring.Component):
     def _conflict(self, m, lanes, going):
         """Return whether the tile has a pixel that is being written now."""
         tile = self.i.payload
-        before = Signal(TileLayout(self.config), reset_less=True)
+        word = Signal(self.config.word_bits, reset_less=True)  # the first of the tile before
+        next_word = Signal(SIDE, reset_less=True)
         with m.If(going):
-            m.d.sync += [
-                before.group.eq(tile.group),
-                before.words.eq(tile.words),
-                before.next.eq(tile.next),
-            ]
-        same, after, ahead = Signal(), Signal(), Signal()
+            m.d.sync += [word.eq(tile.words[0]), next_word.eq(tile.next)]
+        same, after, before = Signal(), Signal(), Signal()
         m.d.comb += [
-            same.eq(tile.words[0] == before.words[0]),
-            after.eq(tile.words[1] == before.words[0]),
-            ahead.eq(tile.words[0] == before.words[1]),
+            same.eq(tile.words[0] == word),
+            after.eq(tile.words[1] == word),
+            before.eq(tile.previous == word),
         ]
-        lines = Cat(tile.group[i] == before.group[i] for i in range(SIDE))
+        # All lanes of a row that is drawn into have the same line.
+        lines = Cat(tile.group[i] == lanes[i][0].group for i in range(SIDE))
         columns = Signal(SIDE)
         for j in range(SIDE):
-            new, old = tile.next[j], before.next[j]
-            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, ahead)))
+            new, old = tile.next[j], next_word[j]
+            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, before)))
         both = Signal(SIDE * SIDE)
         for i in range(SIDE):
             for j in range(SIDE):

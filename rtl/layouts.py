@@ -177,7 +177,7 @@ class TileLayout(data.StructLayout):
     ``mask[q][p]``: the pixel on the line with residue q modulo 4 and in the column with residue p
     is drawn. ``group[q]``: bits 3:2 of that line. ``words``: the words of four pixels that the
     tile's columns lie in, the second one more than the first; ``next[p]``: column p lies in the
-    second.
+    second. ``previous``: the word before the first.
 
     ``lower``: the tile's first line is ``top + 4``, not ``top``. No later element touches a line
     above ``top``. ``end``: no tile, but the end of the frame.
@@ -189,6 +189,7 @@ class TileLayout(data.StructLayout):
                 "mask": data.ArrayLayout(4, 4),
                 "group": data.ArrayLayout(2, 4),
                 "words": data.ArrayLayout(config.word_bits, 2),
+                "previous": config.word_bits,
                 "next": 4,
                 "z": config.z.width,
                 "colour": _shade_bits(config),

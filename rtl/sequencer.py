@@ -16,7 +16,9 @@ class Sequencer(wiring.Component):
     Control words that advance the line end here; the end of the frame goes on as a token of its
     own. A frame opens with its first code word, and only while ``admit`` is high.
 
-    **Latency**: 1 cycle. **Throughput**: one code word a cycle.
+    Nothing is stored of an element: the code word waits on ``i`` until its turn has come.
+
+    **Latency**: 0. **Throughput**: one code word a cycle.
 
     Members
     -------
@@ -61,24 +63,19 @@ class Sequencer(wiring.Component):
             advanced.eq(top + codeword.x),
         ]
 
-        valid = Signal()
-        element = Signal(ElementLayout(config), reset_less=True)
+        element = self.o.payload
+        may = Signal()  # take a code word of the open frame, or open one
         m.d.comb += [
-            self.o.valid.eq(valid),
-            self.o.payload.eq(element),
-            self.i.ready.eq((~valid | self.o.ready) & (self.open | self.admit)),
+            may.eq(self.open | self.admit),
+            self.o.valid.eq(self.i.valid & may & (~control | end)),
+            self.i.ready.eq(may & (self.o.ready | (control & ~end))),
+            element.end.eq(control),
+            element.top.eq(Mux(control, lowest, top)),
         ]
-        with m.If(self.o.ready):
-            m.d.sync += valid.eq(0)
+        for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
+            m.d.comb += element[name].eq(codeword[name])
         with m.If(self.i.valid & self.i.ready):
-            m.d.sync += [
-                self.open.eq(~(control & end)),
-                valid.eq(~control | end),
-                element.end.eq(control),
-                element.top.eq(Mux(control, lowest, top)),
-            ]
-            for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
-                m.d.sync += element[name].eq(codeword[name])
+            m.d.sync += self.open.eq(~(control & end))
             with m.If(control):
                 overflow = ~advanced[-1] & advanced[len(top) - 1 : -1].any()
                 m.d.sync += top.eq(Mux(end, -4, Mux(overflow, lowest, advanced)))

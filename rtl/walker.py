@@ -91,7 +91,7 @@ class Walker(wiring.Component):
         first = Signal.like(pairs)
         second_word = Signal()
         next_stretch = Signal(stretch_bits + 1)  # its top bit: all were taken
-        stretch = Signal(stretch_bits)
+        stretch = Signal(stretch_bits)  # the one before the next
         asking, asked, last_pair, left = Signal(), Signal(), Signal(), Signal()
         number = Signal(mark_bits(config))
         m.d.comb += [
@@ -100,6 +100,7 @@ class Walker(wiring.Component):
             first.eq(pairs & (~pairs + 1)),
             last_pair.eq(pairs == first),
             number.eq(_number(first)),
+            stretch.eq(next_stretch - 1),
             self.clean.eq(~written.any()),
             self.flush.valid.eq(asking),
             self.flush.payload.word.eq(Cat(second_word, number, stretch)),
@@ -125,7 +126,6 @@ class Walker(wiring.Component):
         with m.If(self.taking):
             m.d.sync += [
                 pairs.eq(marks.taken),
-                stretch.eq(next_stretch),
                 next_stretch.eq(next_stretch + 1),
             ]
         with m.If(asked):

@@ -15,11 +15,11 @@ from ..host.errors import InputError
 from ..host.frame import Frame
 from ..rtl.format import BLOCK, ROWS, EngineConfig
 from .bank_model import walk_banks
-from .golden import decode
-from .lane_model import walk_lanes
+from .golden import decode, render
+from .lane_model import least_lane_cycles, walk_lanes
 from .pipeline_model import machine_of
 
-__all__ = ["LAYOUTS", "clearing_cycles", "count_cycles", "least_cycles"]
+__all__ = ["LAYOUTS", "bound_cycles", "clearing_cycles", "count_cycles", "least_cycles"]
 
 LAYOUTS = {
     "whole columns": "bank = line mod 8; all lines take the same column of words at a time",
@@ -79,6 +79,24 @@ def clearing_cycles(config: EngineConfig) -> int:
     clearing: int = 4 << (config.word_bits if config.lanes else config.word_bits - 1)
     writes = config.register_base + REGISTERS
     return max(clearing - writes - START, 0)
+
+
+def bound_cycles(frame: Frame) -> int:
+    """Return the least cycles that the layout of the engine's memory leaves for a frame.
+
+    Each element takes as many as its busiest bank has words, or its busiest lane pixels; and of the
+    raster one word leaves in a cycle.
+    """
+    words = np.ascontiguousarray(frame.codewords, np.uint64)
+    elements = words[~decode(words, frame.config)["control"]].view(np.int64)
+    if frame.config.lanes:
+        drawing = least_lane_cycles(elements)
+    else:
+        drawing = round(least_cycles(frame)["interleaved"] * len(elements)) if len(elements) else 0
+    drawn = render(frame).drawn
+    step = frame.config.pixels_per_word
+    leaving = int(np.count_nonzero(np.add.reduceat(drawn, range(0, frame.width, step), axis=1)))
+    return max(int(drawing), leaving)
 
 
 def least_cycles(frame: Frame) -> dict[str, float]:

@@ -27,7 +27,7 @@ from .pipeline_model import (
     new_front,
 )
 
-__all__ = ["walk_lanes"]
+__all__ = ["least_lane_cycles", "walk_lanes"]
 
 SIDE = 4
 """Lines and columns of a tile."""
@@ -151,6 +151,33 @@ def walk_lanes(words: Any, machine: Machine) -> int:
                 lanes.left[0] = _cut(words[head], lanes.tiles)
         cycle += 1
     return 0
+
+
+@nb.njit(cache=True)
+def least_lane_cycles(words: Any) -> int:
+    """Return the least cycles in which lanes can draw elements, one pixel a lane and cycle.
+
+    Of an element those are as many as its busiest lane has pixels. Its lanes are told apart by the
+    places of their pixels in tiles. Clipping is left out.
+
+    Parameters
+    ----------
+    words
+        Code words of elements: shape (n,), int64.
+    """
+    tiles = np.zeros((TILES, SIDE), np.int64)
+    total = 0
+    for i in range(len(words)):
+        _cut(words[i], tiles)
+        busiest = 1
+        for k in range(SIDE):
+            for j in range(SIDE):
+                pixels = 0
+                for number in range(TILES):
+                    pixels += tiles[number, k] >> j & 1
+                busiest = max(busiest, pixels)
+        total += busiest
+    return total
 
 
 @nb.njit(cache=True)

@@ -40,9 +40,8 @@ LINES = PAPER.window_lines
 WORD = PAPER.pixels_per_word
 """Pixels in a word of the raster."""
 
-SEQUENCER, HEAD = 0, 4
-"""The pipeline's first and last stage before the window; between them are the three of the colour
-unit."""
+FIRST_STAGE, HEAD = 0, 2
+"""The pipeline's stages up to the window's own: two of the colour unit, and the decoder."""
 
 EMPTY = -1
 """In place of a code word's index: a stage holds none; in place of an address: a bank rests."""
@@ -123,9 +122,9 @@ class Front(NamedTuple):
     Parameters
     ----------
     held
-        Index of each stage's code word, or ``EMPTY``: shape (5,).
+        Index of each stage's code word, or ``EMPTY``: shape (3,).
     tops
-        Its block's first line: shape (5,).
+        Its block's first line: shape (3,).
     state
         See ``FOLLOWING`` and what follows: shape (3,).
     """
@@ -146,8 +145,8 @@ def new_front() -> Front:
 def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
     """Let a cycle pass; return whether the last stage took something, or nothing, anew.
 
-    Every stage moves on if what it holds is taken or it holds nothing; the colour unit's three
-    stages as one.
+    Every stage moves on if what it holds is taken or it holds nothing. Control words that advance
+    the line need no stage.
 
     Parameters
     ----------
@@ -162,26 +161,25 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
     """
     held, tops, state = front.held, front.tops, front.state
     head_moves = held[HEAD] == EMPTY or done
-    colour_moves = held[HEAD - 1] == EMPTY or head_moves
-    sequencer_moves = held[SEQUENCER] == EMPTY or colour_moves
-    if head_moves:
-        held[HEAD], tops[HEAD] = held[HEAD - 1], tops[HEAD - 1]
-    if colour_moves:
-        for stage in range(HEAD - 1, SEQUENCER, -1):
+    moves = head_moves
+    for stage in range(HEAD, FIRST_STAGE, -1):
+        moves = moves or held[stage] == EMPTY
+        if moves:
             held[stage], tops[stage] = held[stage - 1], tops[stage - 1]
-        held[SEQUENCER] = EMPTY
-    if sequencer_moves and state[END_WORD] == EMPTY:
+            held[stage - 1] = EMPTY
+    if state[END_WORD] == EMPTY:
         following = state[FOLLOWING]
         word = words[following]
-        if not _is_control(word):
-            held[SEQUENCER], tops[SEQUENCER] = following, state[TOP_LINE]
-        elif word >> machine.end_lsb & 1:
-            held[SEQUENCER], tops[SEQUENCER] = following, machine.lowest
-            state[END_WORD] = following
-        else:
+        if _is_control(word) and not word >> machine.end_lsb & 1:
             step = word >> machine.x_lsb & machine.x_mask
             state[TOP_LINE] = min(state[TOP_LINE] + step, machine.lowest)
-        state[FOLLOWING] += 1
+            state[FOLLOWING] += 1
+        elif held[FIRST_STAGE] == EMPTY:
+            ends = _is_control(word)
+            held[FIRST_STAGE] = following
+            tops[FIRST_STAGE] = machine.lowest if ends else state[TOP_LINE]
+            state[END_WORD] = following if ends else EMPTY
+            state[FOLLOWING] += 1
     return head_moves
 
 

@@ -49,8 +49,8 @@ def plot_synthesis(report: Mapping[str, Any]) -> bytes:
     axes[0].set_yticks(range(len(rows)), names, color=INK)
     axes[0].invert_yaxis()
     figure.supxlabel(
-        "Modules are counted with the hierarchy kept: together they take more than the engine,"
-        " which is optimised as a whole.",
+        "Modules are counted with the hierarchy kept; the engine is optimised as a whole, so that"
+        " they do not sum up to it.",
         color=FAINT,
         fontsize=9,
     )

@@ -3,7 +3,9 @@ import sys
 import types
 
 import pytest
+from PIL import Image
 
+from splatline.rtl import budgets
 from splatline.rtl.format import PAPER
 
 REPORT = {
@@ -16,8 +18,23 @@ REPORT = {
     "mult": 6,
     "paper": {"lut4": 2150, "ff": 960, "bram": 17},
     "device": {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24},
-    "modules": {"splatline": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}},
-}
+    "difference": {
+        "lut4": {"absolute": -150, "percent": -7.0},
+        "ff": {"absolute": -60, "percent": -6.2},
+        "bram": {"absolute": 0, "percent": 0.0},
+    },
+    "budget": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6},
+    "over_budget": {},
+    "longest_path": {
+        "levels": 17, "luts": 15, "carries": 13, "multipliers": 0,
+        "start": "window.oldest[0]", "end": "clock enable of decoder.held[3]",
+    },
+    "modules": {"(top)": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}},
+    "groups": [
+        {"name": "(top)", "instances": 1, "lut4": 1016, "ff": 788, "bram": 1, "mult": 6},
+        {"name": "window.bank_0..7", "instances": 8, "lut4": 984, "ff": 112, "bram": 16, "mult": 0},
+    ],
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -56,7 +73,46 @@ def test_synth_writes_the_report_and_prints_the_table(run, folder, synthesis):
     assert result.exit_code == 0, result.stderr
     assert synthesis[1] == [PAPER]
     assert json.loads((folder / "report.json").read_text()) == REPORT
-    assert "2,150" in result.stdout
+    luts = next(line for line in result.stdout.splitlines() if "4-input LUTs" in line)
+    for cell in ("2,000 (65%)", "2,150", "-150 (-7%)", "3,072"):
+        assert cell in luts
+    banks = next(line for line in result.stdout.splitlines() if "window.bank_0..7" in line)
+    assert [cell for cell in banks.split() if cell.isdigit()] == ["8", "984", "112", "16", "0"]
+    assert "17 levels (15 LUTs, 13 carries;" in result.stdout
+    assert "to   clock enable of decoder.held[3]" in result.stdout
+
+
+def test_synth_draws_what_each_module_takes(run, folder, synthesis):
+    result = run("synth", "--plot", "modules.png")
+    assert result.exit_code == 0, result.stderr
+    with Image.open(folder / "modules.png") as picture:
+        assert picture.format == "PNG"
+        assert picture.width > 1000
+
+
+def test_a_plot_of_another_format_is_refused(run, folder, synthesis):
+    result = run("synth", "--plot", "modules.svg")
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[-1].startswith("splatline: modules.svg: the name must end in")
+    assert not list(folder.iterdir())
+
+
+def test_synth_fails_over_budget_until_the_counts_are_recorded(
+    run, synthesis, tmp_path, monkeypatch
+):
+    book = tmp_path / "budgets.json"
+    monkeypatch.setattr(budgets, "BUDGETS", book)
+    synthesis[0].update(budget={"lut4": 1990}, over_budget={"lut4": 10})
+    result = run("synth")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1] == (
+        "splatline: paper is over its budget: 2,000 4-input LUTs, 10 more than recorded"
+        " (--record accepts it)"
+    )
+    assert not book.exists()
+    result = run("synth", "--record")
+    assert result.exit_code == 0, result.stderr
+    assert budgets.read_budgets() == {"paper": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}}
 
 
 def test_synth_fails_where_the_engine_does_not_fit(run, synthesis):

@@ -36,7 +36,7 @@ def test_every_command_shows_examples(run, command):
 
 
 def test_the_commands_are_those_of_the_manual():
-    manual = ["bench", "encode", "info", "play", "render", "synth", "verilog"]
+    manual = ["bench", "encode", "info", "netlist", "play", "pnr", "render", "synth", "verilog"]
     assert sorted(main.commands) == manual
 
 

@@ -1,6 +1,6 @@
 import pytest
 
-from splatline.cli.report import format_value, nonzero, print_facts, print_synthesis
+from splatline.cli.report import format_value, nonzero, print_facts
 
 
 @pytest.mark.parametrize(
@@ -30,25 +30,3 @@ def test_square_brackets_of_a_name_are_no_markup(capsys):
     printed = capsys.readouterr().out
     assert "[red]scan[/red].png" in printed
     assert "verdict" in printed
-
-
-def test_synthesis_stands_beside_the_paper_s_table(capsys):
-    print_synthesis(
-        {
-            "preset": "paper",
-            "command": "synth_xilinx",
-            "lut4": 1999,
-            "ff": 888,
-            "bram": 17,
-            "mult": 6,
-            "paper": {"lut4": 2150, "ff": 960, "bram": 17},
-            "device": {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24},
-            "modules": {"splatline.decoder": {"lut4": 321, "ff": 45, "bram": 0, "mult": 0}},
-        }
-    )
-    lines = capsys.readouterr().out.splitlines()
-    luts = next(line for line in lines if "4-input LUTs" in line)
-    assert [word for word in ("1,999", "65%", "2,150", "3,072") if word not in luts] == []
-    mult = next(line for line in lines if line.strip("│ ").startswith("multipliers"))
-    assert " - " in mult
-    assert any("splatline.decoder" in line and "321" in line for line in lines)

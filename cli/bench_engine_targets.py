@@ -1,0 +1,86 @@
+"""What ``splatline bench engine`` must show: each target, its worst run and whether it is met."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+__all__ = ["TARGETS", "Target", "judge"]
+
+_Run = dict[str, Any]
+
+
+class Target(NamedTuple):
+    """A limit that no run of a kind may pass.
+
+    Parameters
+    ----------
+    meaning
+        What is limited, in words.
+    figure
+        The key of a run that is limited.
+    limit
+        Its largest value.
+    quality
+        Of the runs that count; None: any.
+    pixels
+        Their splats' median diameter, both ends included; None: any.
+    below
+        The figure must lie below the limit, and not on it.
+    """
+
+    meaning: str
+    figure: str
+    limit: float
+    quality: str | None = None
+    pixels: tuple[float, float] | None = None
+    below: bool = False
+
+    def covers(self, run: _Run) -> bool:
+        """Return whether a run counts."""
+        low, high = self.pixels or (0.0, float("inf"))
+        return self.quality in (None, run["quality"]) and low <= run["median_pixels"] <= high
+
+    def met(self, figure: float) -> bool:
+        """Return whether a figure keeps to the limit."""
+        return figure < self.limit if self.below else figure <= self.limit
+
+
+TARGETS = {
+    "small": Target("cycles an element", "cycles_per_element", 1.15, "fast", (2.0, 4.0)),
+    "large": Target("cycles an element", "cycles_per_element", 1.85, "fast", (6.0, 7.0)),
+    "exact": Target("cycles a code word", "cycles_per_codeword", 1.1, "exact"),
+    "bound": Target("cycles of the bound", "ratio", 1.08, below=True),
+}
+"""By name."""
+
+
+def judge(runs: Sequence[_Run]) -> list[dict[str, Any]]:
+    """Return a verdict for each preset and target that there are runs for.
+
+    Returns
+    -------
+    list of dict
+        ``preset``, ``target`` (a key of ``TARGETS``), ``runs`` that count and ``runs_met``;
+        ``figure`` of the worst, with its ``scene``, ``splats`` and ``quality``; ``met`` by all.
+    """
+    verdicts = []
+    for preset in dict.fromkeys(run["preset"] for run in runs):
+        for name, target in TARGETS.items():
+            counted = [run for run in runs if run["preset"] == preset and target.covers(run)]
+            if not counted:
+                continue
+            worst = max(counted, key=lambda run: run[target.figure])
+            met = sum(target.met(run[target.figure]) for run in counted)
+            verdicts.append(
+                {
+                    "preset": preset,
+                    "target": name,
+                    "runs": len(counted),
+                    "runs_met": met,
+                    "figure": worst[target.figure],
+                    **{key: worst[key] for key in ("scene", "splats", "quality")},
+                    "met": met == len(counted),
+                }
+            )
+    return verdicts

