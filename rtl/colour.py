@@ -5,7 +5,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
-from .layouts import ColouredLayout, ElementLayout
+from .layouts import ElementLayout, GeometryLayout
 from .material_table import MaterialTable
 from .tables import MaterialWriteLayout
 
@@ -15,8 +15,8 @@ __all__ = ["ColourUnit"]
 class ColourUnit(wiring.Component):
     """Gives each element its colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
 
-    **Latency**: 2 cycles (table, products); the sum follows in the same cycle. **Throughput**: one
-    element a cycle. A stage whose element waits lets those before it close up.
+    **Latency**: 1 cycle (table) to ``o``, one more (products) to ``shade``, with the sum in the
+    same cycle. **Throughput**: one element a cycle.
 
     With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
     16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
@@ -26,8 +26,10 @@ class ColourUnit(wiring.Component):
     -------
     i : In(stream of ElementLayout)
         Elements with D, S and a material. End tokens pass through.
-    o : Out(stream of ColouredLayout)
-        The same elements with a colour.
+    o : Out(stream of GeometryLayout)
+        The same elements.
+    shade : Out(3 x (channel_bits + dither_bits))
+        Colour of the element that was last taken from ``o``, from the next cycle on.
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
     material : In(MaterialWriteLayout)
@@ -39,7 +41,8 @@ class ColourUnit(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(ElementLayout(config))),
-                "o": Out(stream.Signature(ColouredLayout(config))),
+                "o": Out(stream.Signature(GeometryLayout(config))),
+                "shade": Out(3 * (config.channel_bits + config.dither_bits)),
                 "ambient": In(data.ArrayLayout(config.ambient_bits, 3)),
                 "material": In(MaterialWriteLayout(config)),
             }
@@ -53,40 +56,35 @@ class ColourUnit(wiring.Component):
         m.submodules.table = table = MaterialTable(config)
         m.d.comb += table.write.eq(self.material)
 
-        valid = Signal(2)
-        step = Signal(2)
+        valid = Signal()
+        step = Signal()
         looked_up = Signal(ElementLayout(config), reset_less=True)
-        multiplied = Signal(ElementLayout(config), reset_less=True)
         m.d.comb += [
-            step[1].eq(~valid[1] | self.o.ready),
-            step[0].eq(~valid[0] | step[1]),
-            self.i.ready.eq(step[0]),
-            self.o.valid.eq(valid[1]),
-            table.enable.eq(step[0]),
+            step.eq(~valid | self.o.ready),
+            self.i.ready.eq(step),
+            self.o.valid.eq(valid),
+            table.enable.eq(step),
             table.address.eq(self.i.payload.material),
         ]
+        for name in self.o.payload.shape().members:
+            m.d.comb += self.o.payload[name].eq(looked_up[name])
 
         # With c bits of a coefficient and i of an intensity a product is at most
         #     (2^c - 1)(2^i - 1) = 2^(c+i) - 2^c - 2^i + 1           and fits c + i bits,
-        # I0 has c + i + 1 bits, so that the first sum is at most
-        #     2^(c+i+1) - 1 + 2^(c+i) - 2^c - 2^i + 1 < 3 2^(c+i)     and fits c + i + 2 bits,
-        # and the whole is at most
+        # I0 has c + i + 1 bits, and so the whole is at most
         #     2^(c+i+1) - 1 + 2 (2^(c+i) - 2^c - 2^i + 1)
-        #         = 2^(c+i+2) - 2 (2^c + 2^i) + 1 < 2^(c+i+2)         and fits them as well.
+        #         = 2^(c+i+2) - 2 (2^c + 2^i) + 1 < 2^(c+i+2)         and fits c + i + 2 bits.
         # Nothing is negative, nothing wraps: a channel saturates where a bit above its own is set.
         product_bits = config.coefficient_bits + config.intensity_bits
         channels = []
         for channel, name in enumerate(("red", "green", "blue")):
             kd = config.coefficient(0, channel)
             ks = config.coefficient(1, channel)
-            # I0 joins the first product, so that each adder has two inputs.
-            diffuse = Signal(product_bits + 2, name=f"diffuse_{name}", reset_less=True)
+            diffuse = Signal(product_bits, name=f"diffuse_{name}", reset_less=True)
             specular = Signal(product_bits, name=f"specular_{name}", reset_less=True)
-            with m.If(step[1]):
+            with m.If(self.o.ready):
                 m.d.sync += [
-                    diffuse.eq(
-                        table.data[kd.lsb : kd.end] * looked_up.diffuse + self.ambient[channel]
-                    ),
+                    diffuse.eq(table.data[kd.lsb : kd.end] * looked_up.diffuse),
                     specular.eq(table.data[ks.lsb : ks.end] * looked_up.specular),
                 ]
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
@@ -94,18 +92,15 @@ class ColourUnit(wiring.Component):
             shift = config.colour_shift - config.dither_bits
             level = Signal(len(total) - shift, name=f"level_{name}")
             m.d.comb += [
-                total.eq(diffuse + specular),
+                # Not beside the multiplication, which takes long enough.
+                total.eq(diffuse + specular + self.ambient[channel]),
                 level.eq(total >> shift),
             ]
             bits = config.channel_bits + config.dither_bits
             largest = Const((1 << bits) - 1, bits)
             channels.append(Mux(level > largest, largest, level[:bits]))
 
-        with m.If(step[0]):
-            m.d.sync += [valid[0].eq(self.i.valid), looked_up.eq(self.i.payload)]
-        with m.If(step[1]):
-            m.d.sync += [valid[1].eq(valid[0]), multiplied.eq(looked_up)]
-        m.d.comb += self.o.payload.colour.eq(Cat(channels))
-        for name in ("mode", "scans", "x", "z", "top", "end"):
-            m.d.comb += self.o.payload[name].eq(multiplied[name])
+        with m.If(step):
+            m.d.sync += [valid.eq(self.i.valid), looked_up.eq(self.i.payload)]
+        m.d.comb += self.shade.eq(Cat(channels))
         return m

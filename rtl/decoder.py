@@ -5,7 +5,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
-from .layouts import ColouredLayout, FootprintLayout, SpanLayout
+from .layouts import FootprintLayout, GeometryLayout, SpanLayout
 
 __all__ = ["Decoder", "SpanDecoder"]
 
@@ -57,8 +57,10 @@ class Decoder(wiring.Component):
 
     Members
     -------
-    i : In(stream of ColouredLayout)
-        Elements with a colour, and ``end`` tokens.
+    i : In(stream of GeometryLayout)
+        Elements, and ``end`` tokens.
+    shade : In
+        Colour of the element that was last taken.
     o : Out(stream of FootprintLayout)
         What the window draws. An end token and an element outside the image have no words.
     last_column : In(x_bits)
@@ -71,7 +73,8 @@ class Decoder(wiring.Component):
         self.config = config
         super().__init__(
             {
-                "i": In(stream.Signature(ColouredLayout(config))),
+                "i": In(stream.Signature(GeometryLayout(config))),
+                "shade": In(3 * (config.channel_bits + config.dither_bits)),
                 "o": Out(stream.Signature(FootprintLayout(config))),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
@@ -88,7 +91,6 @@ class Decoder(wiring.Component):
         m.d.comb += [
             footprint.word.eq(element.x[2:]),
             footprint.z.eq(element.z),
-            footprint.colour.eq(element.colour),
             footprint.top.eq(element.top),
             footprint.end.eq(element.end),
         ]
@@ -102,6 +104,7 @@ class Decoder(wiring.Component):
         m.d.comb += [
             self.o.valid.eq(valid),
             self.o.payload.eq(held),
+            self.o.payload.colour.eq(self.shade),
             self.i.ready.eq(~valid | self.o.ready),
         ]
         with m.If(self.i.ready):

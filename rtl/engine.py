@@ -16,7 +16,12 @@ from .tables import Tables
 from .tiler import Tiler
 from .window import Window
 
-__all__ = ["Engine"]
+__all__ = ["Engine", "engine_latency"]
+
+
+def engine_latency(config: EngineConfig) -> int:
+    """Return ``Engine(config).latency`` without building the engine."""
+    return 4 if config.lanes else 3
 
 
 class Engine(wiring.Component):
@@ -25,9 +30,10 @@ class Engine(wiring.Component):
     A frame opens with its first code word and closes with its end beat on ``raster``. Between
     frames, table writes go before the next frame's first code word.
 
-    **Latency**: 4 cycles from a code word to its pixels; a line leaves once a code word follows
-    that lies five lines or more below it, or ends the frame. **Throughput**: 1 to 3 cycles a code
-    word, one more where two follow each other into the same word of memory. Where
+    **Latency**: 3 cycles from a code word to its pixels, 4 with lanes; a line leaves once a code
+    word follows that lies five lines or more below it, or ends the frame. **Throughput**: with
+    lanes a cycle a tile of 4 x 4 pixels, so 1 to 4 a code word; with banks 1 to 3 a code word; one
+    more where two follow each other into the same pixel or word of memory. Where
     ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes its
     bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is drawn.
 
@@ -48,9 +54,13 @@ class Engine(wiring.Component):
         The picture: the words of each line that was written into, sorted; then the end beat.
     """
 
-    LATENCY = 4
-    """Cycles from the one that takes a code word to the one that writes its first pixels, but for
-    the further planes of their colours, which follow two cycles later."""
+    @property
+    def latency(self) -> int:
+        """Cycles from the one that takes a code word to the one that writes its first pixels.
+
+        The further planes of their colours follow two cycles later.
+        """
+        return engine_latency(self.config)
 
     @property
     def clear_cycles(self) -> int:
@@ -99,6 +109,7 @@ class Engine(wiring.Component):
             sequencer.admit.eq(tables.idle & ~self.tables.valid),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
+            decoder.shade.eq(colour.shade),
             decoder.last_column.eq(registers.last_column),
             decoder.last_line.eq(registers.last_line),
             window.last_column.eq(registers.last_column),

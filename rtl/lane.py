@@ -56,10 +56,6 @@ class Lane(wiring.Component):
         What to draw, in the cycle after the request.
     old : Out(PixelLayout)
         The pixel as it was before the last request taken.
-    drawing : Out(1)
-        The last request taken was to draw.
-    group : Out(2)
-        Bits 3:2 of the line that it was for.
     """
 
     def __init__(self, config: EngineConfig):
@@ -70,8 +66,6 @@ class Lane(wiring.Component):
                 "request": In(LaneRequestLayout(config)),
                 "new": In(PixelLayout(config)),
                 "old": Out(PixelLayout(config)),
-                "drawing": Out(1),
-                "group": Out(2),
             }
         )
 
@@ -84,7 +78,8 @@ class Lane(wiring.Component):
             shape=pixel,
             depth=1 << lane_address_bits(config),
             init=[],
-            attrs={"ram_style": "block"},
+            # Nobody uses a pixel that was read while it was being written.
+            attrs={"ram_style": "block", "no_rw_check": 1},
         )
         read, write = ram.read_port(), ram.write_port()
         taken = Signal(LaneRequestLayout(config))
@@ -95,8 +90,6 @@ class Lane(wiring.Component):
             read.addr.eq(self.request.address),
             read.en.eq(self.enable),
             self.old.eq(read.data),
-            self.drawing.eq(taken.draw),
-            self.group.eq(taken.address[config.word_bits :]),
             # The request rides on the comparison's carry chain, which has a bit to spare.
             passes.eq(Cat(self.new.depth, 1) < Cat(self.old.depth, taken.draw)),
             write.addr.eq(taken.address),

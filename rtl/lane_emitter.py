@@ -70,50 +70,49 @@ class LaneEmitter(wiring.Component):
         place = Signal(PlaceLayout(config), reset_less=True)
         emit_valid = Signal()
         emit = Signal(RasterLayout(config), reset_less=True)
-        take, over, drawn = Signal(), Signal(), Signal()
+        take, over = Signal(), Signal()
+        visible = Signal(config.pixels_per_word)
         m.d.comb += [
-            self.raster.valid.eq(emit_valid),
+            # What is background is known behind the register: the way to it is long enough.
+            self.raster.valid.eq(emit_valid & (visible.any() | emit.end)),
             self.raster.payload.eq(emit),
-            self.running.eq(~(flushed & emit_valid & ~self.raster.ready)),
-            take.eq(~emit_valid | self.raster.ready),
+            take.eq(~self.raster.valid | self.raster.ready),
+            self.running.eq(~(flushed & ~take)),
             over.eq(self.end & ~flushed),
             self.finished.eq(over & take),
             self.last_word.eq(place.word),
         ]
         with m.If(self.running):
             m.d.sync += [flushed.eq(self.flush), place.eq(self.place)]
-
-        last_word = self.last_column[2:]
-        background = config.background_depth
-        visible = Signal(config.pixels_per_word)
-        m.d.comb += drawn.eq(visible.any())
         with m.If(take):
             m.d.sync += [
-                emit_valid.eq((flushed & drawn) | over),
+                emit_valid.eq(flushed | over),
                 emit.word.eq(place.word),
                 emit.line.eq(place.line),
                 emit.end.eq(over),
             ]
+
+        background = config.background_depth
+        line = place.line[:2]
         for column in range(config.pixels_per_word):
-            pixel = Signal(PixelLayout(config), name=f"pixel_{column}")
             rows = [self.lanes[row][column].as_value() for row in range(4)]
-            line = place.line[:2]
-            outside = (place.word == last_word) & (column > self.last_column[:2])
-            m.d.comb += [
-                pixel.as_value().eq(
-                    Mux(line[1], Mux(line[0], rows[3], rows[2]), Mux(line[0], rows[1], rows[0]))
-                ),
-                visible[column].eq((pixel.depth != background) & ~outside),
-            ]
+            pixel = Signal(PixelLayout(config), name=f"pixel_{column}")
+            m.d.comb += pixel.as_value().eq(
+                Mux(line[1], Mux(line[0], rows[3], rows[2]), Mux(line[0], rows[1], rows[0]))
+            )
             with m.If(take):
                 m.d.sync += [
                     emit.pixels.depth[column].eq(pixel.depth),
                     emit.pixels.colour[column].eq(pixel.colour),
                 ]
-                # Elements are clipped by whole words; the rest of the last word stays inside.
-                with m.If(~visible[column]):
-                    m.d.sync += [
-                        emit.pixels.depth[column].eq(background),
-                        emit.pixels.colour[column].eq(0),
-                    ]
+            # Elements are clipped by whole words; the rest of the last word stays inside.
+            depth, colour = emit.pixels.depth[column], emit.pixels.colour[column]
+            outside = (emit.word == self.last_column[2:]) & (column > self.last_column[:2])
+            m.d.comb += [
+                visible[column].eq((depth != background) & ~outside),
+                self.raster.payload.pixels.depth[column].eq(
+                    depth | outside.replicate(config.depth_bits)
+                ),
+                self.raster.payload.pixels.colour[column].eq(Mux(visible[column], colour, 0)),
+            ]
         return m

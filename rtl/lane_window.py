@@ -114,44 +114,48 @@ class LaneWindow(wiring.Component):
         m.d.comb += line.eq(1 << service.line[:2])
 
         # Request: the initial raster, else the tile, and the flush in a row that neither wants.
-        going, loading, flushing = Signal(), Signal(), Signal()
+        near, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
         drawn, loaded, cleared = Signal(), Signal(), Signal()  # in the cycle before
         top = Signal.like(tile.top, init=-SIDE)
         ahead = Signal.like(tile.top)
+        conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
         m.d.comb += [
             walker.top.eq(top),
-            walker.loaded.eq(loader.oldest_loaded),
+            walker.loaded.eq(loader.loaded),
             walker.jump.eq(loader.finished),
-            walker.enable.eq(running & ~sweeping & ~loader.o.valid),
+            walker.enable.eq(running & ~sweeping),
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),
             # A line takes the place of the one that left two cycles ago, not of the one before it:
             # that may still be cleared.
             ahead.eq(tile.top - walker.oldest),
-            going.eq(
+            near.eq(
                 self.i.valid
                 & ~tile.end
-                & running
-                & ~sweeping
                 & ~loader.o.valid
-                & loader.window_loaded
-                & ~walker.taking
-                & (ahead < Mux(tile.lower, config.window_lines - 8, config.window_lines - 4))
-                & ~loaded
-                & ~self._conflict(m, lanes, going)
+                # Less than 12 lines, or 8 of a lower tile, whose first is four lines below.
+                & (ahead[-1] | ~(ahead[4:-1].any() | (ahead[3] & (ahead[2] | tile.lower))))
             ),
+            going.eq(
+                near & running & ~sweeping & loader.loaded & ~walker.taking & ~loaded & ~conflict
+            ),
+            # What the lanes read is stale where they are still writing it: of the tile before if
+            # that went one cycle ago, and of any if everything has stood still since.
+            conflict.eq(drawn & (tile.meets | stopped)),
             self.i.ready.eq(going | self.finished),
-            busy.eq(Cat(row.any() for row in tile.mask) & going.replicate(SIDE)),
+            # Whether the tile goes is known late; its lanes are kept for it if it is near enough.
+            busy.eq(Cat(row.any() for row in tile.mask) & near.replicate(SIDE)),
             # A word does not follow at once on what may still write it.
             loading.eq(
                 loader.o.valid
                 & running
                 & ~sweeping
+                & ~walker.taking
                 & ~drawn
                 & ~cleared
-                & ~(loaded & (service.word == emitter.last_word))
+                & ~(loaded & (loader.o.payload.word == emitter.last_word))
             ),
             loader.o.ready.eq(loading),
             flushing.eq(walker.flush.valid & walker.flush.ready),
@@ -159,6 +163,7 @@ class LaneWindow(wiring.Component):
             emitter.flush.eq(flushing),
             emitter.place.eq(service),
         ]
+        m.d.sync += stopped.eq(~running)
         with m.If(self.i.valid):
             m.d.sync += top.eq(tile.top)
         with m.If(self.finished):
@@ -198,50 +203,18 @@ class LaneWindow(wiring.Component):
                     lane.new.eq(new[j]),
                     emitter.lanes[i][j].eq(lane.old),
                 ]
-        self._touch(m, walker, going, loading, service, line)
+        self._touch(m, walker, loader.o, going, loading, line)
         return m
 
-    def _conflict(self, m, lanes, going):
-        """Return whether the tile has a pixel that is being written now."""
-        tile = self.i.payload
-        word = Signal(self.config.word_bits, reset_less=True)  # the first of the tile before
-        next_word = Signal(SIDE, reset_less=True)
-        with m.If(going):
-            m.d.sync += [word.eq(tile.words[0]), next_word.eq(tile.next)]
-        same, after, before = Signal(), Signal(), Signal()
-        m.d.comb += [
-            same.eq(tile.words[0] == word),
-            after.eq(tile.words[1] == word),
-            before.eq(tile.previous == word),
-        ]
-        # All lanes of a row that is drawn into have the same line.
-        lines = Cat(tile.group[i] == lanes[i][0].group for i in range(SIDE))
-        columns = Signal(SIDE)
-        for j in range(SIDE):
-            new, old = tile.next[j], next_word[j]
-            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, before)))
-        both = Signal(SIDE * SIDE)
-        for i in range(SIDE):
-            for j in range(SIDE):
-                m.d.comb += both[SIDE * i + j].eq(
-                    lanes[i][j].drawing & tile.mask[i][j] & lines[i] & columns[j]
-                )
-        conflict = Signal()
-        m.d.comb += conflict.eq(both.any())
-        return conflict
-
-    def _touch(self, m, walker, going, loading, service, line):
+    def _touch(self, m, walker, load, going, loading, line):
         """Tell the walker which words are written."""
         tile = self.i.payload
-        m.d.comb += [
-            walker.words.eq(tile.words),
-            walker.group.eq(tile.group),
-        ]
-        with m.If(loading):
-            m.d.comb += walker.words[0].eq(service.word)
+        m.d.comb += [walker.words.eq(tile.words), walker.group.eq(tile.group)]
+        with m.If(load.valid):  # then no tile goes
+            m.d.comb += walker.words[0].eq(load.payload.word)
         for i in range(SIDE):
-            with m.If(loading):
-                m.d.comb += walker.group[i].eq(service.line[2:4])
+            with m.If(load.valid):
+                m.d.comb += walker.group[i].eq(load.payload.line[2:4])
             m.d.comb += [
                 walker.touch[i][0].eq(
                     (going & (tile.mask[i] & ~tile.next).any()) | (loading & line[i])

@@ -11,9 +11,9 @@ from .format import EngineConfig
 
 __all__ = [
     "CodeWordLayout",
-    "ColouredLayout",
     "ElementLayout",
     "FootprintLayout",
+    "GeometryLayout",
     "PlaneLayout",
     "RasterLayout",
     "SpanLayout",
@@ -126,11 +126,11 @@ class ElementLayout(data.StructLayout):
         )
 
 
-class ColouredLayout(data.StructLayout):
-    """An element whose colour is known; with ``dither``, each channel has four fraction bits."""
+class GeometryLayout(data.StructLayout):
+    """An element but for its colour, which follows one cycle later; or the end of the frame."""
 
     def __init__(self, config: EngineConfig):
-        super().__init__({"colour": _shade_bits(config), **_geometry(config)})
+        super().__init__(_geometry(config))
 
 
 class SpanLayout(data.StructLayout):
@@ -177,7 +177,8 @@ class TileLayout(data.StructLayout):
     ``mask[q][p]``: the pixel on the line with residue q modulo 4 and in the column with residue p
     is drawn. ``group[q]``: bits 3:2 of that line. ``words``: the words of four pixels that the
     tile's columns lie in, the second one more than the first; ``next[p]``: column p lies in the
-    second. ``previous``: the word before the first.
+    second. ``meets``: it has a pixel in common with the tile before it, which was taken in the
+    cycle before this one came.
 
     ``lower``: the tile's first line is ``top + 4``, not ``top``. No later element touches a line
     above ``top``. ``end``: no tile, but the end of the frame.
@@ -189,8 +190,8 @@ class TileLayout(data.StructLayout):
                 "mask": data.ArrayLayout(4, 4),
                 "group": data.ArrayLayout(2, 4),
                 "words": data.ArrayLayout(config.word_bits, 2),
-                "previous": config.word_bits,
                 "next": 4,
+                "meets": 1,
                 "z": config.z.width,
                 "colour": _shade_bits(config),
                 "lower": 1,

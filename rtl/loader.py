@@ -39,10 +39,10 @@ class Loader(wiring.Component):
         The frame is over.
     finished : Out(1)
         No initial raster will come any more in this frame.
-    oldest_loaded : Out(1)
-        Nothing more will come for line ``oldest``.
-    window_loaded : Out(1)
-        Nothing more will come for any line of the window.
+    loaded : Out(1)
+        Nothing more will come for any line of the window as it was one cycle ago. Since then the
+        window may have moved on by one line, but no further unless ``finished``; so nothing will
+        come for its lines but the last.
     """
 
     def __init__(self, config: EngineConfig):
@@ -59,8 +59,7 @@ class Loader(wiring.Component):
                 "oldest": In(lines),
                 "restart": In(1),
                 "finished": Out(1),
-                "oldest_loaded": Out(1),
-                "window_loaded": Out(1),
+                "loaded": Out(1),
             }
         )
 
@@ -73,11 +72,13 @@ class Loader(wiring.Component):
         waiting = Signal()
         drop = Signal()
         in_window = Signal()
+        beyond = Signal()  # one cycle ago a word waited whose line is yet to come
         ahead = Signal(signed(config.line_bits + 2))
         m.d.comb += [
             waiting.eq(self.i.valid & self.enable & self.active & ~ended),
             ahead.eq(beat.line - self.oldest),
-            in_window.eq(ahead < config.window_lines),
+            # Less than 16.
+            in_window.eq(ahead[-1] | ~ahead[4:-1].any()),
             drop.eq(
                 beat.end | (ahead < 0) | (beat.line > self.last_line) | (beat.word > self.last_word)
             ),
@@ -85,9 +86,9 @@ class Loader(wiring.Component):
             self.o.payload.eq(beat),
             self.i.ready.eq((waiting & drop) | (self.o.valid & self.o.ready)),
             self.finished.eq(~self.enable | ended),
-            self.oldest_loaded.eq(self.finished | (waiting & ~drop & (ahead != 0))),
-            self.window_loaded.eq(self.finished | (waiting & ~drop & ~in_window)),
+            self.loaded.eq(self.finished | beyond),
         ]
+        m.d.sync += beyond.eq(waiting & ~drop & ~in_window)
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
         with m.If(self.restart):

@@ -57,7 +57,8 @@ class MaterialTable(wiring.Component):
             shape=width,
             depth=parts << self.config.material_bits,
             init=[],
-            attrs={"ram_style": "block"},
+            # Nothing is read while a material is written: writes go between frames.
+            attrs={"ram_style": "block", "no_rw_check": 1},
         )
         if parts == 1:
             ports = [(self.write.address, self.address, self.enable)]

@@ -173,8 +173,10 @@ class PinTop(wiring.Component):
         The picture's beats, and the end beat.
     """
 
-    LATENCY = Engine.LATENCY + 1
-    """Cycles from the one that takes a code word's last piece to the one that writes its pixels."""
+    @property
+    def latency(self) -> int:
+        """Cycles from a code word's last piece to the one that writes its first pixels."""
+        return self.engine.latency + 1
 
     def __init__(self, config: EngineConfig = PAPER):
         self.config = config

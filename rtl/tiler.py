@@ -5,7 +5,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
-from .layouts import ColouredLayout, TileLayout
+from .layouts import GeometryLayout, TileLayout
 
 __all__ = ["Tiler"]
 
@@ -22,12 +22,14 @@ class Tiler(wiring.Component):
     different lanes, one for each residue of line and column: its rows and columns are turned to
     theirs, and clipped to the image (columns by whole words of four pixels).
 
-    **Latency**: 1 cycle. **Throughput**: one tile a cycle.
+    **Latency**: 2 cycles. **Throughput**: one tile a cycle.
 
     Members
     -------
-    i : In(stream of ColouredLayout)
-        Elements with a colour, and ``end`` tokens.
+    i : In(stream of GeometryLayout)
+        Elements, and ``end`` tokens.
+    shade : In
+        Colour of the element that was last taken.
     o : Out(stream of TileLayout)
         Tiles; for an ``end`` token one without pixels, to be taken when its frame is out.
     last_column : In(x_bits)
@@ -40,7 +42,8 @@ class Tiler(wiring.Component):
         self.config = config
         super().__init__(
             {
-                "i": In(stream.Signature(ColouredLayout(config))),
+                "i": In(stream.Signature(GeometryLayout(config))),
+                "shade": In(3 * (config.channel_bits + config.dither_bits)),
                 "o": Out(stream.Signature(TileLayout(config))),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
@@ -51,30 +54,39 @@ class Tiler(wiring.Component):
         """Build the circuit."""
         m = Module()
         element = self.i.payload
-        tile = self.o.payload
-        valid = Signal()
+        tile = Signal(TileLayout(self.config))
+        there = Signal()  # an element, or the end
         left = Signal(4)  # tiles to do: upper left, upper right, lower left, lower right
         first = Signal(4)  # the one to do now
         rest = Signal(4)
-        done = Signal()
+        step = Signal()
+        valid = Signal()
+        held = {
+            name: Signal.like(getattr(element, name), name=name, reset_less=True)
+            for name in ("x", "z", "top", "end")
+        }
         m.d.comb += [
             first.eq(left & (~left + 1)),
             rest.eq(left & ~first),
-            self.o.valid.eq(valid & (left.any() | tile.end)),
-            done.eq(Mux(self.o.valid, self.o.ready & ~rest.any(), 1)),
-            self.i.ready.eq(~valid | done),
+            step.eq(~valid | self.o.ready),
+            self.i.ready.eq(~there | (step & ~rest.any())),
+            tile.colour.eq(self.shade),
+            *(tile[name].eq(held[name]) for name in ("z", "top", "end")),
         ]
-        held = {
-            name: Signal.like(getattr(element, name), name=name, reset_less=True)
-            for name in ("x", "z", "colour", "top", "end")
-        }
-        for name in ("z", "colour", "top", "end"):
-            m.d.comb += tile[name].eq(held[name])
         with m.If(self.i.ready):
             m.d.sync += [held[name].eq(getattr(element, name)) for name in held]
-            m.d.sync += valid.eq(self.i.valid)
-        with m.Elif(self.o.ready & self.o.valid):
+            m.d.sync += there.eq(self.i.valid)
+        with m.Elif(step):
             m.d.sync += left.eq(rest)
+
+        given = Signal(TileLayout(self.config), reset_less=True)
+        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given)]
+        with m.If(step):
+            m.d.sync += [
+                valid.eq(there & (left.any() | held["end"])),
+                given.eq(tile),
+                given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
+            ]
 
         lower, right = Signal(), Signal()
         m.d.comb += [
@@ -83,8 +95,8 @@ class Tiler(wiring.Component):
             tile.lower.eq(lower),
         ]
         pixels = self._turn(m, self._rows(m, element, left), held, lower, right)
-        lines = self._lines(m, element, held["top"], lower)
-        columns = self._columns(m, element, held["x"], right)
+        lines = self._lines(m, element, tile, held["top"], lower)
+        columns = self._columns(m, element, tile, held["x"], right)
         for i in range(SIDE):
             for j in range(SIDE):
                 m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
@@ -139,7 +151,7 @@ class Tiler(wiring.Component):
                         m.d.comb += turned[i].eq(columns)
         return turned
 
-    def _lines(self, m, element, top, lower):
+    def _lines(self, m, element, tile, top, lower):
         """Place the tile's lines; return which of them lie in the image, by residue."""
         # Groups of four lines from the block's first to the image's last, 0..4: 0 if it lies above,
         # 4 stands for more.
@@ -157,7 +169,7 @@ class Tiler(wiring.Component):
             low = self.last_line[:2] >= i
             m.d.comb += [
                 past.eq(top[:2] > i),
-                self.o.payload.group[i].eq(top[2:4] + lower + past),
+                tile.group[i].eq(top[2:4] + lower + past),
                 inside[i].eq(
                     Mux(
                         here == 0,
@@ -169,9 +181,8 @@ class Tiler(wiring.Component):
             ]
         return inside
 
-    def _columns(self, m, element, x, right):
+    def _columns(self, m, element, tile, x, right):
         """Place the tile's columns; return which of them lie in the image, by residue."""
-        tile = self.o.payload
         last_word = self.last_column[2:]
         # Of the block's first word and the two on its right, which lie in the image.
         inside = Signal(3, reset_less=True)
@@ -182,7 +193,6 @@ class Tiler(wiring.Component):
         m.d.comb += [
             tile.words[0].eq(x[2:] + right),
             tile.words[1].eq(x[2:] + right + 1),
-            tile.previous.eq(x[2:] - ~right),
         ]
         columns = Signal(SIDE)
         for j in range(SIDE):
@@ -194,3 +204,22 @@ class Tiler(wiring.Component):
                                   Mux(past, inside[1], inside[0]))),
             ]  # fmt: skip
         return columns
+
+    def _meets(self, m, tile, before):
+        """Return whether two tiles have a pixel in common."""
+        same, after, ahead = Signal(), Signal(), Signal()
+        m.d.comb += [
+            same.eq(tile.words[0] == before.words[0]),
+            after.eq(tile.words[1] == before.words[0]),
+            ahead.eq(tile.words[0] == before.words[1]),
+        ]
+        pixels = Signal(SIDE * SIDE)
+        for j in range(SIDE):
+            column = Signal(name=f"column_{j}")
+            new, old = tile.next[j], before.next[j]
+            m.d.comb += column.eq(Mux(new == old, same, Mux(new, after, ahead)))
+            for i in range(SIDE):
+                line = tile.group[i] == before.group[i]
+                both = tile.mask[i][j] & before.mask[i][j]
+                m.d.comb += pixels[SIDE * i + j].eq(both & line & column)
+        return pixels.any()

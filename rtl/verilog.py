@@ -116,7 +116,7 @@ def describe(
         "config": dataclasses.asdict(engine.config),
         "ports": ports,
         "latency": {
-            "codeword_to_memory_cycles": engine.LATENCY,
+            "codeword_to_memory_cycles": engine.latency,
             "clear_after_reset_cycles": engine.clear_cycles,
         },
         "tools": {

@@ -85,6 +85,7 @@ class Walker(wiring.Component):
         written = Signal(config.window_lines)
         place = self.oldest[:4]
         leaving = Signal()
+        walking = Signal()  # the oldest line leaves, and was written; known one cycle later
 
         # The stretch at hand: its marked pairs, of which the first is being asked for.
         pairs = Signal(1 << mark_bits(config))
@@ -92,13 +93,12 @@ class Walker(wiring.Component):
         second_word = Signal()
         next_stretch = Signal(stretch_bits + 1)  # its top bit: all were taken
         stretch = Signal(stretch_bits)  # the one before the next
-        asking, asked, last_pair, left = Signal(), Signal(), Signal(), Signal()
+        asking, asked, left = Signal(), Signal(), Signal()
         number = Signal(mark_bits(config))
         m.d.comb += [
             leaving.eq((self.oldest < self.top) & self.loaded),
             asking.eq(pairs.any()),
             first.eq(pairs & (~pairs + 1)),
-            last_pair.eq(pairs == first),
             number.eq(_number(first)),
             stretch.eq(next_stretch - 1),
             self.clean.eq(~written.any()),
@@ -106,7 +106,7 @@ class Walker(wiring.Component):
             self.flush.payload.word.eq(Cat(second_word, number, stretch)),
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
-            self.taking.eq(leaving & written.bit_select(place, 1) & ~asking & self.enable),
+            self.taking.eq(walking & ~asking & ~next_stretch[-1] & self.enable),
             marks.take.eq(self.taking | self.wipe),
             marks.wipe.eq(self.wipe),
             marks.line.eq(Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)),
@@ -114,15 +114,9 @@ class Walker(wiring.Component):
             marks.touch.eq(self.touch),
             marks.group.eq(self.group),
             marks.words.eq(self.words),
-            left.eq(
-                Mux(
-                    asking,
-                    asked & second_word & last_pair,
-                    self.taking & ~marks.taken.any(),
-                )
-                & Mux(asking, next_stretch[-1], next_stretch == stretches(config) - 1)
-            ),
+            left.eq(~asking & next_stretch[-1]),
         ]
+        m.d.sync += walking.eq(leaving & written.bit_select(place, 1) & ~left)
         with m.If(self.taking):
             m.d.sync += [
                 pairs.eq(marks.taken),

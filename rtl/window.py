@@ -96,7 +96,7 @@ class Window(wiring.Component):
         last_word = self.last_column[2:]
         m.d.comb += [
             ring.last_word.eq(last_word),
-            ring.loaded.eq(loader.oldest_loaded),
+            ring.loaded.eq(loader.loaded),
             ring.jump.eq(loader.finished),
             ring.restart.eq(self.finished),
             loader.enable.eq(self.load),
@@ -121,7 +121,7 @@ class Window(wiring.Component):
                 & running
                 & ~sweeping
                 & ~loader.o.valid
-                & loader.window_loaded
+                & loader.loaded
                 & (footprint.top - ring.oldest < config.window_lines - BANKS)
                 & paint.may_draw
             ),

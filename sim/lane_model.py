@@ -41,6 +41,9 @@ STRETCH = 32
 PAIR = 2
 """Words of a mark."""
 
+NOTHING, TILE, END = range(3)
+"""What the window is given: nothing, a tile or the end of the frame."""
+
 
 class Lanes(NamedTuple):
     """The window's registers, as arrays.
@@ -52,26 +55,23 @@ class Lanes(NamedTuple):
         shape (4, 4), by tile and line of the tile. Unclipped.
     left
         Tiles that it still has, a bit each: shape (1,).
-    drawn
-        The tile drawn in the cycle before: its first line and column, and the columns covered of
-        each line, clipped; 0 if there is none: shape (6,).
     marks
         Pairs of words that were written, by place of their line: shape (16, pairs).
     walk
-        See ``OLDEST`` and what follows: shape (7,).
+        See ``OLDEST`` and what follows: shape (8,).
     """
 
     tiles: Any
     left: Any
-    drawn: Any
     marks: Any
     walk: Any
 
 
-OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED = range(7)
+OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING = range(8)
 """Registers of the walker: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
-whether the second word of one is next; the next stretch; whether a word left one cycle before."""
+whether the second word of one is next; the next stretch; whether a word left one cycle before; and
+whether the oldest line was on its way out then."""
 
 
 @nb.njit(cache=True)
@@ -91,58 +91,61 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         0 if there is no end word.
     """
     pairs = machine.half_words
+    stretches = pairs // min(STRETCH // PAIR, pairs)
     lanes = Lanes(
         np.zeros((TILES, SIDE), np.int64),
         np.zeros(1, np.int64),
-        np.zeros(2 + SIDE, np.int64),
         np.zeros((LINES, pairs), np.bool_),
-        np.zeros(7, np.int64),
+        np.zeros(8, np.int64),
     )
     walk = lanes.walk
     walk[TOP] = -ABOVE
-    tile = np.zeros(2 + SIDE, np.int64)
+    tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
+    given, meets, drawn = NOTHING, False, False
     x = 0
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         # The last pixels to be cleared are written one cycle after.
         clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
-        head, top = front.held[HEAD], front.tops[HEAD]
-        ends = head != EMPTY and head == front.state[END_WORD]
-        if ends and walk[WRITTEN] == 0 and not walk[FLUSHED]:
+        if given == END and walk[WRITTEN] == 0 and not walk[FLUSHED]:
             return cycle + 2  # the end beat is on the port in the next cycle
 
-        left = lanes.left[0]
-        element = head != EMPTY and not ends and left != 0
-        place = 1 << walk[OLDEST] % LINES
         leaving = walk[OLDEST] < walk[TOP]
-        taking = leaving and walk[WRITTEN] & place != 0 and walk[PAIRS] == 0 and not clearing
-        rows = 0  # of lanes that the tile draws into
-        going = False
-        if element:
-            number = 0
-            while not left >> number & 1:
-                number += 1
-            _clip(lanes.tiles[number], top, x, number, tile, machine)
-            near = tile[0] - walk[OLDEST] < LINES - SIDE
-            meets = machine.hazard and _conflicts(tile, lanes.drawn)
-            going = near and not settling and not taking and not meets
-        if going:
-            left &= left - 1
-            lanes.drawn[:] = tile
-            for k in range(SIDE):
-                if tile[2 + k]:
-                    rows |= 1 << (tile[0] + k) % SIDE
-        else:
-            lanes.drawn[2:] = 0
+        taken = walk[NEXT] == stretches
+        taking = walk[WALKING] and walk[PAIRS] == 0 and not taken and not clearing
+        near = given == TILE and tile[0] - walk[OLDEST] < LINES - SIDE
+        conflict = machine.hazard and meets and drawn
+        going = near and not settling and not taking and not conflict
+        rows = 0  # of lanes that are kept for the tile
+        for k in range(SIDE):
+            if near and tile[3 + k]:
+                rows |= 1 << (tile[0] + k) % SIDE
         flushing = walk[PAIRS] > 0 and not clearing and not rows >> walk[OLDEST] % SIDE & 1
-        _step(lanes, leaving, taking, flushing)
+        _step(lanes, leaving, taking, flushing, taken and walk[PAIRS] == 0)
         if going:
             _mark(tile, lanes)
-        if ends or element:
-            walk[TOP] = top
-        done = head != EMPTY and not ends and left == 0
-        lanes.left[0] = left
+        if given != NOTHING:
+            walk[TOP] = tile[2]
+        drawn = going
+
+        # The next tile, and the next element.
+        done = False
+        if given == NOTHING or going:
+            head, top = front.held[HEAD], front.tops[HEAD]
+            ends = head != EMPTY and head == front.state[END_WORD]
+            left = lanes.left[0]
+            given = END if ends else TILE if head != EMPTY and left else NOTHING
+            coming[2] = top
+            if given == TILE:
+                number = 0
+                while not left >> number & 1:
+                    number += 1
+                _clip(lanes.tiles[number], top, x, number, coming, machine)
+                lanes.left[0] = left & (left - 1)
+            meets = going and given == TILE and _meet(coming, tile)
+            tile[:] = coming
+            done = head != EMPTY and lanes.left[0] == 0
         if advance(words, front, done, machine):
             head = front.held[HEAD]
             lanes.left[0] = 0
@@ -201,27 +204,30 @@ def _cut(word: int, tiles: Any) -> int:
 
 @nb.njit(cache=True)
 def _clip(columns: Any, top: int, x: int, number: int, tile: Any, machine: Machine) -> None:
-    """Set ``tile`` to a tile's place and what lies in the image: of columns, in its words."""
+    """Set ``tile``: first line and column, ``top``, and what of each line lies in the image.
+
+    Of columns, what lies in the image's words.
+    """
     line, column = top + SIDE * (number >> 1), x + SIDE * (number & 1)
-    tile[0], tile[1] = line, column
+    tile[0], tile[1], tile[2] = line, column, top
     # A tile that begins right of the image has no column.
     room = max((machine.last_column // WORD + 1) * WORD - column, 0)
     inside = (1 << min(room, SIDE)) - 1
     for k in range(SIDE):
-        tile[2 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
+        tile[3 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
 
 
 @nb.njit(cache=True)
-def _conflicts(tile: Any, drawn: Any) -> bool:
+def _meet(tile: Any, other: Any) -> bool:
     """Return whether two tiles have a pixel in common."""
-    across = drawn[1] - tile[1]
+    across = other[1] - tile[1]
     if abs(across) >= SIDE:
         return False
     for k in range(SIDE):
-        other = tile[0] + k - drawn[0]
-        if 0 <= other < SIDE:
-            theirs = drawn[2 + other]
-            if tile[2 + k] & (theirs << across if across >= 0 else theirs >> -across):
+        line = tile[0] + k - other[0]
+        if 0 <= line < SIDE:
+            theirs = other[3 + line]
+            if tile[3 + k] & (theirs << across if across >= 0 else theirs >> -across):
                 return True
     return False
 
@@ -230,7 +236,7 @@ def _conflicts(tile: Any, drawn: Any) -> bool:
 def _mark(tile: Any, lanes: Lanes) -> None:
     """Mark the words that a tile is drawn into."""
     for k in range(SIDE):
-        line, columns = tile[0] + k, tile[2 + k]
+        line, columns = tile[0] + k, tile[3 + k]
         for j in range(SIDE):
             if columns >> j & 1:
                 lanes.marks[line % LINES, (tile[1] + j) // (WORD * PAIR)] = True
@@ -238,32 +244,27 @@ def _mark(tile: Any, lanes: Lanes) -> None:
 
 
 @nb.njit(cache=True)
-def _step(lanes: Lanes, leaving: bool, taking: bool, flushing: bool) -> None:
-    """Move the walker on: by a word, a stretch, an empty line, or over all if none is written."""
+def _step(lanes: Lanes, leaving: bool, taking: bool, flushing: bool, left: bool) -> None:
+    """Move the walker on: by a word, a stretch, a line that has left, or over all not written."""
     walk, marks = lanes.walk, lanes.marks
     oldest = walk[OLDEST]
     place = oldest % LINES
-    stretch = min(STRETCH // PAIR, marks.shape[1])
-    stretches = marks.shape[1] // stretch
-    left = False
-    if flushing:
-        if walk[SECOND]:
-            walk[PAIRS] -= 1
-            left = walk[PAIRS] == 0 and walk[NEXT] == stretches
-        walk[SECOND] ^= 1
+    written = walk[WRITTEN] >> place & 1
     walk[FLUSHED] = flushing
+    if flushing:
+        walk[PAIRS] -= walk[SECOND]
+        walk[SECOND] ^= 1
     if taking:
-        begin = walk[NEXT] * stretch
-        found = marks[place, begin : begin + stretch]
+        stretch = min(STRETCH // PAIR, marks.shape[1])
+        found = marks[place, walk[NEXT] * stretch : (walk[NEXT] + 1) * stretch]
         walk[PAIRS] = found.sum()
         found[:] = False
         walk[NEXT] += 1
-        left = walk[PAIRS] == 0 and walk[NEXT] == stretches
-    if left:
-        walk[NEXT] = 0
+    walk[WALKING] = leaving and written and not left
     if leaving and walk[WRITTEN] == 0:
         walk[OLDEST] = walk[TOP]
-    elif left or (leaving and not walk[WRITTEN] >> place & 1):
+    elif left or (leaving and not written):
         walk[OLDEST] = oldest + 1
     if left:
+        walk[NEXT] = 0
         walk[WRITTEN] &= ~(1 << place)

@@ -40,8 +40,8 @@ LINES = PAPER.window_lines
 WORD = PAPER.pixels_per_word
 """Pixels in a word of the raster."""
 
-FIRST_STAGE, HEAD = 0, 2
-"""The pipeline's stages up to the window's own: two of the colour unit, and the decoder."""
+FIRST_STAGE, HEAD = 0, 1
+"""The pipeline's stages before the window: the table of materials, and the decoder."""
 
 EMPTY = -1
 """In place of a code word's index: a stage holds none; in place of an address: a bank rests."""
@@ -122,9 +122,9 @@ class Front(NamedTuple):
     Parameters
     ----------
     held
-        Index of each stage's code word, or ``EMPTY``: shape (3,).
+        Index of each stage's code word, or ``EMPTY``: shape (2,).
     tops
-        Its block's first line: shape (3,).
+        Its block's first line: shape (2,).
     state
         See ``FOLLOWING`` and what follows: shape (3,).
     """

@@ -7,11 +7,11 @@ import cocotb
 
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.format import PAPER
-from splatline.rtl.layouts import ColouredLayout, FootprintLayout
+from splatline.rtl.layouts import FootprintLayout, GeometryLayout
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench
 
-COLOURED_PLACES = {name: (f.offset, f.width) for name, f in ColouredLayout(PAPER)}
+PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(PAPER)}
 FOOTPRINT = FootprintLayout(PAPER)
 
 
@@ -20,7 +20,7 @@ def element(rows, mode, x, top, **rest):
     values = {"scans": scans, "mode": mode, "x": x, "top": top, **rest}
     bits = 0
     for name, value in values.items():
-        offset, width = COLOURED_PLACES[name]
+        offset, width = PLACES[name]
         bits |= (value & (1 << width) - 1) << offset
     return bits
 
@@ -79,6 +79,7 @@ async def check(dut, cases, width, height, rates, seed):
     bench = StreamBench(dut, seed)
     bench.source("i", (element(*case) for case in cases), rates[0])
     sink = bench.sink("o", rates[1])
+    dut.shade.value = 0
     dut.last_column.value = width - 1
     dut.last_line.value = height - 1
     await bench.reset()
@@ -134,12 +135,9 @@ async def all_lines(dut):
 
 @cocotb.test()
 async def what_passes_through(dut):
-    """Depth, colour, line and the end token arrive unchanged; an end token covers nothing."""
+    """Depth, line and the end token arrive unchanged, and the colour as it is at the time."""
     rng = random.Random(4)
-    fields = [
-        {"z": rng.randrange(512), "colour": rng.randrange(512), "end": rng.randrange(2)}
-        for _ in range(200)
-    ]
+    fields = [{"z": rng.randrange(512), "end": rng.randrange(2)} for _ in range(200)]
     tops = [rng.randrange(-4, 500) for _ in fields]
     bench = StreamBench(dut, 4)
     full = [(0, 7)] * 4
@@ -149,11 +147,13 @@ async def what_passes_through(dut):
     sink = bench.sink("o", 0.5)
     dut.last_column.value = 511
     dut.last_line.value = 511
+    dut.shade.value = 0o525
     await bench.reset()
     await bench.run(lambda: len(sink.received) == len(fields), most_cycles=5000)
     for top, field, bits in zip(tops, fields, sink.received, strict=True):
         assert get(bits, "top") == top % (1 << FOOTPRINT["top"].width)
         assert {name: get(bits, name) for name in field} == field
+        assert get(bits, "colour") == 0o525
         if field["end"]:
             assert not footprint_pixels(bits, top, 512)
 

@@ -9,9 +9,14 @@ import pytest
 import test_bank
 import test_decoder
 import test_engine
+import test_lane
+import test_lane_window
+import test_marks
 import test_planar_bank
 import test_scatter
 import test_sequencer
+import test_tiler
+import test_walker
 import test_window
 from presets import run_bench as run_preset
 from random_frames import shapes
@@ -20,9 +25,14 @@ from splatline.rtl.bank import Bank
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import BAYER, PAPER, PRESETS
+from splatline.rtl.lane import Lane
+from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.marks import Marks
 from splatline.rtl.planar_bank import PlanarBank
 from splatline.rtl.scatter import Scatter
 from splatline.rtl.sequencer import Sequencer
+from splatline.rtl.tiler import Tiler
+from splatline.rtl.walker import Walker
 from splatline.rtl.window import Window
 from splatline.sim import golden
 from splatline.sim.cosim import frames, simulator
@@ -70,7 +80,7 @@ BLOCK_FAULTS = [
         Window,
         test_window,
         "with_stalls",
-        fault("dut.loader", "window_loaded", "1'h1"),
+        fault("dut.loader", "loaded", "1'h1"),
         id="load late",
     ),
     pytest.param(
@@ -83,6 +93,85 @@ BLOCK_FAULTS = [
 def test_a_fault_in_a_block_is_noticed(component, bench, test, edit):
     with pytest.raises(SimulationError):
         run_bench(component(PAPER), bench.__file__, test=test, edit=edit)
+
+
+LANE_WINDOW_FAULTS = [
+    (Lane, test_lane, "random_requests", "passes", "taken[0]", "no depth test"),
+    (Tiler, test_tiler, "right_border", "words_left", "8'h3f", "right border"),
+    (Tiler, test_tiler, "one_tile_a_cycle", "past_2", "1'h0", "a line misplaced"),
+    (
+        Marks,
+        test_marks,
+        "random_touches",
+        "write__en",  # of even pairs on lines that are a multiple of 4: cleared with any other
+        "take | (words[1] ? touch[1] & words[0] : touch[0] | (touch[1] & ~words[0]))",
+        "marks clear too much",
+    ),
+    (Marks, test_marks, "random_touches", "write__data", "take ? 8'h00 : bit_0", "marks forget"),
+    (
+        Walker,
+        test_walker,
+        "drawn_words_are_asked_for_once_and_in_order",
+        "left",
+        "~flush__valid & (next_stretch == 3)",
+        "last stretch skipped",
+    ),
+    (
+        Walker,
+        test_walker,
+        "drawn_words_are_asked_for_once_and_in_order",
+        "clean",
+        "1'h1",
+        "lines skipped",
+    ),
+    (Walker, test_walker, "nothing_leaves_unasked", "leaving", "1'h1", "lines leave early"),
+]
+
+
+@pytest.mark.parametrize(
+    ("component", "bench", "test", "signal", "value"),
+    [pytest.param(*fault[:5], id=fault[5]) for fault in LANE_WINDOW_FAULTS],
+)
+def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signal, value):
+    edit = fault("dut", signal, value)
+    with pytest.raises(SimulationError):
+        run_preset(PAPER, component, bench.__file__, test=test, edit=edit)
+
+
+WAIT = r"(?<![\w.])loaded\.eq"  # the register, not what the loader says
+REWRITTEN = [
+    (LaneWindow, "elaborate", r"conflict\.eq\(drawn", "conflict.eq(0 & drawn", "with_stalls"),
+    (Tiler, "_lines", r"(groups\.eq\(.*) \+ 1\)", r"\1 + 2)", "upper_and_lower_border"),
+    (Walker, "elaborate", r" & self\.enable\b", "", "nothing_leaves_unasked"),
+    (LaneWindow, "elaborate", WAIT + r"\(.*?\)", "loaded.eq(0)", "nonsense_in_the_initial_raster"),
+    (LaneWindow, "elaborate", WAIT + r"(\(.*?) \| sweeping", r"loaded.eq\1", "reset_in_the_middle"),
+]
+
+
+@pytest.mark.parametrize(
+    ("component", "method", "pattern", "replacement", "test"),
+    REWRITTEN,
+    ids=[
+        "no conflict",
+        "lower border",
+        "marks taken unasked",
+        "no wait after a load",
+        "nor after the sweep",
+    ],
+)
+def test_a_rewritten_window_of_lanes_is_noticed(
+    monkeypatch, component, method, pattern, replacement, test
+):
+    """Faults in what has no name in the Verilog."""
+    source = textwrap.dedent(inspect.getsource(getattr(component, method)))
+    broken, count = re.subn(pattern, replacement, source)
+    assert count == 1
+    scope = dict(vars(inspect.getmodule(component)))
+    exec(broken, scope)
+    monkeypatch.setattr(component, method, scope[method])
+    benches = {Tiler: test_tiler, Walker: test_walker, LaneWindow: test_lane_window}
+    with pytest.raises(SimulationError):
+        run_preset(PAPER, component, benches[component].__file__, test=test)
 
 
 PLANE_FAULTS = [
@@ -130,14 +219,15 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
         pytest.param(
             "wide", fault("splatline.window.bank_5", "conflict", "1'h0"), id="a bank's conflict"
         ),
-        pytest.param("paper", fault("splatline.window", "conflict", "1'h0"), id="conflict"),
         pytest.param(
             "paper", fault("splatline.window.lane_2_1", "passes", "1'h1"), id="no depth test"
         ),
         pytest.param(
             "paper", fault("splatline.window.walker.marks", "bit_1", "8'h01"), id="a wrong mark"
         ),
-        pytest.param("paper", fault("splatline.window", "ahead", "12'h000"), id="lines overtaken"),
+        pytest.param(
+            "paper", fault("splatline.window.walker", "leaving", "1'h1"), id="lines leave early"
+        ),
         pytest.param("paper", fault("splatline.decoder", "past_1", "1'h0"), id="a line misplaced"),
     ],
 )

@@ -44,13 +44,13 @@ async def words_enter_with_their_lines(dut):
 
             def observe(seen=seen):
                 seen["finished"] = int(dut.finished.value)
-                seen["oldest_loaded"] = int(dut.oldest_loaded.value)
+                seen["loaded"] = int(dut.loaded.value)
 
             await bench.step(lambda oldest=oldest: setattr(dut.oldest, "value", oldest), observe)
             if seen["finished"]:
                 break
             # As the ring does: a line leaves only when nothing more can come for it.
-            if seen["oldest_loaded"] and rng.random() < 0.5:
+            if seen["loaded"] and rng.random() < 0.5:
                 oldest += 1
         assert source.sent == len(source.payloads)
         inside = [p for p in places if p[0] <= LAST_LINE and p[1] <= LAST_WORD]
@@ -68,7 +68,7 @@ async def a_word_waits_for_its_line_and_says_so(dut):
     seen = {}
 
     def observe():
-        seen.update(window=int(dut.window_loaded.value), finished=int(dut.finished.value))
+        seen.update(window=int(dut.loaded.value), finished=int(dut.finished.value))
 
     for _ in range(4):
         await bench.step(observe=observe)

@@ -10,7 +10,7 @@ from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
 from splatline.rtl.bank import bank_address_bits
-from splatline.rtl.engine import Engine
+from splatline.rtl.engine import engine_latency
 from splatline.rtl.format import PAPER, WIDE, get_preset
 from splatline.rtl.lane import lane_address_bits
 from splatline.sim.cosim.frames import Job, play
@@ -209,7 +209,7 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
 @pytest.mark.parametrize("config", [PAPER, WIDE], ids=["paper", "wide"])
 def test_known_counts(config):
     """A cycle a code word, one more for its latency, and the end beat behind."""
-    latency = Engine.LATENCY
+    latency = engine_latency(config)
     # Lanes are kept by a pixel that is drawn twice, banks by its word.
     step = 1 if config.lanes else 4
 

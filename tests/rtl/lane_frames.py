@@ -1,0 +1,96 @@
+"""Frames for the bench of the window of lanes, drawn in software too; and its ports."""
+
+from test_scatter import random_spans
+from test_window import END, beats_of, draw, image_of, random_depth, random_image, random_shade
+from tiles import Tiles, tiles_of
+
+from splatline.rtl.format import PAPER
+from splatline.sim.cosim.streams import StreamBench
+
+__all__ = ["Bench", "Painter", "random_frame"]
+
+
+class Painter:
+    """Cuts elements into tiles, and draws the same picture in software."""
+
+    def __init__(self, width, height, start=None):
+        self.width, self.height = width, height
+        self.start = start
+        self.image = dict(start or {})
+        self.tiles = []
+
+    def element(self, top, x, spans, z, colour):
+        tiles, pixels = tiles_of(top, x, spans, self.width, self.height)
+        self.tiles += [{**tile, "z": z, "colour": colour} for tile in tiles]
+        draw(self.image, pixels, z, colour)
+
+    def random_elements(self, rng, count):
+        """Elements in the order of their lines; now and then one right on the one before."""
+        x, spans = 0, {}
+        for top in sorted(rng.randrange(-4, self.height + 2) for _ in range(count)):
+            if rng.random() < 0.7:
+                x, spans = rng.randrange(min(512, self.width + 4)), random_spans(rng)
+            self.element(top, x, spans, random_depth(rng), random_shade(rng))
+        return self
+
+    def compare(self, received):
+        """Exactly the words with a pixel in them come, in order, and then the end."""
+        assert received[-1] == END or received[-1] >> PAPER.raster_end.lsb
+        beats = received[:-1]
+        assert image_of(beats, self.width, self.height) == self.image
+        assert len(beats) == len({(line, column // 4) for line, column in self.image})
+
+
+class Bench:
+    """A window's streams, for many frames and resets."""
+
+    def __init__(self, dut, rates, seed):
+        self.dut = dut
+        self.bench = StreamBench(dut, seed)
+        self.rates = rates
+        self.sent = 0  # tiles before this cycle
+
+    async def reset(self):
+        self.bench.sources.clear()
+        self.bench.sinks.clear()
+        self.source = self.bench.source("i", [], self.rates[0])
+        self.initial = self.bench.source("initial", [], self.rates[1])
+        self.raster = self.bench.sink("raster", self.rates[2])
+        self.dut.active.value = 0
+        await self.bench.reset()
+
+    def open(self, frame, initial=None):
+        """Offer a frame; ``initial`` are other beats than those of its start."""
+        tiles = Tiles(frame.tiles, lambda: self.source.sent != self.sent)
+        self.source.payloads, self.source.sent, self.sent = tiles, 0, 0
+        if frame.start is not None:
+            beats = initial or beats_of(frame.start, frame.width, frame.height)
+            self.initial.payloads, self.initial.sent = beats, 0
+        self.raster.received.clear()
+        self.dut.last_column.value = frame.width - 1
+        self.dut.last_line.value = frame.height - 1
+        self.dut.load.value = frame.start is not None
+        self.dut.active.value = 1
+
+    def drive(self):
+        self.sent = self.source.sent
+
+    async def play(self, frame, initial=None):
+        self.open(frame, initial)
+        cycles = await self.bench.run(
+            lambda: bool(self.raster.received) and self.raster.received[-1] >= END,
+            most_cycles=50_000,
+            drive=self.drive,
+            after=0,
+        )
+        assert self.source.sent == len(self.source.payloads)
+        self.dut.active.value = 0
+        for _ in range(5):
+            await self.bench.step()
+        frame.compare(self.raster.received)
+        return cycles
+
+
+def random_frame(rng, width, height, count, share=None):
+    start = None if share is None else random_image(rng, width, height, share)
+    return Painter(width, height, start).random_elements(rng, count)

@@ -1,0 +1,194 @@
+"""The walker: each written pair of words is asked for once, in order, and nothing else is."""
+
+import random
+
+import cocotb
+from cocotb.triggers import Timer
+from test_marks import STRETCHES, WORDS, Touch
+
+from splatline.rtl.format import PAPER
+from splatline.rtl.marks import RESIDUES
+from splatline.rtl.ring import PlaceLayout
+from splatline.rtl.walker import Walker
+from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.streams import StreamBench
+
+PLACE = PlaceLayout(PAPER)
+LOWEST = (1 << PAPER.line_bits + 1) - 1
+NOTHING = Touch(0, [(0, 0)] * RESIDUES, [0] * RESIDUES)
+
+
+class Slide:
+    """A walker whose window slides down an image; knows which words are to be asked for."""
+
+    def __init__(self, dut, seed, rate=1.0):
+        self.dut = dut
+        self.bench = StreamBench(dut, seed)
+        self.flush = self.bench.sink("flush", rate)
+        self.expected = set()
+        self.taking = False
+
+    async def start(self, jump=1):
+        dut = self.dut
+        for name in ("touch", "group", "words", "restart", "enable", "top"):
+            getattr(dut, name).value = 0
+        dut.loaded.value, dut.jump.value = 0, jump
+        await self.bench.reset()
+        dut.wipe.value = 1
+        for row in range(4 * STRETCHES):
+            await self.bench.step(lambda row=row: setattr(dut.wipe_row, "value", row))
+        dut.wipe.value = 0
+
+    def line_of(self, place, lowest):
+        """The line from ``lowest`` on that stands in a place of the window."""
+        return lowest + (place - lowest) % PAPER.window_lines
+
+    async def cycle(self, top, touch=NOTHING, enable=1, loaded=1):
+        """One cycle; what is to be written waits if marks are taken. Return whether it was not."""
+        dut = self.dut
+        dut.top.value = top % (1 << PAPER.line_bits + 2)
+        dut.enable.value, dut.loaded.value = enable, loaded
+        await Timer(1, unit="ns")
+        oldest = int(dut.oldest.value)
+        taking = self.taking = int(dut.taking.value)
+        assert enable or not taking
+        assert not taking or oldest < top
+        touch.drive(dut, idle=taking)
+
+        def observe():
+            assert int(dut.taking.value) == taking, "taking must not depend on what is written"
+            if int(dut.flush__valid.value):
+                line = PLACE.from_bits(int(dut.flush__payload.value)).line
+                assert line == oldest < top
+
+        await self.bench.step(observe=observe)
+        if not taking:
+            for place, pair in touch.marks():
+                line = self.line_of(place, oldest)
+                self.expected |= {(line, 2 * pair), (line, 2 * pair + 1)}
+        return not taking
+
+    async def finish(self, rng):
+        """Let everything leave, and compare."""
+        for _ in range(60_000):
+            await self.cycle(LOWEST, enable=rng.random() < 0.8)
+            if int(self.dut.clean.value):
+                break
+        asked = [PLACE.from_bits(bits) for bits in self.flush.received]
+        assert [(place.line, place.word) for place in asked] == sorted(self.expected)
+        for _ in range(6):
+            assert await self.cycle(LOWEST)
+        assert len(self.flush.received) == len(self.expected)
+        assert int(self.dut.oldest.value) == LOWEST or not int(self.dut.jump.value)
+
+
+def random_touch(rng, low, high, word, single):
+    """Words of a tile on lines low .. high, at most four, or a word of one of them."""
+    touched, groups = [(0, 0)] * RESIDUES, [rng.randrange(4) for _ in range(RESIDUES)]
+    lines = [rng.randrange(low, high + 1)] if single else range(low, min(low + 4, high + 1))
+    for line in lines:
+        flags = (1, 0) if single else (rng.randrange(2), rng.randrange(2) * (word < WORDS - 1))
+        touched[line % 4], groups[line % 4] = flags, line // 4 % 4
+    return Touch(word, touched, groups, rng.randrange(WORDS) if single else None)
+
+
+@cocotb.test()
+async def drawn_words_are_asked_for_once_and_in_order(dut):
+    """Tiles all over the eight lines from ``top`` on; dense and sparse, quick and slow sinks."""
+    for seed, (rate, height, words, share, jump) in enumerate(
+        [
+            (1.0, 150, 8, 0.9, 1),
+            (0.4, 30, WORDS, 0.3, 1),
+            (0.7, 600, WORDS, 0.04, 0),
+            (1.0, 30, 40, 0.5, 0),
+        ]
+    ):
+        rng, slide, top, cycles = random.Random(seed), Slide(dut, seed, rate), -4, 0
+        await slide.start(jump)
+        while top < height:
+            oldest, touch = int(dut.oldest.value), NOTHING
+            if top - oldest < 8 and rng.random() < share:
+                low = max(top + 4 * rng.randrange(2), 0)
+                word = rng.randrange(WORDS - words, WORDS)
+                touch = random_touch(rng, low, low + 3, word, single=False)
+            await slide.cycle(top, touch, enable=rng.random() < 0.9)
+            if top - oldest < 8:
+                top += rng.choice([0] * 25 + [1, 1, 2, 9])
+            cycles += 1
+            assert cycles < 50_000
+        assert len(slide.expected) > 100
+        await slide.finish(rng)
+
+
+@cocotb.test()
+async def loaded_words_too(dut):
+    """An initial raster: words of lines that enter, which wait for it; then nothing but those."""
+    for seed, (rate, per_line) in enumerate([(1.0, 2), (0.5, 0.2), (1.0, 0.05)]):
+        rng, slide = random.Random(seed), Slide(dut, seed, rate)
+        await slide.start(jump=0)
+        complete = -1  # no more comes for lines up to this one
+        for _ in range(900):
+            oldest, touch = int(dut.oldest.value), NOTHING
+            newest = oldest + PAPER.window_lines - 1
+            loaded = complete >= newest - 1
+            if not loaded and rng.random() < per_line / (1 + per_line):
+                touch = random_touch(rng, complete + 1, newest, rng.randrange(WORDS), single=True)
+            elif not loaded:
+                complete = newest
+            await slide.cycle(60, touch, enable=loaded, loaded=loaded)
+        await slide.finish(rng)
+
+
+@cocotb.test()
+async def a_full_window_takes_a_cycle_a_word(dut):
+    """And one for each stretch, and a few for each line; lines that wait take none."""
+    rng, slide = random.Random(7), Slide(dut, 7)
+    await slide.start()
+    lines = 12
+    for word in range(0, WORDS, 2):
+        for group in range(lines // 4):
+            await slide.cycle(0, Touch(word, [(1, 1)] * 4, [group] * 4))
+    begin = slide.bench.cycles
+    while int(dut.oldest.value) < lines:
+        assert slide.bench.cycles - begin <= lines * (WORDS + STRETCHES + 3)
+        await slide.cycle(lines)
+    await slide.finish(rng)
+
+
+@cocotb.test()
+async def untouched_lines_leave_at_once(dut):
+    """One by one before a written line; all at once from a clean window, if nothing is to come."""
+    rng, slide = random.Random(8), Slide(dut, 8)
+    await slide.start(jump=0)
+    await slide.cycle(0, random_touch(rng, 9, 9, 50, single=True))
+    for _ in range(12):
+        await slide.cycle(14)
+    assert int(dut.oldest.value) == 9 or slide.flush.received
+    await slide.finish(rng)
+    slide = Slide(dut, 9)
+    await slide.start(jump=1)
+    for _ in range(2):
+        await slide.cycle(700)
+    assert int(dut.oldest.value) == 700
+    dut.restart.value = 1
+    await slide.cycle(-4)
+    dut.restart.value = 0
+    assert int(dut.oldest.value) == 0
+
+
+@cocotb.test()
+async def nothing_leaves_unasked(dut):
+    """No line from ``top`` on, none that is not loaded, and no marks are taken without leave."""
+    for case, (top, enable, loaded) in enumerate([(3, 1, 1), (12, 0, 1), (12, 1, 0)]):
+        rng, slide = random.Random(case), Slide(dut, case)
+        await slide.start()
+        assert await slide.cycle(0, random_touch(rng, 3, 3, 99, single=True))
+        for _ in range(12):
+            assert await slide.cycle(top, enable=enable, loaded=loaded)
+        assert not slide.flush.received
+        assert int(dut.oldest.value) <= 3
+        await slide.finish(rng)
+
+
+def test_walker_asks_for_what_was_written(simulator_name):
+    run_bench(Walker(PAPER), __file__, simulator_name=simulator_name)
