@@ -90,12 +90,13 @@ class Lane(wiring.Component):
             read.addr.eq(self.request.address),
             read.en.eq(self.enable),
             self.old.eq(read.data),
-            # The request rides on the comparison's carry chain, which has a bit to spare.
-            passes.eq(Cat(self.new.depth, 1) < Cat(self.old.depth, taken.draw)),
+            # The request rides on the comparison's carry chain: the way to the memory's write
+            # enable is the longest there is.
+            passes.eq(Cat(self.new.depth, 1) < Cat(self.old.depth, taken.draw, taken.clear)),
             write.addr.eq(taken.address),
             write.data.colour.eq(self.new.colour),
             write.data.depth.eq(self.new.depth | taken.clear.replicate(config.depth_bits)),
             # Written every cycle while standing still, the pixel comes out the same each time.
-            write.en.eq(passes | taken.clear),
+            write.en.eq(passes),
         ]
         return m

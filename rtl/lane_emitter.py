@@ -20,7 +20,7 @@ class LaneEmitter(wiring.Component):
     The colour of a pixel that is background, or that lies right of the image, is made 0.
 
     A word that ``raster`` does not take stops the stages behind it, and the lanes, once a second
-    word stands before the port.
+    word stands before the port. While ``raster`` is not ready, dropping a word takes a cycle.
 
     **Latency**: 2 cycles from a request to ``raster``. **Throughput**: one word a cycle.
 
@@ -70,18 +70,21 @@ class LaneEmitter(wiring.Component):
         place = Signal(PlaceLayout(config), reset_less=True)
         emit_valid = Signal()
         emit = Signal(RasterLayout(config), reset_less=True)
+        dropped = Signal()
         take, over = Signal(), Signal()
         visible = Signal(config.pixels_per_word)
         m.d.comb += [
             # What is background is known behind the register: the way to it is long enough.
             self.raster.valid.eq(emit_valid & (visible.any() | emit.end)),
             self.raster.payload.eq(emit),
-            take.eq(~self.raster.valid | self.raster.ready),
+            # Not ~raster.valid: what hangs on ``take`` would wait for the comparisons in it.
+            take.eq(~emit_valid | self.raster.ready | dropped),
             self.running.eq(~(flushed & ~take)),
             over.eq(self.end & ~flushed),
             self.finished.eq(over & take),
             self.last_word.eq(place.word),
         ]
+        m.d.sync += dropped.eq(emit_valid & ~visible.any() & ~emit.end & ~take)
         with m.If(self.running):
             m.d.sync += [flushed.eq(self.flush), place.eq(self.place)]
         with m.If(take):

@@ -124,7 +124,7 @@ class LaneWindow(wiring.Component):
             walker.top.eq(top),
             walker.loaded.eq(loader.loaded),
             walker.jump.eq(loader.finished),
-            walker.enable.eq(running & ~sweeping),
+            walker.enable.eq(~sweeping),
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),

@@ -17,7 +17,8 @@ class Loader(wiring.Component):
     window is background where nothing was loaded, so the depth test lets all but background pass.
     Words outside the image, and words of lines that have left, are dropped.
 
-    **Latency**: 0. **Throughput**: one word a cycle.
+    **Latency**: 1 cycle. **Throughput**: one word in two cycles, the first of which tells whether
+    its line is in the window; or one a cycle that is dropped.
 
     Members
     -------
@@ -72,6 +73,7 @@ class Loader(wiring.Component):
         waiting = Signal()
         drop = Signal()
         in_window = Signal()
+        offered = Signal()
         beyond = Signal()  # one cycle ago a word waited whose line is yet to come
         ahead = Signal(signed(config.line_bits + 2))
         m.d.comb += [
@@ -82,13 +84,16 @@ class Loader(wiring.Component):
             drop.eq(
                 beat.end | (ahead < 0) | (beat.line > self.last_line) | (beat.word > self.last_word)
             ),
-            self.o.valid.eq(waiting & ~drop & in_window),
+            self.o.valid.eq(offered),
             self.o.payload.eq(beat),
             self.i.ready.eq((waiting & drop) | (self.o.valid & self.o.ready)),
             self.finished.eq(~self.enable | ended),
             self.loaded.eq(self.finished | beyond),
         ]
-        m.d.sync += beyond.eq(waiting & ~drop & ~in_window)
+        m.d.sync += [
+            offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready)),
+            beyond.eq(waiting & ~drop & ~in_window),
+        ]
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
         with m.If(self.restart):

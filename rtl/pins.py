@@ -68,18 +68,22 @@ class Gatherer(wiring.Component):
         m = Module()
         piece = len(self.i.payload)
         held = Signal(self.pieces * piece, reset_less=True)
-        count = Signal(range(self.pieces + 1))
+        count = Signal(range(self.pieces))
         full = Signal()
         m.d.comb += [
-            full.eq(count == self.pieces),
             self.i.ready.eq(~full),
             self.o.valid.eq(full),
             self.o.payload.eq(held),
         ]
         with m.If(self.i.valid & ~full):
-            m.d.sync += [held.eq(Cat(held[piece:], self.i.payload)), count.eq(count + 1)]
+            last = count == self.pieces - 1
+            m.d.sync += [
+                held.eq(Cat(held[piece:], self.i.payload)),
+                count.eq(Mux(last, 0, count + 1)),
+                full.eq(last),
+            ]
         with m.If(full & self.o.ready):
-            m.d.sync += count.eq(0)
+            m.d.sync += full.eq(0)
         return m
 
 
@@ -115,14 +119,13 @@ class Splitter(wiring.Component):
         """Build the circuit."""
         m = Module()
         piece = len(self.o.payload)
-        count = Signal(range(self.pieces + 1))
+        count = Signal(range(self.pieces))
         over = Signal()
         room = Signal()
         valid = Signal()
         left = Signal(piece, reset_less=True)
         pieces = [self.i.payload[n * piece :][:piece] for n in range(self.pieces)]
         m.d.comb += [
-            over.eq(count == self.pieces),
             room.eq(~valid | self.o.ready),
             self.i.ready.eq(over),
             self.o.valid.eq(valid),
@@ -131,9 +134,10 @@ class Splitter(wiring.Component):
         with m.If(room):
             m.d.sync += [valid.eq(self.i.valid & ~over), left.eq(_pick(pieces, count))]
         with m.If(over):
-            m.d.sync += count.eq(0)
+            m.d.sync += over.eq(0)
         with m.Elif(room & self.i.valid):
-            m.d.sync += count.eq(count + 1)
+            last = count == self.pieces - 1
+            m.d.sync += [count.eq(Mux(last, 0, count + 1)), over.eq(last)]
         return m
 
 

@@ -106,7 +106,6 @@ class Walker(wiring.Component):
             self.flush.payload.word.eq(Cat(second_word, number, stretch)),
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
-            self.taking.eq(walking & ~asking & ~next_stretch[-1] & self.enable),
             marks.take.eq(self.taking | self.wipe),
             marks.wipe.eq(self.wipe),
             marks.line.eq(Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)),
@@ -116,7 +115,13 @@ class Walker(wiring.Component):
             marks.words.eq(self.words),
             left.eq(~asking & next_stretch[-1]),
         ]
-        m.d.sync += walking.eq(leaving & written.bit_select(place, 1) & ~left)
+        m.d.sync += [
+            walking.eq(leaving & written.bit_select(place, 1) & ~left),
+            # Known a cycle ahead, because whatever is drawn waits for it.
+            self.taking.eq(
+                walking & ~asking & ~next_stretch[-1] & self.enable & ~self.taking
+            ),
+        ]
         with m.If(self.taking):
             m.d.sync += [
                 pairs.eq(marks.taken),

@@ -58,7 +58,7 @@ class Lanes(NamedTuple):
     marks
         Pairs of words that were written, by place of their line: shape (16, pairs).
     walk
-        See ``OLDEST`` and what follows: shape (8,).
+        See ``OLDEST`` and what follows: shape (9,).
     """
 
     tiles: Any
@@ -67,11 +67,11 @@ class Lanes(NamedTuple):
     walk: Any
 
 
-OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING = range(8)
+OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING, TAKING = range(9)
 """Registers of the walker: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
 whether the second word of one is next; the next stretch; whether a word left one cycle before; and
-whether the oldest line was on its way out then."""
+whether the oldest line was on its way out then; whether a stretch's marks are taken."""
 
 
 @nb.njit(cache=True)
@@ -96,7 +96,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         np.zeros((TILES, SIDE), np.int64),
         np.zeros(1, np.int64),
         np.zeros((LINES, pairs), np.bool_),
-        np.zeros(8, np.int64),
+        np.zeros(9, np.int64),
     )
     walk = lanes.walk
     walk[TOP] = -ABOVE
@@ -113,7 +113,8 @@ def walk_lanes(words: Any, machine: Machine) -> int:
 
         leaving = walk[OLDEST] < walk[TOP]
         taken = walk[NEXT] == stretches
-        taking = walk[WALKING] and walk[PAIRS] == 0 and not taken and not clearing
+        taking = walk[TAKING]
+        wanting = walk[WALKING] and walk[PAIRS] == 0 and not (taken or clearing or taking)
         near = given == TILE and tile[0] - walk[OLDEST] < LINES - SIDE
         conflict = machine.hazard and meets and drawn
         going = near and not settling and not taking and not conflict
@@ -123,6 +124,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
                 rows |= 1 << (tile[0] + k) % SIDE
         flushing = walk[PAIRS] > 0 and not clearing and not rows >> walk[OLDEST] % SIDE & 1
         _step(lanes, leaving, taking, flushing, taken and walk[PAIRS] == 0)
+        walk[TAKING] = wanting
         if going:
             _mark(tile, lanes)
         if given != NOTHING:
