@@ -15,8 +15,8 @@ __all__ = ["ColourUnit"]
 class ColourUnit(wiring.Component):
     """Gives each element its colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
 
-    **Latency**: 1 cycle (table) to ``o``, one more (products) to ``shade``, with the sum in the
-    same cycle. **Throughput**: one element a cycle.
+    **Latency**: 1 cycle (table) to ``o``, one more (coefficients) to ``shade``, and with lanes yet
+    another (products). **Throughput**: one element a cycle.
 
     With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
     16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
@@ -28,8 +28,11 @@ class ColourUnit(wiring.Component):
         Elements with D, S and a material. End tokens pass through.
     o : Out(stream of GeometryLayout)
         The same elements.
+    moves : In(1)
+        The element that was last taken from ``o`` goes on to the window. Used with lanes alone.
     shade : Out(3 x (channel_bits + dither_bits))
-        Colour of the element that was last taken from ``o``, from the next cycle on.
+        Colour of the element that was last taken from ``o``, from the next cycle on; with lanes, of
+        the one that last moved on.
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
     material : In(MaterialWriteLayout)
@@ -42,6 +45,7 @@ class ColourUnit(wiring.Component):
             {
                 "i": In(stream.Signature(ElementLayout(config))),
                 "o": Out(stream.Signature(GeometryLayout(config))),
+                "moves": In(1),
                 "shade": Out(3 * (config.channel_bits + config.dither_bits)),
                 "ambient": In(data.ArrayLayout(config.ambient_bits, 3)),
                 "material": In(MaterialWriteLayout(config)),
@@ -75,25 +79,37 @@ class ColourUnit(wiring.Component):
         #     2^(c+i+1) - 1 + 2 (2^(c+i) - 2^c - 2^i + 1)
         #         = 2^(c+i+2) - 2 (2^c + 2^i) + 1 < 2^(c+i+2)         and fits c + i + 2 bits.
         # Nothing is negative, nothing wraps: a channel saturates where a bit above its own is set.
-        product_bits = config.coefficient_bits + config.intensity_bits
+        #
+        # Neither a block RAM nor a multiplier is fast, so there is a register between them.
+        coefficients = Signal.like(table.data, name="coefficients", reset_less=True)
+        diffuse = Signal(config.intensity_bits, reset_less=True)
+        specular = Signal(config.intensity_bits, reset_less=True)
+        with m.If(self.o.ready):
+            m.d.sync += [
+                coefficients.eq(table.data),
+                diffuse.eq(looked_up.diffuse),
+                specular.eq(looked_up.specular),
+            ]
         channels = []
         for channel, name in enumerate(("red", "green", "blue")):
             kd = config.coefficient(0, channel)
             ks = config.coefficient(1, channel)
-            diffuse = Signal(product_bits, name=f"diffuse_{name}", reset_less=True)
-            specular = Signal(product_bits, name=f"specular_{name}", reset_less=True)
-            with m.If(self.o.ready):
-                m.d.sync += [
-                    diffuse.eq(table.data[kd.lsb : kd.end] * looked_up.diffuse),
-                    specular.eq(table.data[ks.lsb : ks.end] * looked_up.specular),
-                ]
+            products = Signal(config.ambient_bits, name=f"products_{name}", reset_less=True)
+            product = (
+                coefficients[kd.lsb : kd.end] * diffuse + coefficients[ks.lsb : ks.end] * specular
+            )
+            if config.lanes:
+                with m.If(self.moves):
+                    m.d.sync += products.eq(product)
+            else:
+                m.d.comb += products.eq(product)
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
             # With dithering a channel keeps the fraction that the thresholds are added to.
             shift = config.colour_shift - config.dither_bits
             level = Signal(len(total) - shift, name=f"level_{name}")
             m.d.comb += [
                 # Not beside the multiplication, which takes long enough.
-                total.eq(diffuse + specular + self.ambient[channel]),
+                total.eq(products + self.ambient[channel]),
                 level.eq(total >> shift),
             ]
             bits = config.channel_bits + config.dither_bits

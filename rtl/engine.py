@@ -97,6 +97,15 @@ class Engine(wiring.Component):
         connect(m, flipped(self.initial), window.initial)
         connect(m, window.raster, flipped(self.raster))
 
+        if config.lanes:
+            m.d.comb += [
+                decoder.oldest.eq(window.oldest),
+                colour.moves.eq(decoder.moves),
+                window.colour.eq(colour.shade),
+            ]
+        else:
+            m.d.comb += decoder.shade.eq(colour.shade)
+
         # From the end word until the end beat the frame's last lines are still on their way out.
         draining = Signal()
         with m.If(window.finished):
@@ -109,7 +118,6 @@ class Engine(wiring.Component):
             sequencer.admit.eq(tables.idle & ~self.tables.valid),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
-            decoder.shade.eq(colour.shade),
             decoder.last_column.eq(registers.last_column),
             decoder.last_line.eq(registers.last_line),
             window.last_column.eq(registers.last_column),

@@ -1,6 +1,6 @@
 """A lane of the window: one block RAM of pixels, and the writer behind it."""
 
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Cat, Const, Module, Signal
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -83,20 +83,22 @@ class Lane(wiring.Component):
         )
         read, write = ram.read_port(), ram.write_port()
         taken = Signal(LaneRequestLayout(config))
-        passes = Signal()
+        difference = Signal(config.depth_bits + 3)
         with m.If(self.enable):
             m.d.sync += taken.eq(self.request)
         m.d.comb += [
             read.addr.eq(self.request.address),
             read.en.eq(self.enable),
             self.old.eq(read.data),
-            # The request rides on the comparison's carry chain: the way to the memory's write
-            # enable is the longest there is.
-            passes.eq(Cat(self.new.depth, 1) < Cat(self.old.depth, taken.draw, taken.clear)),
+            # new < old, as the carry of old - new - 1; the request rides on the same chain, because
+            # the way from the memory to its own write enable is the longest there is.
+            difference.eq(
+                Cat(self.old.depth, taken.draw, taken.clear) + ~Cat(self.new.depth, Const(1, 2))
+            ),
             write.addr.eq(taken.address),
             write.data.colour.eq(self.new.colour),
             write.data.depth.eq(self.new.depth | taken.clear.replicate(config.depth_bits)),
             # Written every cycle while standing still, the pixel comes out the same each time.
-            write.en.eq(passes),
+            write.en.eq(difference[-1]),
         ]
         return m

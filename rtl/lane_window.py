@@ -38,7 +38,12 @@ class LaneWindow(wiring.Component):
     Members
     -------
     i : In(stream of TileLayout)
-        Tiles in the order of their lines; the ``end`` token is taken when its frame is out.
+        Tiles in the order of their lines, which are in the window; the ``end`` token is taken when
+        its frame is out.
+    colour : In(colour_bits)
+        Colour of the tile that is offered on ``i``.
+    oldest : Out(line_bits + 1)
+        First line in the window.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
@@ -58,6 +63,8 @@ class LaneWindow(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(TileLayout(config))),
+                "colour": In(config.colour_bits),
+                "oldest": Out(config.line_bits + 1),
                 "initial": In(stream.Signature(RasterLayout(config))),
                 "raster": Out(stream.Signature(RasterLayout(config))),
                 "last_column": In(config.x_bits),
@@ -114,39 +121,35 @@ class LaneWindow(wiring.Component):
         m.d.comb += line.eq(1 << service.line[:2])
 
         # Request: the initial raster, else the tile, and the flush in a row that neither wants.
-        near, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
+        offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
         drawn, loaded, cleared = Signal(), Signal(), Signal()  # in the cycle before
-        top = Signal.like(tile.top, init=-SIDE)
-        ahead = Signal.like(tile.top)
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
         m.d.comb += [
-            walker.top.eq(top),
+            walker.top.eq(tile.top),
+            self.oldest.eq(walker.oldest),
             walker.loaded.eq(loader.loaded),
             walker.jump.eq(loader.finished),
             walker.enable.eq(~sweeping),
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),
-            # A line takes the place of the one that left two cycles ago, not of the one before it:
-            # that may still be cleared.
-            ahead.eq(tile.top - walker.oldest),
-            near.eq(
-                self.i.valid
-                & ~tile.end
-                & ~loader.o.valid
-                # Less than 12 lines, or 8 of a lower tile, whose first is four lines below.
-                & (ahead[-1] | ~(ahead[4:-1].any() | (ahead[3] & (ahead[2] | tile.lower))))
-            ),
+            offered.eq(self.i.valid & ~tile.end & ~loader.o.valid),
             going.eq(
-                near & running & ~sweeping & loader.loaded & ~walker.taking & ~loaded & ~conflict
+                offered
+                & running
+                & ~sweeping
+                & loader.loaded
+                & ~walker.taking
+                & ~loaded
+                & ~conflict
             ),
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of any if everything has stood still since.
             conflict.eq(drawn & (tile.meets | stopped)),
             self.i.ready.eq(going | self.finished),
-            # Whether the tile goes is known late; its lanes are kept for it if it is near enough.
-            busy.eq(Cat(row.any() for row in tile.mask) & near.replicate(SIDE)),
+            # Whether the tile goes is known late; its lanes are kept for it in any case.
+            busy.eq(Cat(row.any() for row in tile.mask) & offered.replicate(SIDE)),
             # A word does not follow at once on what may still write it.
             loading.eq(
                 loader.o.valid
@@ -164,10 +167,6 @@ class LaneWindow(wiring.Component):
             emitter.place.eq(service),
         ]
         m.d.sync += stopped.eq(~running)
-        with m.If(self.i.valid):
-            m.d.sync += top.eq(tile.top)
-        with m.If(self.finished):
-            m.d.sync += top.eq(top.init)
         with m.If(running):
             m.d.sync += [
                 drawn.eq(going),
@@ -181,7 +180,7 @@ class LaneWindow(wiring.Component):
                 m.d.sync += [
                     new[j].depth.eq(Mux(loader.o.valid, loader.o.payload.pixels.depth[j], tile.z)),
                     new[j].colour.eq(
-                        Mux(loader.o.valid, loader.o.payload.pixels.colour[j], tile.colour)
+                        Mux(loader.o.valid, loader.o.payload.pixels.colour[j], self.colour)
                     ),
                 ]
         word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in range(SIDE)]

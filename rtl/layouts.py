@@ -180,8 +180,8 @@ class TileLayout(data.StructLayout):
     second. ``meets``: it has a pixel in common with the tile before it, which was taken in the
     cycle before this one came.
 
-    ``lower``: the tile's first line is ``top + 4``, not ``top``. No later element touches a line
-    above ``top``. ``end``: no tile, but the end of the frame.
+    ``end``: no tile, but the end of the frame. No later tile touches a line above ``top``; that
+    holds even while none is offered. The colour comes beside the tile (:class:`ColourUnit`).
     """
 
     def __init__(self, config: EngineConfig):
@@ -193,8 +193,6 @@ class TileLayout(data.StructLayout):
                 "next": 4,
                 "meets": 1,
                 "z": config.z.width,
-                "colour": _shade_bits(config),
-                "lower": 1,
                 "top": signed(config.line_bits + 2),
                 "end": 1,
             }

@@ -22,16 +22,21 @@ class Tiler(wiring.Component):
     different lanes, one for each residue of line and column: its rows and columns are turned to
     theirs, and clipped to the image (columns by whole words of four pixels).
 
+    An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
+    so that the lines above it may leave.
+
     **Latency**: 2 cycles. **Throughput**: one tile a cycle.
 
     Members
     -------
     i : In(stream of GeometryLayout)
         Elements, and ``end`` tokens.
-    shade : In
-        Colour of the element that was last taken.
     o : Out(stream of TileLayout)
         Tiles; for an ``end`` token one without pixels, to be taken when its frame is out.
+    moves : Out(1)
+        What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
+    oldest : In(line_bits + 1)
+        First line in the window.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
@@ -43,8 +48,9 @@ class Tiler(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(GeometryLayout(config))),
-                "shade": In(3 * (config.channel_bits + config.dither_bits)),
                 "o": Out(stream.Signature(TileLayout(config))),
+                "moves": Out(1),
+                "oldest": In(config.line_bits + 1),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
             }
@@ -59,6 +65,8 @@ class Tiler(wiring.Component):
         left = Signal(4)  # tiles to do: upper left, upper right, lower left, lower right
         first = Signal(4)  # the one to do now
         rest = Signal(4)
+        near = Signal(2)  # the lines of its upper, of its lower tiles are in the window
+        may = Signal()  # those of the tile to do now
         step = Signal()
         valid = Signal()
         held = {
@@ -69,31 +77,53 @@ class Tiler(wiring.Component):
             first.eq(left & (~left + 1)),
             rest.eq(left & ~first),
             step.eq(~valid | self.o.ready),
-            self.i.ready.eq(~there | (step & ~rest.any())),
-            tile.colour.eq(self.shade),
+            self.moves.eq(step),
+            self.i.ready.eq(~there | (step & may & ~rest.any())),
             *(tile[name].eq(held[name]) for name in ("z", "top", "end")),
         ]
         with m.If(self.i.ready):
             m.d.sync += [held[name].eq(getattr(element, name)) for name in held]
             m.d.sync += there.eq(self.i.valid)
-        with m.Elif(step):
+        with m.Elif(step & may):
             m.d.sync += left.eq(rest)
 
         given = Signal(TileLayout(self.config), reset_less=True)
-        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given)]
+        top = Signal.like(held["top"], name="given_top", init=-SIDE)
+        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
         with m.If(step):
             m.d.sync += [
-                valid.eq(there & (left.any() | held["end"])),
+                valid.eq(there & may & (left.any() | held["end"])),
                 given.eq(tile),
                 given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
             ]
+            with m.If(valid & given.end):
+                m.d.sync += top.eq(-SIDE)  # of the next frame
+            with m.Elif(there):
+                m.d.sync += top.eq(held["top"])
 
         lower, right = Signal(), Signal()
+        waiting = Signal()
+        behind = Signal.like(held["top"])
         m.d.comb += [
-            lower.eq(first[2:].any()),
+            lower.eq(~left[:2].any()),
             right.eq(first[1] | first[3]),
-            tile.lower.eq(lower),
+            may.eq(held["end"] | Mux(lower, near[1], near[0])),
+            # Known a cycle ahead, because all before it waits for it. While the element at hand
+            # waits, the one behind it is not looked at, and comes as one whose lines are not there.
+            waiting.eq(there & ~near.all()),
+            behind.eq(self.oldest - Mux(waiting, held["top"], element.top)),
         ]
+        with m.If(waiting & self.i.ready):
+            m.d.sync += near.eq(0)
+        with m.Elif(waiting | self.i.ready):
+            # A line takes the place of one that left some cycles ago, not of the four before it:
+            # they may still be cleared. So less than 12 lines ahead, or 8 for a lower tile.
+            high = behind[4:].all()
+            m.d.sync += near.eq(
+                Cat(
+                    ~behind[-1] | (high & (behind[:4] > 4)), ~behind[-1] | (high & (behind[:4] > 8))
+                )
+            )
         pixels = self._turn(m, self._rows(m, element, left), held, lower, right)
         lines = self._lines(m, element, tile, held["top"], lower)
         columns = self._columns(m, element, tile, held["x"], right)
@@ -206,20 +236,19 @@ class Tiler(wiring.Component):
         return columns
 
     def _meets(self, m, tile, before):
-        """Return whether two tiles have a pixel in common."""
+        """Return whether two tiles overlap: whether they have a pixel of the image in common."""
         same, after, ahead = Signal(), Signal(), Signal()
         m.d.comb += [
             same.eq(tile.words[0] == before.words[0]),
             after.eq(tile.words[1] == before.words[0]),
             ahead.eq(tile.words[0] == before.words[1]),
         ]
-        pixels = Signal(SIDE * SIDE)
-        for j in range(SIDE):
-            column = Signal(name=f"column_{j}")
-            new, old = tile.next[j], before.next[j]
-            m.d.comb += column.eq(Mux(new == old, same, Mux(new, after, ahead)))
-            for i in range(SIDE):
-                line = tile.group[i] == before.group[i]
-                both = tile.mask[i][j] & before.mask[i][j]
-                m.d.comb += pixels[SIDE * i + j].eq(both & line & column)
-        return pixels.any()
+        # Which of their pixels they draw would be known too late, and says little more.
+        lines, columns = Signal(SIDE), Signal(SIDE)
+        for i in range(SIDE):
+            new, old = tile.next[i], before.next[i]
+            m.d.comb += [
+                lines[i].eq(tile.group[i] == before.group[i]),
+                columns[i].eq(Mux(new == old, same, Mux(new, after, ahead))),
+            ]
+        return lines.any() & columns.any()

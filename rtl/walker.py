@@ -87,23 +87,22 @@ class Walker(wiring.Component):
         leaving = Signal()
         walking = Signal()  # the oldest line leaves, and was written; known one cycle later
 
-        # The stretch at hand: its marked pairs, of which the first is being asked for.
+        # The stretch at hand: its marked pairs, but for the one that is asked for. The next stretch
+        # is taken as soon as that is the last.
         pairs = Signal(1 << mark_bits(config))
         first = Signal.like(pairs)
         second_word = Signal()
         next_stretch = Signal(stretch_bits + 1)  # its top bit: all were taken
         stretch = Signal(stretch_bits)  # the one before the next
         asking, asked, left = Signal(), Signal(), Signal()
-        number = Signal(mark_bits(config))
+        pair = Signal(mark_bits(config) + stretch_bits)
         m.d.comb += [
             leaving.eq((self.oldest < self.top) & self.loaded),
-            asking.eq(pairs.any()),
             first.eq(pairs & (~pairs + 1)),
-            number.eq(_number(first)),
             stretch.eq(next_stretch - 1),
             self.clean.eq(~written.any()),
             self.flush.valid.eq(asking),
-            self.flush.payload.word.eq(Cat(second_word, number, stretch)),
+            self.flush.payload.word.eq(Cat(second_word, pair)),
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
             marks.take.eq(self.taking | self.wipe),
@@ -113,24 +112,25 @@ class Walker(wiring.Component):
             marks.touch.eq(self.touch),
             marks.group.eq(self.group),
             marks.words.eq(self.words),
-            left.eq(~asking & next_stretch[-1]),
+            left.eq(~asking & ~pairs.any() & next_stretch[-1]),
         ]
         m.d.sync += [
             walking.eq(leaving & written.bit_select(place, 1) & ~left),
             # Known a cycle ahead, because whatever is drawn waits for it.
             self.taking.eq(
-                walking & ~asking & ~next_stretch[-1] & self.enable & ~self.taking
+                walking & ~pairs.any() & ~next_stretch[-1] & self.enable & ~self.taking
             ),
         ]
-        with m.If(self.taking):
-            m.d.sync += [
-                pairs.eq(marks.taken),
-                next_stretch.eq(next_stretch + 1),
-            ]
         with m.If(asked):
             m.d.sync += second_word.eq(~second_word)
-            with m.If(second_word):
-                m.d.sync += pairs.eq(pairs & ~first)
+        with m.If(~asking | (asked & second_word)):
+            m.d.sync += [
+                asking.eq(pairs.any()),
+                pair.eq(Cat(_number(first), stretch)),
+                pairs.eq(pairs & ~first),
+            ]
+        with m.If(self.taking):
+            m.d.sync += [pairs.eq(marks.taken), next_stretch.eq(next_stretch + 1)]
         with m.If(left):
             m.d.sync += next_stretch.eq(0)
 

@@ -17,6 +17,7 @@ from .pipeline_model import (
     EMPTY,
     END_WORD,
     FIRST,
+    FIRST_STAGE,
     FOLLOWING,
     HEAD,
     LAST,
@@ -58,7 +59,7 @@ class Lanes(NamedTuple):
     marks
         Pairs of words that were written, by place of their line: shape (16, pairs).
     walk
-        See ``OLDEST`` and what follows: shape (9,).
+        See ``OLDEST`` and what follows: shape (10,).
     """
 
     tiles: Any
@@ -67,11 +68,12 @@ class Lanes(NamedTuple):
     walk: Any
 
 
-OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING, TAKING = range(9)
+OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING, TAKING, ASKING = range(10)
 """Registers of the walker: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
-whether the second word of one is next; the next stretch; whether a word left one cycle before; and
-whether the oldest line was on its way out then; whether a stretch's marks are taken."""
+whether the second word of the one that is asked for is next; the next stretch; whether a word left one cycle before; and
+whether the oldest line was on its way out then; whether a stretch's marks are taken, and whether
+a pair is asked for."""
 
 
 @nb.njit(cache=True)
@@ -96,12 +98,13 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         np.zeros((TILES, SIDE), np.int64),
         np.zeros(1, np.int64),
         np.zeros((LINES, pairs), np.bool_),
-        np.zeros(9, np.int64),
+        np.zeros(10, np.int64),
     )
     walk = lanes.walk
     walk[TOP] = -ABOVE
-    tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
+    tile, coming = np.zeros(2 + SIDE, np.int64), np.zeros(2 + SIDE, np.int64)
     given, meets, drawn = NOTHING, False, False
+    near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
     x = 0
     front = new_front()
     cycle = 0
@@ -115,20 +118,19 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         taken = walk[NEXT] == stretches
         taking = walk[TAKING]
         wanting = walk[WALKING] and walk[PAIRS] == 0 and not (taken or clearing or taking)
-        near = given == TILE and tile[0] - walk[OLDEST] < LINES - SIDE
+        left_line = taken and walk[PAIRS] == 0 and not walk[ASKING]
+        oldest = walk[OLDEST]
         conflict = machine.hazard and meets and drawn
-        going = near and not settling and not taking and not conflict
+        going = given == TILE and not settling and not taking and not conflict
         rows = 0  # of lanes that are kept for the tile
         for k in range(SIDE):
-            if near and tile[3 + k]:
+            if given == TILE and tile[2 + k]:
                 rows |= 1 << (tile[0] + k) % SIDE
-        flushing = walk[PAIRS] > 0 and not clearing and not rows >> walk[OLDEST] % SIDE & 1
-        _step(lanes, leaving, taking, flushing, taken and walk[PAIRS] == 0)
+        flushing = walk[ASKING] and not clearing and not rows >> walk[OLDEST] % SIDE & 1
+        _step(lanes, leaving, taking, flushing, left_line)
         walk[TAKING] = wanting
         if going:
             _mark(tile, lanes)
-        if given != NOTHING:
-            walk[TOP] = tile[2]
         drawn = going
 
         # The next tile, and the next element.
@@ -137,18 +139,26 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             head, top = front.held[HEAD], front.tops[HEAD]
             ends = head != EMPTY and head == front.state[END_WORD]
             left = lanes.left[0]
-            given = END if ends else TILE if head != EMPTY and left else NOTHING
-            coming[2] = top
+            number = 0
+            while left and not left >> number & 1:
+                number += 1
+            may = ends or near[0 if left & 3 else 1]
+            given = END if ends else TILE if left and may else NOTHING
+            if head != EMPTY:
+                walk[TOP] = top
             if given == TILE:
-                number = 0
-                while not left >> number & 1:
-                    number += 1
                 _clip(lanes.tiles[number], top, x, number, coming, machine)
                 lanes.left[0] = left & (left - 1)
-            meets = going and given == TILE and _meet(coming, tile)
+            meets = going and given == TILE and _meet(coming, tile, machine)
             tile[:] = coming
-            done = head != EMPTY and lanes.left[0] == 0
-        if advance(words, front, done, machine):
+            done = head != EMPTY and may and lanes.left[0] == 0
+        waiting = front.held[HEAD] != EMPTY and not (near[0] and near[1])
+        top = front.tops[HEAD if waiting else FIRST_STAGE]
+        moved = advance(words, front, done, machine)
+        for lower in range(2 if waiting or moved else 0):
+            room = LINES - SIDE - SIDE * lower
+            near[lower] = not (waiting and moved) and top - oldest < room
+        if moved:
             head = front.held[HEAD]
             lanes.left[0] = 0
             if head != EMPTY and head != front.state[END_WORD]:
@@ -206,39 +216,32 @@ def _cut(word: int, tiles: Any) -> int:
 
 @nb.njit(cache=True)
 def _clip(columns: Any, top: int, x: int, number: int, tile: Any, machine: Machine) -> None:
-    """Set ``tile``: first line and column, ``top``, and what of each line lies in the image.
+    """Set ``tile``: first line and column, and what of each line lies in the image.
 
     Of columns, what lies in the image's words.
     """
     line, column = top + SIDE * (number >> 1), x + SIDE * (number & 1)
-    tile[0], tile[1], tile[2] = line, column, top
+    tile[0], tile[1] = line, column
     # A tile that begins right of the image has no column.
     room = max((machine.last_column // WORD + 1) * WORD - column, 0)
     inside = (1 << min(room, SIDE)) - 1
     for k in range(SIDE):
-        tile[3 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
+        tile[2 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
 
 
 @nb.njit(cache=True)
-def _meet(tile: Any, other: Any) -> bool:
-    """Return whether two tiles have a pixel in common."""
-    across = other[1] - tile[1]
-    if abs(across) >= SIDE:
-        return False
-    for k in range(SIDE):
-        line = tile[0] + k - other[0]
-        if 0 <= line < SIDE:
-            theirs = other[3 + line]
-            if tile[3 + k] & (theirs << across if across >= 0 else theirs >> -across):
-                return True
-    return False
+def _meet(tile: Any, other: Any, machine: Machine) -> bool:
+    """Return whether two tiles overlap, as the circuit sees it: by their places in the window."""
+    columns = WORD * 2 * machine.half_words
+    line, column = (tile[0] - other[0]) % LINES, (tile[1] - other[1]) % columns
+    return min(line, LINES - line) < SIDE and min(column, columns - column) < SIDE
 
 
 @nb.njit(cache=True)
 def _mark(tile: Any, lanes: Lanes) -> None:
     """Mark the words that a tile is drawn into."""
     for k in range(SIDE):
-        line, columns = tile[0] + k, tile[3 + k]
+        line, columns = tile[0] + k, tile[2 + k]
         for j in range(SIDE):
             if columns >> j & 1:
                 lanes.marks[line % LINES, (tile[1] + j) // (WORD * PAIR)] = True
@@ -254,8 +257,10 @@ def _step(lanes: Lanes, leaving: bool, taking: bool, flushing: bool, left: bool)
     written = walk[WRITTEN] >> place & 1
     walk[FLUSHED] = flushing
     if flushing:
-        walk[PAIRS] -= walk[SECOND]
         walk[SECOND] ^= 1
+    if not walk[ASKING] or (flushing and not walk[SECOND]):
+        walk[ASKING] = walk[PAIRS] > 0
+        walk[PAIRS] -= walk[ASKING]
     if taking:
         stretch = min(STRETCH // PAIR, marks.shape[1])
         found = marks[place, walk[NEXT] * stretch : (walk[NEXT] + 1) * stretch]

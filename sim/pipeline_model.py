@@ -22,6 +22,7 @@ __all__ = [
     "EMPTY",
     "END_WORD",
     "FIRST",
+    "FIRST_STAGE",
     "FOLLOWING",
     "HEAD",
     "LAST",

@@ -76,8 +76,27 @@ def test_a_signal_s_name_is_the_one_that_says_where_it_is():
     assert (found["levels"], found["start"], found["end"]) == (0, "window.held", "other")
 
 
+def test_of_as_many_levels_the_path_of_more_cells_is_taken():
+    cells = [
+        cell("FDRE", 1, C=9, D="0"),
+        cell("LUT1", 2, I0=1),
+        cell("FDRE", 3, C=9, D=2),
+        cell("MUXCY", 4, CI="0", DI=1, S="0"),
+        cell("XORCY", 5, CI=4, LI="0"),
+        cell("FDRE", 6, C=9, D=5),
+    ]
+    found = longest_path(module(cells, one=[3], chain=[6]))
+    assert (found["levels"], found["carries"], found["end"]) == (1, 2, "chain")
+
+
+def test_a_register_without_a_name_in_the_source_goes_by_its_cell_s():
+    cells = [cell("FDRE", 1, C=9, D="0"), cell("FDRE", 2, C=9, D="0", CE=1)]
+    found = longest_path(module(cells))
+    assert (found["start"], found["end"]) == ("cell_0", "clock enable of cell_1 CE")
+
+
 def test_a_cell_that_is_not_known_and_a_path_that_is_not_there_are_told():
-    with pytest.raises(RuntimeError, match="no levels are known of the cell SRL16"):
+    with pytest.raises(RuntimeError, match="the cell SRL16 is not known"):
         longest_path(module([cell("SRL16", 1, A0=2)]))
     with pytest.raises(RuntimeError, match="no path"):
         longest_path(module([cell("FDRE", 1, C=2, D="0")]))
