@@ -89,6 +89,7 @@ class LaneWindow(wiring.Component):
             for j, lane in enumerate(row):
                 m.submodules[f"lane_{i}_{j}"] = lane
         running = emitter.running
+        ending = Signal()
 
         sweeping = Signal(init=1)
         sweep = Signal(lane_address_bits(config))
@@ -105,9 +106,14 @@ class LaneWindow(wiring.Component):
             loader.oldest.eq(walker.oldest),
             loader.restart.eq(self.finished),
             emitter.last_column.eq(self.last_column),
-            emitter.end.eq(self.i.valid & tile.end & walker.clean & loader.finished),
+            emitter.end.eq(ending),
             self.finished.eq(emitter.finished),
         ]
+
+        # Known a cycle ahead, because what stands before the window waits for it.
+        m.d.sync += ending.eq(
+            self.i.valid & tile.end & walker.clean & loader.finished & ~self.finished
+        )
 
         # What is served beside the tile: a word of the initial raster, or one that leaves.
         service = Signal(PlaceLayout(config))

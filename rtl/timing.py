@@ -16,12 +16,12 @@ and students of MIT's 6.111, whose board has an XC2V6000-4, left theirs on GitHu
   plancherb1/6.111-Final-Project: the same, and all that is not marked as from memory below.
 - *from memory of DS031*, not found anywhere: what is marked so.
 
-**How good it is.** The wires are XST's: 2,323 in those reports differ by 0.004 ns at most. Of 97
-paths there between registers, of cells that are used here, 93 come out within 0.01 ns of what XST
-printed; for the other four more is reckoned here, by up to 0.84 ns. XST itself is off as well: of
-43 clocks in those designs, those behind a DCM left out, the period after ``par -ol std`` was 0.87
-of XST's in the median, at least 0.54 and at most 1.52. Half of the designs filled under 3 % of
-their chip, and a wire is longer in a full one.
+**How good it is.** The wires are fitted to XST's: of 2,323 in those reports that leave a slice the
+worst is off by 0.004 ns. Of 97 paths there between registers, of cells that are used here, 93 come
+out within 0.01 ns of what XST printed; for the other four more is reckoned here, by up to 0.84 ns.
+XST itself is off as well: of 43 clocks in those designs, those behind a DCM left out, the period
+after ``par -ol std`` was 0.87 of XST's in the median, at least 0.54 and at most 1.52. Half of the
+designs filled under 3 % of their chip, and a wire is longer in a full one.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from .paths import LUT_MEMORY, REGISTERS, Step, find_longest, pins, signal_names
 
 __all__ = ["SOURCE", "estimate_timing", "net_delay"]
 
-SOURCE = "Virtex-II -4 as in reports of ISE 10.1.03; block RAM's clock to output from memory"
+SOURCE = "Virtex-II -4: as XST 10.1.03 has cells, and wires by fan-out; some of RAMs from memory"
 """Where the delays come from, in short."""
 
 CLOCK_TO_OUT = {"FD": 0.568, "RAMB16": 2.65, "RAM16X1": 2.05, "MULT18X18S": 3.0}

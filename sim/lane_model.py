@@ -103,7 +103,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     walk = lanes.walk
     walk[TOP] = -ABOVE
     tile, coming = np.zeros(2 + SIDE, np.int64), np.zeros(2 + SIDE, np.int64)
-    given, meets, drawn = NOTHING, False, False
+    given, meets, drawn, ending = NOTHING, False, False, False
     near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
     x = 0
     front = new_front()
@@ -111,8 +111,9 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         # The last pixels to be cleared are written one cycle after.
         clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
-        if given == END and walk[WRITTEN] == 0 and not walk[FLUSHED]:
+        if ending and not walk[FLUSHED]:
             return cycle + 2  # the end beat is on the port in the next cycle
+        ending = given == END and walk[WRITTEN] == 0
 
         leaving = walk[OLDEST] < walk[TOP]
         taken = walk[NEXT] == stretches

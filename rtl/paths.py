@@ -1,0 +1,167 @@
+"""The longest path between the registers of a Virtex-II netlist, by whatever is counted on it.
+
+``levels`` counts cells and ``timing`` nanoseconds; how signals run is found here for both.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from graphlib import CycleError, TopologicalSorter
+from typing import NamedTuple
+
+__all__ = ["LUT_MEMORY", "REGISTERS", "Path", "Step", "find_longest", "pins", "signal_names"]
+
+REGISTERS = ("FD", "RAMB16", "MULT18X18S", "RAM16X1")
+"""How the names of what has a clock begin."""
+
+LUT_MEMORY = "RAM16X1"
+"""A memory made of LUTs is written at the clock's edge, and read as a LUT is, by its address."""
+
+READ_BY = {"O": "A", "SPO": "A", "DPO": "DPRA"}
+"""How the pins of the address begin by which an output of such a memory is read."""
+
+LOGIC = ("LUT1", "LUT2", "LUT3", "LUT4", "MUXF5", "MUXF6", "MUXF7", "MUXF8")
+LOGIC += ("MUXCY", "XORCY", "MULT18X18", "INV")
+PADS = ("IBUF", "OBUF", "BUFG", "BUFGP")
+CLOCKS = ("C", "CLKA", "CLKB", "WCLK")
+
+
+class Step(NamedTuple):
+    """A wire of a path, from a cell of kind ``source``, and the cell that it leads into.
+
+    ``out`` is which bit of its output the path leaves that cell by.
+    """
+
+    bit: int
+    fan_out: int
+    source: str
+    cell: str
+    kind: str
+    pin: str
+    out: int = 0
+
+
+class Path(NamedTuple):
+    """What is counted on a path, the register that it starts at, and its steps into another."""
+
+    total: float
+    start: str
+    steps: list[Step]
+
+
+def find_longest(
+    module: dict,
+    *,
+    start: Callable[[str], float],
+    through: Callable[[Step], float],
+    end: Callable[[Step], float],
+) -> Path:
+    """Return the longest path from a register or memory to another, ports left out.
+
+    Of equal ones it is the one whose end is the first in the alphabet, so that the same netlist
+    gives the same answer.
+
+    Parameters
+    ----------
+    module
+        A flat module as Yosys writes it in JSON after ``synth_xilinx -family xc2v -ise -flatten``.
+    start
+        What a kind of register counts at the start of a path.
+    through
+        What a step counts, with the cell that it leads through.
+    end
+        What a step into a register counts.
+
+    Raises
+    ------
+    RuntimeError
+        If a cell is not known, signals run in a circle or no path joins two registers.
+    """
+    # Those left out are notes of Yosys.
+    cells = {n: cell for n, cell in module["cells"].items() if cell["type"][0] != "$"}
+    for kind in {cell["type"] for cell in cells.values()}:
+        if not kind.startswith(REGISTERS) and kind not in (*LOGIC, *PADS):
+            raise RuntimeError(f"the cell {kind} is not known")
+    drivers = {bit: name for name, cell in cells.items() for *_, bit in pins(cell, "output")}
+    fan_out = Counter(bit for cell in cells.values() for *_, bit in pins(cell, "input"))
+    registers = {name: c for name, c in cells.items() if c["type"].startswith(REGISTERS)}
+    arrivals: dict[int, tuple[float, Step | None]] = {
+        bit: (start(cell["type"]), None)
+        for cell in registers.values()
+        for *_, bit in pins(cell, "output")
+    }
+
+    def steps(name: str, output: str = "", out: int = 0) -> Iterator[tuple[float, Step]]:
+        """Yield when a cell's inputs come, and the steps into it."""
+        kind = cells[name]["type"]
+        for pin, _, bit in _causes(cells[name], output):
+            if bit in arrivals:
+                source = cells[drivers[bit]]["type"]
+                yield arrivals[bit][0], Step(bit, fan_out[bit], source, name, kind, pin, out)
+
+    for name in _sorted(cells, drivers):
+        for output, out, driven in pins(cells[name], "output"):
+            ways = [(before + through(step), step) for before, step in steps(name, output, out)]
+            best = max(ways, key=lambda way: way[0], default=None)
+            if best and (driven not in arrivals or best[0] > arrivals[driven][0]):
+                arrivals[driven] = best
+
+    ends = [(before + end(step), step) for name in registers for before, step in steps(name)]
+    if not ends:
+        raise RuntimeError("there is no path from a register to a register")
+    total, last = min(ends, key=lambda way: (-way[0], way[1].cell, way[1].pin, way[1].bit))
+    way = [last]
+    while (before := arrivals[way[-1].bit][1]) is not None:
+        way.append(before)
+    return Path(total, drivers[way[-1].bit], way[::-1])
+
+
+def pins(cell: dict, direction: str) -> Iterator[tuple[str, int, int]]:
+    """Yield the pins of one direction, by name and place, with their bits; constants left out."""
+    for pin, way in cell["port_directions"].items():
+        if way == direction:
+            for place, bit in enumerate(cell["connections"][pin]):
+                if isinstance(bit, int):
+                    yield pin, place, bit
+
+
+def signal_names(module: dict) -> dict[int, str]:
+    """Return a name of each bit that has one in the source: of several, one that says where."""
+    best: dict[int, tuple] = {}
+    for name, net in module["netnames"].items():
+        if net["hide_name"]:
+            continue  # made by Yosys
+        # Amaranth numbers the further names of a signal with $.
+        rank = ("$" in name, "." not in name, len(name), name)
+        for place, bit in enumerate(net["bits"]):
+            if bit not in best or rank < best[bit][0]:
+                index = f"[{place + net.get('offset', 0)}]" if len(net["bits"]) > 1 else ""
+                best[bit] = rank, name + index
+    return {bit: name for bit, (_, name) in best.items()}
+
+
+def _sorted(cells: dict, drivers: dict[int, str]) -> Iterator[str]:
+    """Yield the cells that a path may lead through, each after those that drive it."""
+    before = {
+        name: {
+            drivers[bit]
+            for output, *_ in pins(cell, "output")
+            for *_, bit in _causes(cell, output)
+            if bit in drivers
+        }
+        for name, cell in cells.items()
+        if cell["type"] in LOGIC or cell["type"].startswith(LUT_MEMORY)
+    }
+    try:
+        yield from (name for name in TopologicalSorter(before).static_order() if name in before)
+    except CycleError as error:
+        raise RuntimeError(f"the netlist has a combinational loop: {error.args[1]}") from None
+
+
+def _causes(cell: dict, output: str) -> Iterator[tuple[str, int, int]]:
+    """Yield the inputs that an output follows at once; for no output, all but the clocks."""
+    address = READ_BY[output] if output and cell["type"].startswith(LUT_MEMORY) else ""
+    for pin, place, bit in pins(cell, "input"):
+        if pin.startswith(address) and pin not in CLOCKS:
+            yield pin, place, bit
