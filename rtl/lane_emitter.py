@@ -40,8 +40,6 @@ class LaneEmitter(wiring.Component):
         The beats.
     running : Out(1)
         Low: the lanes and all requests stand still.
-    last_word : Out(word_bits)
-        Number of the word of ``place`` one cycle ago.
     finished : Out(1)
         High for one cycle: the end beat is taken into the register on the port.
     """
@@ -57,7 +55,6 @@ class LaneEmitter(wiring.Component):
                 "end": In(1),
                 "raster": Out(stream.Signature(RasterLayout(config))),
                 "running": Out(1),
-                "last_word": Out(config.word_bits),
                 "finished": Out(1),
             }
         )
@@ -82,7 +79,6 @@ class LaneEmitter(wiring.Component):
             self.running.eq(~(flushed & ~take)),
             over.eq(self.end & ~flushed),
             self.finished.eq(over & take),
-            self.last_word.eq(place.word),
         ]
         m.d.sync += dropped.eq(emit_valid & ~visible.any() & ~emit.end & ~take)
         with m.If(self.running):

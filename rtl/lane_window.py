@@ -95,6 +95,8 @@ class LaneWindow(wiring.Component):
         sweep = Signal(lane_address_bits(config))
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
+        swept = Signal(init=1)  # in the cycle before: the last pixels are still to be written
+        m.d.sync += swept.eq(sweeping)
 
         connect(m, flipped(self.initial), loader.i)
         connect(m, emitter.raster, flipped(self.raster))
@@ -144,7 +146,7 @@ class LaneWindow(wiring.Component):
             going.eq(
                 offered
                 & running
-                & ~sweeping
+                & ~swept
                 & loader.loaded
                 & ~walker.taking
                 & ~loaded
@@ -164,9 +166,10 @@ class LaneWindow(wiring.Component):
                 & ~walker.taking
                 & ~drawn
                 & ~cleared
-                & ~(loaded & (loader.o.payload.word == emitter.last_word))
+                & ~loaded
             ),
-            loader.o.ready.eq(loading),
+            # Taken once it is written: so it need not be stored.
+            loader.o.ready.eq(loaded & running),
             flushing.eq(walker.flush.valid & walker.flush.ready),
             walker.flush.ready.eq(running & ~sweeping & ~loader.o.valid & ~(line & busy).any()),
             emitter.flush.eq(flushing),
@@ -176,19 +179,20 @@ class LaneWindow(wiring.Component):
         with m.If(running):
             m.d.sync += [
                 drawn.eq(going),
-                loaded.eq(loading | sweeping),
+                loaded.eq(loading),
                 cleared.eq(flushing | sweeping),
             ]
 
-        new = [Signal(PixelLayout(config), name=f"new_{j}", reset_less=True) for j in range(SIDE)]
+        drawing = Signal(PixelLayout(config), reset_less=True)
+        with m.If(running):
+            m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.colour)]
+        new = [Signal(PixelLayout(config), name=f"new_{j}") for j in range(SIDE)]
         for j in range(SIDE):
-            with m.If(running):
-                m.d.sync += [
-                    new[j].depth.eq(Mux(loader.o.valid, loader.o.payload.pixels.depth[j], tile.z)),
-                    new[j].colour.eq(
-                        Mux(loader.o.valid, loader.o.payload.pixels.colour[j], self.colour)
-                    ),
-                ]
+            pixels = loader.o.payload.pixels
+            m.d.comb += [
+                new[j].depth.eq(Mux(loaded, pixels.depth[j], drawing.depth)),
+                new[j].colour.eq(Mux(loaded, pixels.colour[j], drawing.colour)),
+            ]
         word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in range(SIDE)]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
