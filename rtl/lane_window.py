@@ -144,13 +144,7 @@ class LaneWindow(wiring.Component):
             walker.restart.eq(self.finished),
             offered.eq(self.i.valid & ~tile.end & ~loader.o.valid),
             going.eq(
-                offered
-                & running
-                & ~swept
-                & loader.loaded
-                & ~walker.taking
-                & ~loaded
-                & ~conflict
+                offered & running & ~swept & loader.loaded & ~walker.taking & ~loaded & ~conflict
             ),
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of any if everything has stood still since.
@@ -160,13 +154,7 @@ class LaneWindow(wiring.Component):
             busy.eq(Cat(row.any() for row in tile.mask) & offered.replicate(SIDE)),
             # A word does not follow at once on what may still write it.
             loading.eq(
-                loader.o.valid
-                & running
-                & ~sweeping
-                & ~walker.taking
-                & ~drawn
-                & ~cleared
-                & ~loaded
+                loader.o.valid & running & ~sweeping & ~walker.taking & ~drawn & ~cleared & ~loaded
             ),
             # Taken once it is written: so it need not be stored.
             loader.o.ready.eq(loaded & running),

@@ -79,7 +79,7 @@ class Tiler(wiring.Component):
             step.eq(~valid | self.o.ready),
             self.moves.eq(step),
             self.i.ready.eq(~there | (step & may & ~rest.any())),
-            *(tile[name].eq(held[name]) for name in ("z", "top", "end")),
+            *(tile[name].eq(held[name]) for name in ("z", "end")),
         ]
         with m.If(self.i.ready):
             m.d.sync += [held[name].eq(getattr(element, name)) for name in held]
@@ -88,7 +88,7 @@ class Tiler(wiring.Component):
             m.d.sync += left.eq(rest)
 
         given = Signal(TileLayout(self.config), reset_less=True)
-        top = Signal.like(held["top"], name="given_top", init=-SIDE)
+        top = Signal(element.top.shape(), name="given_top", init=-SIDE)
         m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
         with m.If(step):
             m.d.sync += [

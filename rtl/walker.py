@@ -117,9 +117,7 @@ class Walker(wiring.Component):
         m.d.sync += [
             walking.eq(leaving & written.bit_select(place, 1) & ~left),
             # Known a cycle ahead, because whatever is drawn waits for it.
-            self.taking.eq(
-                walking & ~pairs.any() & ~next_stretch[-1] & self.enable & ~self.taking
-            ),
+            self.taking.eq(walking & ~pairs.any() & ~next_stretch[-1] & self.enable & ~self.taking),
         ]
         with m.If(asked):
             m.d.sync += second_word.eq(~second_word)
