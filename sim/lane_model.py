@@ -71,9 +71,9 @@ class Lanes(NamedTuple):
 OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING, TAKING, ASKING = range(10)
 """Registers of the walker: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
-whether the second word of the one that is asked for is next; the next stretch; whether a word left one cycle before; and
-whether the oldest line was on its way out then; whether a stretch's marks are taken, and whether
-a pair is asked for."""
+whether the second word of the one that is asked for is next; the next stretch; whether a word left
+one cycle before; whether the oldest line was on its way out then; whether a stretch's marks are
+taken, and whether a pair is asked for."""
 
 
 @nb.njit(cache=True)
