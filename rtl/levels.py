@@ -20,7 +20,7 @@ MULTIPLIER = "MULT18X18"
 FREE = ("INV", "BUFG")
 """An inverter is part of the pin that it leads to, as where LUTs are counted."""
 
-MEMORIES = {"RAM16X1S": "A", "RAM16X1D": "DPRA"}
+MEMORIES = {"RAM16X1S": "A", "RAM16X1D": "DPRA", "RAM32X1S": "A"}
 """LUTs as memory, read at once and written by the clock: how the pins of the read address begin."""
 
 LOGIC = (*LUTS, *CARRIES, MULTIPLIER, *FREE, *MEMORIES)

@@ -18,10 +18,10 @@ SOURCE = "Virtex-II -4, DS031 module 3, entered from memory; nets: 0.6 ns + 0.2 
 """Where the delays come from. The data sheet was not at hand when they were written down: compare
 them with its tables of CLB, block RAM and multiplier switching characteristics."""
 
-CLOCK_TO_OUT = {"FD": 0.57, "RAMB16": 2.65, "RAM16X1": 1.4, "MULT18X18S": 3.0}
-"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_MULTCK."""
+CLOCK_TO_OUT = {"FD": 0.57, "RAMB16": 2.65, "RAM16X1": 1.4, "RAM32X1": 1.7, "MULT18X18S": 3.0}
+"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_SHCKO32, T_MULTCK."""
 
-SETUP = {"FD": 0.37, "RAMB16": 0.36, "RAM16X1": 0.6, "MULT18X18S": 2.7}
+SETUP = {"FD": 0.37, "RAMB16": 0.36, "RAM16X1": 0.6, "RAM32X1": 0.6, "MULT18X18S": 2.7}
 """ns that an input stands before the clock's edge: T_DICK, T_BACK, T_DS, T_MULIDCK and others."""
 
 SETUP_OF_PIN = {("RAMB16", "EN"): 1.20, ("RAMB16", "WE"): 0.72, ("RAMB16", "SSR"): 1.65}
@@ -41,8 +41,8 @@ MULTIPLIER, MULTIPLIER_BIT = 5.91, 0.12
 
 CLOCKS = ("C", "CLKA", "CLKB", "WCLK")
 REGISTERS = tuple(CLOCK_TO_OUT)
-LUT_MEMORY = "RAM16X1"
-"""A memory made of LUTs is written at the clock's edge, and read as a LUT is, by its address."""
+LUT_MEMORY = ("RAM16X1", "RAM32X1")
+"""Memories made of LUTs: written at the clock's edge, and read as a LUT is, by their address."""
 
 PADS = ("IBUF", "OBUF", "BUFG", "BUFGP")
 FREE = ("INV", "GND", "VCC")
@@ -189,7 +189,7 @@ def _setup(kind: str, pin: str) -> float:
 
 def _through(kind: str, pin: str, out: tuple[str, int]) -> float:
     """Return the delay of a cell from one of its pins to a bit of its output."""
-    if kind.startswith(("LUT", LUT_MEMORY)):
+    if kind.startswith(("LUT", *LUT_MEMORY)):
         return LUT
     if kind in MUXES:
         return MUXES[kind]
