@@ -5,6 +5,7 @@ from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from .bank import bank_address_bits
+from .choose import choose
 from .format import EngineConfig
 from .scatter import BANKS
 
@@ -108,17 +109,12 @@ class BankMarks(wiring.Component):
                     ),
                 ]
 
-        def chosen(values):
-            """Return that of four values which belongs to the line's residue."""
-            first, second = self.line[0], self.line[1]
-            return Mux(second, Mux(first, values[3], values[2]), Mux(first, values[1], values[0]))
-
         halves = [Signal(1 << low, name=f"half_{n}") for n in range(2)]
         for n, half in enumerate(halves):
-            m.d.comb += half.eq(chosen(kept[4 * n : 4 * n + 4]))
+            m.d.comb += half.eq(choose(kept[4 * n : 4 * n + 4], self.line[:2]))
         for column in range(1 << low):
             m.d.comb += self.marks[2 * column : 2 * column + 2].eq(
                 Cat(halves[0][column], halves[1][column])
             )
-        m.d.comb += self.busy.eq(chosen(self.drawn[:4] | self.drawn[4:]))
+        m.d.comb += self.busy.eq(choose(self.drawn[:4] | self.drawn[4:], self.line[:2]))
         return m

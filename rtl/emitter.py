@@ -1,9 +1,10 @@
 """The way out: the word that a bank gives up becomes a beat of the raster."""
 
-from amaranth.hdl import Array, Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from .choose import choose
 from .format import EngineConfig
 from .layouts import PlaceLayout, PlaneLayout, RasterLayout
 from .scatter import BANKS
@@ -100,7 +101,8 @@ class Emitter(wiring.Component):
                 m.d.sync += place.eq(earlier)
 
         chosen = Signal(range(BANKS), reset_less=True)
-        word = Array(self.words)[chosen]
+        word = Signal(PlaneLayout(config))
+        m.d.comb += word.eq(choose(self.words, chosen))
         if stages == 1:
             with m.If(self.running):
                 m.d.sync += chosen.eq(self.bank)

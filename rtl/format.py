@@ -324,7 +324,12 @@ PRESETS = {
             name="rgb18", channel_bits=6, coefficient_bits=8, colour_shift=9, colour_planes=2
         ),
         WIDE.replace(
-            name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8, colour_planes=3
+            name="rgb24",
+            channel_bits=8,
+            coefficient_bits=10,
+            colour_shift=8,
+            colour_planes=3,
+            mark_words=8,  # what an XC2V250 has room for
         ),
         WIDE.replace(name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9),
     )

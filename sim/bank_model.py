@@ -211,11 +211,6 @@ def _place_row(
             first, last = max(begin - WORD * number, 0), min(end - WORD * number, WORD - 1)
             window.covered[bank, slot] = (2 << last) - (1 << first)
             window.place[bank, slot] = _start(line, number, machine)
-        # The line is not looked at before the element is done.
-        first = number // (2 * machine.mark_words) * (2 * machine.mark_words) + number % 2
-        for shared in range(first, first + 2 * machine.mark_words, 2):
-            if shared < window.marks.shape[1]:
-                window.marks[line % LINES, shared] = True
 
 
 @nb.njit(cache=True, inline="always")
@@ -244,12 +239,23 @@ def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool
             done = False
             continue
         window.taken[bank] = address
+        _mark(window, bank, address, machine)
         if machine.planes > 1 and _passes(window, bank, slot, z):
             window.reading[2, bank] = 1
         left &= left - 1
         window.left[bank] = left
         done = done and left == 0
     return done
+
+
+@nb.njit(cache=True)
+def _mark(window: Window, bank: int, address: int, machine: Machine) -> None:
+    """Mark the words that share a mark with the one at an address of a bank."""
+    group, number = divmod(address, machine.half_words)
+    first = number - number % machine.mark_words
+    half = bank // (BANKS // 2) ^ group & 1
+    for shared in range(first, min(first + machine.mark_words, machine.half_words)):
+        window.marks[4 * group + bank % 4, 2 * shared + half] = True
 
 
 @nb.njit(cache=True)
