@@ -27,10 +27,10 @@ class BankMarks(wiring.Component):
 
     A bank is drawn into at one address a cycle, so a memory beside each with one port is enough:
     its rows are addressed as the bank, but for the lowest bits, which choose a column. Memories of
-    up to 32 rows and one bit are what the LUTs of a Virtex-II hold. A line lies in two banks, half of
-    its words in each, by turns. Where ``mark_words`` is over 1, so many words of a bank share a bit.
+    up to 32 rows and one bit are what the LUTs of a Virtex-II hold. A line lies in two banks, its
+    words by turns in one and the other. So many words of a bank as ``mark_words`` share a bit.
 
-    **Latency**: 1 cycle from a word to its mark, 0 from ``line`` and ``stretch`` to ``marks``.
+    **Latency**: 1 cycle from a word to its mark, 0 from ``line`` and ``stretch`` to ``bits``.
     **Throughput**: a word a bank and cycle; a stretch a cycle, while its banks mark nothing.
 
     Members
@@ -44,16 +44,16 @@ class BankMarks(wiring.Component):
     stretch : In(stretch_bits)
         A stretch of it.
     busy : Out(1)
-        A bank of that line is marking: ``marks`` mean nothing.
+        A bank of that line is marking: ``bits`` mean nothing.
     take : In(1)
         Clear that stretch; not while ``busy``.
     wipe : In(1)
         Clear every bank's row at ``wipe_row``; nothing is drawn in that cycle.
     wipe_row : In(stretch_bits + 2)
         Stretch (low bits) and bits 3:2 of the lines.
-    marks : Out(2 ** (column_bits + 1))
-        The words' marks, from left to right but for those of the first half of the banks coming
-        before their neighbours in the other, whichever lies left.
+    bits : Out(2 ** (column_bits + 1))
+        The words' marks, two neighbours after the other. Of two neighbours the one in banks 0..3
+        comes first, whichever lies left.
     """
 
     def __init__(self, config: EngineConfig):
@@ -69,7 +69,7 @@ class BankMarks(wiring.Component):
                 "take": In(1),
                 "wipe": In(1),
                 "wipe_row": In(rows),
-                "marks": Out(2 << column_bits(config)),
+                "bits": Out(2 << column_bits(config)),
             }
         )
 
@@ -113,7 +113,7 @@ class BankMarks(wiring.Component):
         for n, half in enumerate(halves):
             m.d.comb += half.eq(choose(kept[4 * n : 4 * n + 4], self.line[:2]))
         for column in range(1 << low):
-            m.d.comb += self.marks[2 * column : 2 * column + 2].eq(
+            m.d.comb += self.bits[2 * column : 2 * column + 2].eq(
                 Cat(halves[0][column], halves[1][column])
             )
         m.d.comb += self.busy.eq(choose(self.drawn[:4] | self.drawn[4:], self.line[:2]))

@@ -91,7 +91,7 @@ class BankWalker(wiring.Component):
         stretch = Signal(stretch_bits(config))
         stretch_read = Signal.like(stretch)
         stretch_left = Signal.like(stretch)
-        read = Signal(len(marks.marks))
+        read = Signal(len(marks.bits))
         left = Signal.like(read)
 
         # Reading: on through the stretches, past those without marks, until one has some.
@@ -104,13 +104,11 @@ class BankWalker(wiring.Component):
         ended = Signal()
         m.d.comb += [
             # An initial raster may be on its way to all lines but the first ones.
-            leaving.eq(
-                (line < self.top) & self.loaded & (self.jump | (line[0] == self.oldest[0]))
-            ),
+            leaving.eq((line < self.top) & self.loaded & (self.jump | (line[0] == self.oldest[0]))),
             here.eq(written.bit_select(line[:4], 1)),
             reading.eq(leaving & here & ~marks.busy),
             free.eq(~read.any() | moves),
-            passed.eq(reading & (free | ~marks.marks.any())),
+            passed.eq(reading & (free | ~marks.bits.any())),
             ended.eq(passed & (stretch == self.last_word[low + 1 :])),
             marks.line.eq(line),
             marks.stretch.eq(stretch),
@@ -124,7 +122,7 @@ class BankWalker(wiring.Component):
             self.clean.eq(clean & ~self.drawn.any() & ~read.any() & ~left.any()),
         ]
         with m.If(free):
-            m.d.sync += [read.eq(marks.marks), line_read.eq(line), stretch_read.eq(stretch)]
+            m.d.sync += [read.eq(marks.bits), line_read.eq(line), stretch_read.eq(stretch)]
         with m.If(free & ~reading):
             m.d.sync += read.eq(0)
         with m.If(passed):

@@ -17,10 +17,12 @@ class Emitter(wiring.Component):
 
     A word stands on its bank's output in the cycle after its request and is taken from there into
     the register on the port. A word of background only is dropped: what was drawn there did not
-    pass the depth test, or lies outside the image. Where colours have further planes, they come out two cycles after
-    plane 0, which waits for them in two registers; then a pixel that is background is given colour
-    0, as its planes are stale. Both come through one multiplexer, so no word may be requested two
-    cycles after one that is not all background.
+    pass the depth test or lies outside the image, or it shares a mark.
+
+    Where colours have further planes, they come out two cycles after plane 0, which waits for them
+    in two registers; then a pixel that is background is given colour 0, as its planes are stale.
+    Both come through one multiplexer, so no word may be requested two cycles after one that is not
+    all background.
 
     A word that ``raster`` does not take stops the stages behind it, and the banks, once a second
     word stands in the last stage before the port.

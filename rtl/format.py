@@ -319,9 +319,14 @@ PRESETS = {
     for config in (
         PAPER,
         WIDE,
-        WIDE.replace(name="dither", dither=True),
+        WIDE.replace(name="dither", dither=True, mark_words=2),
         WIDE.replace(
-            name="rgb18", channel_bits=6, coefficient_bits=8, colour_shift=9, colour_planes=2
+            name="rgb18",
+            channel_bits=6,
+            coefficient_bits=8,
+            colour_shift=9,
+            colour_planes=2,
+            mark_words=4,
         ),
         WIDE.replace(
             name="rgb24",
@@ -329,7 +334,7 @@ PRESETS = {
             coefficient_bits=10,
             colour_shift=8,
             colour_planes=3,
-            mark_words=8,  # what an XC2V250 has room for
+            mark_words=8,
         ),
         WIDE.replace(name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9),
     )

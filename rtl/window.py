@@ -23,15 +23,16 @@ class Window(wiring.Component):
 
     Three stages: *request* (an address a bank), *merge* (the banks write back; a flushed word
     stands on its bank's output) and *emit* (the word waits on ``raster``). In the request stage the
-    initial raster goes first, then the element, and the flush takes what banks are left. A word
-    that ``raster`` does not take stops all three.
+    initial raster goes first, then the element, and the flush takes what banks are left; unless six
+    lines or more wait for it, then it goes before the element. A word that ``raster`` does not take
+    stops all three.
 
     Colours cut into planes (:class:`PlanarBank`) add two stages between merge and emit, in which
     the further planes are read and then written.
 
     After reset the banks are cleared, which takes as many cycles as a bank has words.
 
-    **Latency**: 3 cycles from a retired line to its first beat, 5 with further planes.
+    **Latency**: 5 cycles from a retired line to its first beat, 7 with further planes.
     **Throughput**: 1 to 3 cycles an element (see :class:`Scatter`), one more where it follows into
     the word that its predecessor wrote last; a word a cycle of the initial raster, and of
     ``raster`` while its bank is free. With further planes each word with a pixel that passes the
@@ -45,7 +46,7 @@ class Window(wiring.Component):
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
-        The words of lines that were written into, then an ``end`` beat.
+        The words in which something was drawn, then an ``end`` beat.
     last_column, last_line : In
         Size of the image less 1; steady during a frame, as is ``load``.
     load : In(1)
@@ -152,9 +153,9 @@ class Window(wiring.Component):
             ]
         with m.If(sweeping):
             m.d.comb += service_address.eq(sweep)
-        # Where six complete lines wait, flushing holds the element up, and goes before it in the bank
-        # that it needs, or in both of the oldest line, whose marks it waits for. Of six lines the
-        # first one's banks are least wanted: splats of a few pixels then lie in others.
+        # Where six complete lines wait, flushing goes before the element in the bank that it needs,
+        # or keeps both of the oldest line, whose marks it waits for. Six, as splats of a few pixels
+        # then lie in other banks than the oldest line; four or eight lines apart they are the same.
         urgent = Signal()
         m.d.comb += urgent.eq(~ahead[-1] & ahead[1:3].all() & emitter.ready)
         served = Signal(BANKS)

@@ -315,6 +315,8 @@ def _give_up(window: Window, machine: Machine) -> int:
     if machine.planes == 1:
         return BLANK
     line, number = window.walk[OLDEST], _asked_word(window.walk)
+    if number > machine.last_column // WORD:  # it shares its mark with a word of the image
+        return BLANK
     start = _start(line, number, machine)
     kind = BLANK
     for pixel in range(WORD):
