@@ -220,8 +220,8 @@ def test_known_counts(config):
     assert count([]) == latency + 1
     assert count([cw.advance(1)] * 10) == latency + 11
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
-    # waits until it is out: the line above is complete (1), flushed, merged, emitted. Dots in banks'
-    # words of their own leave as that many words; on the same word they wait for it as often.
+    # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks, dots
+    # in words of their own leave as so many words, and on the same word wait for it as often.
     for dots in (1, 2, 4):
         apart = [cw.encode(DOT, mode=1, x=step * n) for n in range(dots)]
         same = [cw.encode(DOT, mode=1, x=4)] * dots
