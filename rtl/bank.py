@@ -60,6 +60,10 @@ class Bank(wiring.Component):
         The word at ``request.address`` is being written now.
     old : Out(WordLayout)
         The word as it was before the last request taken.
+    drawn : Out(1)
+        Pixels were requested to be drawn one cycle before, into the word at ``drawn_address``.
+    drawn_address : Out(bank_address_bits)
+        Which word that is.
     """
 
     def __init__(self, config: EngineConfig):
@@ -71,6 +75,8 @@ class Bank(wiring.Component):
                 "new": In(WordLayout(config)),
                 "conflict": Out(1),
                 "old": Out(WordLayout(config)),
+                "drawn": Out(1),
+                "drawn_address": Out(bank_address_bits(config)),
             }
         )
 
@@ -94,6 +100,7 @@ class Bank(wiring.Component):
         taken = Signal(BankRequestLayout(config))
         with m.If(self.enable):
             m.d.sync += taken.eq(self.request)
+        m.d.comb += [self.drawn.eq(taken.draw), self.drawn_address.eq(taken.address)]
         m.d.comb += self.conflict.eq(
             (taken.draw | taken.clear) & (taken.address == self.request.address)
         )

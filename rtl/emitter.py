@@ -1,12 +1,12 @@
 """The way out: the word that a bank gives up becomes a beat of the raster."""
 
-from amaranth.hdl import Array, Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from .choose import choose
 from .format import EngineConfig
-from .layouts import PlaneLayout, RasterLayout
-from .ring import PlaceLayout
+from .layouts import PlaceLayout, PlaneLayout, RasterLayout
 from .scatter import BANKS
 
 __all__ = ["Emitter"]
@@ -16,10 +16,13 @@ class Emitter(wiring.Component):
     """Picks each flushed word from its bank and offers it on ``raster``.
 
     A word stands on its bank's output in the cycle after its request and is taken from there into
-    the register on the port. Where colours have further planes, they come out two cycles after
-    plane 0, which waits for them in two registers; then a pixel that is background is given colour
-    0, as its planes are stale. Both come through one multiplexer, so no word may be requested two
-    cycles after one that is not all background.
+    the register on the port. A word of background only is dropped: what was drawn there did not
+    pass the depth test or lies outside the image, or it shares a mark.
+
+    Where colours have further planes, they come out two cycles after plane 0, which waits for them
+    in two registers; then a pixel that is background is given colour 0, as its planes are stale.
+    Both come through one multiplexer, so no word may be requested two cycles after one that is not
+    all background.
 
     A word that ``raster`` does not take stops the stages behind it, and the banks, once a second
     word stands in the last stage before the port.
@@ -87,10 +90,9 @@ class Emitter(wiring.Component):
         take = Signal()
         over = Signal()
         m.d.comb += [
-            self.raster.valid.eq(emit_valid),
             self.raster.payload.eq(emit),
-            self.running.eq(~(valid[-1] & emit_valid & ~self.raster.ready)),
-            take.eq(~emit_valid | self.raster.ready),
+            self.running.eq(~(valid[-1] & ~take)),
+            take.eq(~self.raster.valid | self.raster.ready),
             self.empty.eq(~valid.any()),
             over.eq(self.end & self.empty),
             self.finished.eq(over & take),
@@ -101,18 +103,22 @@ class Emitter(wiring.Component):
                 m.d.sync += place.eq(earlier)
 
         chosen = Signal(range(BANKS), reset_less=True)
-        word = Array(self.words)[chosen]
+        word = Signal(PlaneLayout(config))
+        m.d.comb += word.eq(choose(self.words, chosen))
         if stages == 1:
             with m.If(self.running):
                 m.d.sync += chosen.eq(self.bank)
-            pixels = self._inside(places[0], word)
+            pixels, shown = self._inside(places[0], word), 1
+            # What is background is known behind the register: the way to it is long enough.
+            visible = ~Cat(depth.all() for depth in emit.pixels.depth).all()
+            m.d.comb += self.raster.valid.eq(emit_valid & (visible | emit.end))
         else:
-            pixels, drawn = self._planes(m, chosen, places, word)
-            m.d.comb += self.ready.eq(~(valid[1] & drawn))
+            pixels, drawn, shown = self._planes(m, chosen, places, word)
+            m.d.comb += [self.ready.eq(~(valid[1] & drawn)), self.raster.valid.eq(emit_valid)]
 
         with m.If(take):
             m.d.sync += [
-                emit_valid.eq(valid[-1] | over),
+                emit_valid.eq((valid[-1] & shown) | over),
                 emit.word.eq(places[-1].word),
                 emit.line.eq(places[-1].line),
                 emit.end.eq(over),
@@ -139,7 +145,8 @@ class Emitter(wiring.Component):
     def _planes(self, m, chosen, places, word):
         """Build the stages in which plane 0 waits.
 
-        Return the depths and whole colours, and whether the first stage's word needs its planes.
+        Return the depths and whole colours, and of which words some pixel is not background: the
+        one that needs its planes next, and the one before the port.
         """
         config = self.config
         before = Signal.like(chosen)  # the bank chosen one cycle ago
@@ -169,4 +176,4 @@ class Emitter(wiring.Component):
             if config.colour_planes == 3:
                 colour = Cat(colour, word.depth[number][: config.plane_bits])
             pixels.append((held.depth, Mux(held.background, 0, colour)))
-        return pixels, drawn
+        return pixels, drawn, ~Cat(held.background for held in waiting).all()

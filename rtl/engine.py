@@ -51,7 +51,7 @@ class Engine(wiring.Component):
     initial : In(stream of RasterLayout)
         What the frame starts from, if the control register's load bit is set; else ignored.
     raster : Out(stream of RasterLayout)
-        The picture: the words of each line that was written into, sorted; then the end beat.
+        The picture: the words in which something was drawn, sorted; then the end beat.
     """
 
     @property

@@ -97,6 +97,9 @@ class EngineConfig:
     lanes
         The window is made of sixteen lanes of pixels, which take the least silicon and a tile of
         4 x 4 pixels a cycle; else of eight banks of words, which take larger elements faster.
+    mark_words
+        Words of a bank that share the mark which says that something was drawn into one of them: 1,
+        2, 4 or 8. More take less silicon; all of them are read when their line leaves.
     dither
         Ordered dithering: a threshold for each pixel is added to the colour sum.
 
@@ -119,6 +122,7 @@ class EngineConfig:
     pixels_per_word: int = 4
     colour_planes: int = 1
     lanes: bool = False
+    mark_words: int = 1
     dither: bool = False
 
     def __post_init__(self) -> None:
@@ -146,6 +150,8 @@ class EngineConfig:
             raise ValueError(f"window_lines must be 16, not {self.window_lines!r}")
         if self.pixels_per_word != 4:
             raise ValueError(f"pixels_per_word must be 4, not {self.pixels_per_word!r}")
+        if self.mark_words not in (1, 2, 4, 8):
+            raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither):
             raise ValueError("lanes have neither further colour planes nor dithering")
         if self.z.end != 64:
@@ -313,12 +319,22 @@ PRESETS = {
     for config in (
         PAPER,
         WIDE,
-        WIDE.replace(name="dither", dither=True),
+        WIDE.replace(name="dither", dither=True, mark_words=2),
         WIDE.replace(
-            name="rgb18", channel_bits=6, coefficient_bits=8, colour_shift=9, colour_planes=2
+            name="rgb18",
+            channel_bits=6,
+            coefficient_bits=8,
+            colour_shift=9,
+            colour_planes=2,
+            mark_words=4,
         ),
         WIDE.replace(
-            name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8, colour_planes=3
+            name="rgb24",
+            channel_bits=8,
+            coefficient_bits=10,
+            colour_shift=8,
+            colour_planes=3,
+            mark_words=8,
         ),
         WIDE.replace(name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9),
     )

@@ -6,8 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
 from .lane import PixelLayout
-from .layouts import RasterLayout
-from .ring import PlaceLayout
+from .layouts import PlaceLayout, RasterLayout
 
 __all__ = ["LaneEmitter"]
 

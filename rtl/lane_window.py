@@ -7,9 +7,8 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from .format import EngineConfig
 from .lane import Lane, PixelLayout, lane_address_bits
 from .lane_emitter import LaneEmitter
-from .layouts import RasterLayout, TileLayout
+from .layouts import PlaceLayout, RasterLayout, TileLayout
 from .loader import Loader
-from .ring import PlaceLayout
 from .walker import Walker
 
 __all__ = ["LaneWindow"]

@@ -14,6 +14,7 @@ __all__ = [
     "ElementLayout",
     "FootprintLayout",
     "GeometryLayout",
+    "PlaceLayout",
     "PlaneLayout",
     "RasterLayout",
     "SpanLayout",
@@ -78,6 +79,13 @@ class PlaneLayout(data.StructLayout):
                 "colour": data.ArrayLayout(config.plane_bits, config.pixels_per_word),
             }
         )
+
+
+class PlaceLayout(data.StructLayout):
+    """A word's place in the image."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"word": config.word_bits, "line": config.line_bits})
 
 
 class RasterLayout(data.StructLayout):

@@ -44,7 +44,7 @@ def longest_path(module: dict) -> dict:
     names = signal_names(module)
     return {
         "levels": int(path.total),
-        "luts": sum(kind.startswith(("LUT", LUT_MEMORY)) for kind in kinds),
+        "luts": sum(kind.startswith(("LUT", *LUT_MEMORY)) for kind in kinds),
         "carries": sum(kind in ("MUXCY", "XORCY") for kind in kinds),
         "multipliers": kinds.count("MULT18X18"),
         "start": _register_name(module, path.start, names),

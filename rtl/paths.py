@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 __all__ = ["LUT_MEMORY", "REGISTERS", "Path", "Step", "find_longest", "pins", "signal_names"]
 
-REGISTERS = ("FD", "RAMB16", "MULT18X18S", "RAM16X1")
+REGISTERS = ("FD", "RAMB16", "MULT18X18S", "RAM16X1", "RAM32X1")
 """How the names of what has a clock begin."""
 
-LUT_MEMORY = "RAM16X1"
+LUT_MEMORY = ("RAM16X1", "RAM32X1")
 """A memory made of LUTs is written at the clock's edge, and read as a LUT is, by its address."""
 
 READ_BY = {"O": "A", "SPO": "A", "DPO": "DPRA"}

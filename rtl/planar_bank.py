@@ -81,6 +81,10 @@ class PlanarBank(wiring.Component):
         request of two cycles before.
     old : Out(PlaneLayout)
         The word of the request one cycle before, or the further planes of the one three before.
+    drawn : Out(1)
+        Pixels were requested to be drawn one cycle before, into the word at ``drawn_address``.
+    drawn_address : Out(bank_address_bits)
+        Which word that is.
     """
 
     def __init__(self, config: EngineConfig):
@@ -92,6 +96,8 @@ class PlanarBank(wiring.Component):
                 "new": In(PaintLayout(config)),
                 "conflict": Out(1),
                 "old": Out(PlaneLayout(config)),
+                "drawn": Out(1),
+                "drawn_address": Out(bank_address_bits(config)),
             }
         )
 
@@ -109,6 +115,8 @@ class PlanarBank(wiring.Component):
         given_up = Signal()
         old_depths = Cat(depth[: config.depth_bits] for depth in self.old.depth)
         m.d.comb += [
+            self.drawn.eq(taken.draw),
+            self.drawn_address.eq(taken.address),
             drawn.eq(taken.draw & passes.any()),
             given_up.eq(taken.clear & ~old_depths.all()),
         ]

@@ -35,14 +35,20 @@ __all__ = ["SOURCE", "estimate_timing", "net_delay"]
 SOURCE = "Virtex-II -4: as XST 10.1.03 has cells, and wires by fan-out; some of RAMs from memory"
 """Where the delays come from, in short."""
 
-CLOCK_TO_OUT = {"FD": 0.568, "RAMB16": 2.65, "RAM16X1": 2.05, "MULT18X18S": 3.0}
-"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_MULTCK.
+CLOCK_TO_OUT = {
+    "FD": 0.568,
+    "RAMB16": 2.65,
+    "RAM16X1": 2.05,
+    "RAM32X1": 2.49,
+    "MULT18X18S": 3.0,
+}
+"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_SHCKO32, T_MULTCK.
 
 From memory: all but the first. That T_BACK, T_BECK and T_BWCK, recalled from T_BCKO's table, came
 out right speaks for it, as T_DS and T_WES do for T_SHCKO16. No MULT18X18S is used.
 """
 
-SETUP = {"FD": 0.370, "RAMB16": 0.359, "RAM16X1": 0.667, "MULT18X18S": 3.890}
+SETUP = {"FD": 0.370, "RAMB16": 0.359, "RAM16X1": 0.667, "RAM32X1": 0.667, "MULT18X18S": 3.890}
 """ns that an input stands before the clock's edge: T_DICK, T_BACK, T_DS, T_MULIDCK.
 
 T_DS was found for SRL16E, a LUT as well. From memory: that T_BDCK is as T_BACK, and T_AS below
@@ -57,6 +63,7 @@ SETUP_OF_PIN = {
     ("RAMB16", "WE"): 0.718,
     ("RAMB16", "SSR"): 1.65,
     ("RAM16X1", "WE"): 0.525,
+    ("RAM32X1", "WE"): 0.525,
 }
 """Where it is another: T_CECK, T_SRCK, T_BECK, T_BWCK, T_BRCK (from memory), T_WES."""
 

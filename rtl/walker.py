@@ -5,8 +5,8 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
+from .layouts import PlaceLayout
 from .marks import RESIDUES, Marks, mark_bits, stretches
-from .ring import PlaceLayout
 
 __all__ = ["Walker"]
 

@@ -1,17 +1,18 @@
 """The sliding window: eight banks, and who may use them in a cycle."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .bank import Bank
+from .bank_marks import column_bits
+from .bank_walker import BankWalker
 from .emitter import Emitter
 from .format import EngineConfig
-from .layouts import FootprintLayout, RasterLayout
+from .layouts import FootprintLayout, PlaceLayout, RasterLayout
 from .loader import Loader
 from .paint import Paint
 from .planar_bank import PlanarBank
-from .ring import PlaceLayout, Ring
 from .scatter import BANKS, Scatter
 
 __all__ = ["Window"]
@@ -22,15 +23,16 @@ class Window(wiring.Component):
 
     Three stages: *request* (an address a bank), *merge* (the banks write back; a flushed word
     stands on its bank's output) and *emit* (the word waits on ``raster``). In the request stage the
-    initial raster goes first, then the element, and the flush takes what banks are left. A word
-    that ``raster`` does not take stops all three.
+    initial raster goes first, then the element, and the flush takes what banks are left; unless six
+    lines or more wait for it, then it goes before the element. A word that ``raster`` does not take
+    stops all three.
 
     Colours cut into planes (:class:`PlanarBank`) add two stages between merge and emit, in which
     the further planes are read and then written.
 
     After reset the banks are cleared, which takes as many cycles as a bank has words.
 
-    **Latency**: 3 cycles from a retired line to its first beat, 5 with further planes.
+    **Latency**: 5 cycles from a retired line to its first beat, 7 with further planes.
     **Throughput**: 1 to 3 cycles an element (see :class:`Scatter`), one more where it follows into
     the word that its predecessor wrote last; a word a cycle of the initial raster, and of
     ``raster`` while its bank is free. With further planes each word with a pixel that passes the
@@ -44,7 +46,7 @@ class Window(wiring.Component):
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
-        The words of lines that were written into, then an ``end`` beat.
+        The words in which something was drawn, then an ``end`` beat.
     last_column, last_line : In
         Size of the image less 1; steady during a frame, as is ``load``.
     load : In(1)
@@ -76,7 +78,7 @@ class Window(wiring.Component):
         config = self.config
         footprint = self.i.payload
 
-        m.submodules.ring = ring = Ring(config)
+        m.submodules.walker = walker = BankWalker(config)
         m.submodules.loader = loader = Loader(config)
         m.submodules.scatter = scatter = Scatter(config)
         m.submodules.paint = paint = Paint(config)
@@ -95,15 +97,17 @@ class Window(wiring.Component):
 
         last_word = self.last_column[2:]
         m.d.comb += [
-            ring.last_word.eq(last_word),
-            ring.loaded.eq(loader.loaded),
-            ring.jump.eq(loader.finished),
-            ring.restart.eq(self.finished),
+            walker.last_word.eq(last_word),
+            walker.loaded.eq(loader.loaded),
+            walker.jump.eq(loader.finished),
+            walker.wipe.eq(sweeping),
+            walker.wipe_row.eq(sweep[column_bits(config) :]),
+            walker.restart.eq(self.finished),
             loader.enable.eq(self.load),
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
             loader.last_word.eq(last_word),
-            loader.oldest.eq(ring.oldest),
+            loader.oldest.eq(walker.oldest),
             loader.restart.eq(self.finished),
         ]
         connect(m, flipped(self.initial), loader.i)
@@ -112,8 +116,11 @@ class Window(wiring.Component):
         top = Signal.like(footprint.top, init=-4)
         loading = Signal()
         flushing = Signal()
+        ahead = Signal.like(top)
+        held = Signal(BANKS)
         m.d.comb += [
-            ring.top.eq(top),
+            walker.top.eq(top),
+            ahead.eq(footprint.top - walker.oldest),
             scatter.footprint.eq(footprint),
             scatter.go.eq(
                 self.i.valid
@@ -122,11 +129,11 @@ class Window(wiring.Component):
                 & ~sweeping
                 & ~loader.o.valid
                 & loader.loaded
-                & (footprint.top - ring.oldest < config.window_lines - BANKS)
+                & (ahead < config.window_lines - BANKS)
                 & paint.may_draw
             ),
             scatter.whole.eq(loader.o.valid),
-            scatter.conflict.eq(Cat(bank.conflict for bank in banks)),
+            scatter.conflict.eq(Cat(bank.conflict for bank in banks) | held),
         ]
         with m.If(self.i.valid):
             m.d.sync += top.eq(footprint.top)
@@ -135,7 +142,7 @@ class Window(wiring.Component):
         service_address = Signal.like(sweep)
         service_bank = Signal(range(BANKS))
         m.d.comb += [
-            service.eq(ring.flush.payload),
+            service.eq(walker.flush.payload),
             service_address.eq(Cat(service.word[1:], service.line[2:4])),
             service_bank.eq(Cat(service.line[:2], service.line[2] ^ service.word[0])),
         ]
@@ -146,13 +153,23 @@ class Window(wiring.Component):
             ]
         with m.If(sweeping):
             m.d.comb += service_address.eq(sweep)
+        # Where six complete lines wait, flushing goes before the element in the bank that it needs,
+        # or keeps both of the oldest line, whose marks it waits for. Six, as splats of a few pixels
+        # then lie in other banks than the oldest line; four or eight lines apart they are the same.
+        urgent = Signal()
+        m.d.comb += urgent.eq(~ahead[-1] & ahead[1:3].all() & emitter.ready)
         served = Signal(BANKS)
         for index, bank in enumerate(banks):
             drawn = scatter.requests[index]
             mine = Signal(name=f"service_{index}")
             wanted = Signal(name=f"wanted_{index}")
             m.d.comb += [
-                wanted.eq(scatter.go & scatter.want[index]),
+                held[index].eq(
+                    urgent
+                    & (service_bank[:2] == index % 4)
+                    & ((service_bank[2] == index // 4) | ~walker.flush.valid)
+                ),
+                wanted.eq(scatter.go & scatter.want[index] & ~held[index]),
                 mine.eq((service_bank == index) & ~wanted),
                 served[index].eq(mine & ~bank.conflict),
                 bank.enable.eq(running),
@@ -163,14 +180,12 @@ class Window(wiring.Component):
             ]
         m.d.comb += [
             loader.o.ready.eq(running & ~sweeping & paint.may_load & served.any()),
-            ring.flush.ready.eq(
+            walker.flush.ready.eq(
                 running & ~sweeping & ~loader.o.valid & emitter.ready & served.any()
             ),
             loading.eq(loader.o.valid & loader.o.ready),
-            flushing.eq(ring.flush.valid & ring.flush.ready),
+            flushing.eq(walker.flush.valid & walker.flush.ready),
         ]
-        self._touch(m, ring, scatter)
-        m.d.comb += [ring.load.eq(loading), ring.load_place.eq(service.line)]
 
         # Merge: what the banks draw, and the way out of what they give up.
         connect(m, emitter.raster, flipped(self.raster))
@@ -185,7 +200,7 @@ class Window(wiring.Component):
             emitter.place.eq(service),
             emitter.bank.eq(service_bank),
             emitter.last_column.eq(self.last_column),
-            emitter.end.eq(self.i.valid & footprint.end & ring.clean & loader.finished),
+            emitter.end.eq(self.i.valid & footprint.end & walker.clean & loader.finished),
             self.finished.eq(emitter.finished),
             self.i.ready.eq(scatter.done | self.finished),
         ]
@@ -193,21 +208,9 @@ class Window(wiring.Component):
             m.d.comb += [
                 bank.new.eq(paint.new[index % len(paint.new)]),
                 emitter.words[index].eq(bank.old),
+                walker.drawn[index].eq(bank.drawn),
+                walker.addresses[index].eq(bank.drawn_address),
             ]
         with m.If(self.finished):
             m.d.sync += top.eq(top.init)
         return m
-
-    def _touch(self, m, ring, scatter):
-        """Tell the ring which of its places the element is written into."""
-        places = data.ArrayLayout(4, 4)  # by bits 3:2 of the line, then by bits 1:0
-        touched = Signal(places)
-        for residue in range(4):
-            upper, lower = scatter.footprint.upper[residue], scatter.footprint.lower[residue]
-            group = scatter.footprint.upper_group[residue]
-            for place in range(4):
-                m.d.comb += touched[place][residue].eq(
-                    ((group == place) & scatter.go & upper.words.any())
-                    | ((group == (place - 1) % 4) & scatter.go & lower.words.any())
-                )
-        m.d.comb += ring.touch.eq(touched)

@@ -1,4 +1,4 @@
-"""The clock of a window of banks: which banks an element still needs, and which lines leave.
+"""The clock of a window of banks: which banks an element still needs, and which words leave.
 
 Colours do not matter, and depths only where colours have further planes: two cycles after a word in
 which a pixel passed, or that was cleared and not all background, its bank reads them and takes
@@ -36,6 +36,12 @@ BANKS = 8
 NEIGHBOURS = 3
 """Words of a line that a block can touch."""
 
+STRETCH = 16
+"""Words whose marks are read together."""
+
+URGENT = 6
+"""Where so many complete lines wait, or one more, a word which leaves goes before the element."""
+
 
 class Window(NamedTuple):
     """The window's registers, as arrays.
@@ -48,8 +54,10 @@ class Window(NamedTuple):
         Address of each slot: shape (8, 3).
     taken
         The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape (8,).
-    ring
-        See ``OLDEST`` and what follows: shape (5,).
+    walk
+        See ``OLDEST`` and what follows: shape (10,).
+    marks
+        Words that were drawn into, by place of their line: shape (16, words).
     covered, place
         Pixels that the element covers of each slot's word, a bit each, and where that word starts
         in ``depth``: shape (8, 3).
@@ -65,7 +73,8 @@ class Window(NamedTuple):
     left: Any
     address: Any
     taken: Any
-    ring: Any
+    walk: Any
+    marks: Any
     covered: Any
     place: Any
     depth: Any
@@ -73,10 +82,22 @@ class Window(NamedTuple):
     leaving: Any
 
 
-OLDEST, FLUSHED, WRITTEN, TOP, TOUCHED = range(5)
-"""Registers of the ring: the first line in the window; how many of its words have been flushed; a
-bit a place that was written into; the line above which all lines are complete. And the bits of the
-places that the element at hand is written into."""
+(
+    OLDEST,
+    LINE,
+    STRETCH_READ,
+    NEXT,
+    NEXT_LINE,
+    NEXT_STRETCH,
+    LEFT,
+    LEFT_STRETCH,
+    WRITTEN,
+    TOP,
+) = range(10)
+"""Registers of the walker: the first line in the window; the line and the stretch whose marks are
+read next; the marks of the stretch that follows, its line and number; those of the words that are
+still to be asked for, and their stretch, on line ``OLDEST``; a bit a place that was written into;
+the line above which all lines are complete."""
 
 
 BLANK, SHOWN = 1, 2
@@ -103,40 +124,52 @@ def walk_banks(words: Any, machine: Machine) -> int:
         np.zeros(BANKS, np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(BANKS, EMPTY, np.int64),
-        np.zeros(5, np.int64),
+        np.zeros(10, np.int64),
+        np.zeros((LINES, 2 * machine.half_words), np.bool_),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(_pixels(machine), machine.z_mask, np.int64),
         np.zeros((3, BANKS), np.int64),
         np.zeros(3, np.int64),
     )
-    ring = window.ring
-    ring[TOP] = -ABOVE
+    walk = window.walk
+    walk[TOP] = -ABOVE
     z = 0  # depth of the element at hand
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         clearing = cycle < machine.clearing
+        drawn = _drawn(window, machine) if cycle > machine.clearing else 0
         head, top = front.held[HEAD], front.tops[HEAD]
         ends = head != EMPTY and head == front.state[END_WORD]
-        if ends and ring[WRITTEN] == 0 and not _on_the_way(window, machine):
+        if ends and not drawn and _clean(walk) and not _on_the_way(window, machine):
             return cycle + 2  # the end beat is on the port in the next cycle
 
-        near = top - ring[OLDEST] < LINES - BANKS
-        go = head != EMPTY and not ends and not clearing and near
-        complete = ring[TOP]
-        flushed = not clearing and _flushes(window, go, machine)
-        done = _draw(window, go, z, machine)
+        ahead = top - walk[OLDEST]
+        go = head != EMPTY and not ends and not clearing and ahead < LINES - BANKS
+        complete = walk[TOP]
+        ready = not clearing and not (machine.planes > 1 and window.leaving[1] == SHOWN)
+        asked = _asked_banks(walk)
+        held = asked if ahead >= URGENT and ready else 0
+        flushed = ready and walk[LEFT] != 0
+        for bank in range(BANKS):
+            if flushed and asked >> bank & 1:
+                flushed = window.reading[0, bank] == 0
+                flushed &= not go or window.left[bank] == 0 or held != 0
+        # The marks of its line are in use in the cycle after one of its banks was drawn into.
+        residue = walk[LINE] % (BANKS // 2)
+        marking = window.taken[residue] != EMPTY or window.taken[residue + BANKS // 2] != EMPTY
+        done = _draw(window, go, held, z, machine)
         if clearing:  # all banks, one address after the other; the last is the highest
             window.taken[:] = 4 * machine.half_words - 1
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
         _shift(window, _give_up(window, machine) if flushed else 0)
-        _step_ring(ring, complete, flushed, go, machine)
+        _step_walk(window, complete, flushed, marking, machine)
+        walk[WRITTEN] |= drawn
         if head != EMPTY:
-            ring[TOP] = top
+            walk[TOP] = top
         if advance(words, front, done, machine) and front.held[HEAD] != EMPTY:
             head = front.held[HEAD]
-            ring[TOUCHED] = 0
             if head != front.state[END_WORD]:
                 _place(words[head], front.tops[HEAD], window, machine)
                 z = words[head] >> machine.z_lsb & machine.z_mask
@@ -178,7 +211,6 @@ def _place_row(
             first, last = max(begin - WORD * number, 0), min(end - WORD * number, WORD - 1)
             window.covered[bank, slot] = (2 << last) - (1 << first)
             window.place[bank, slot] = _start(line, number, machine)
-        window.ring[TOUCHED] |= 1 << line % LINES
 
 
 @nb.njit(cache=True, inline="always")
@@ -188,8 +220,11 @@ def _address(line: int, number: int, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
-def _draw(window: Window, go: bool, z: int, machine: Machine) -> bool:
-    """Let each bank take a word of the element, its leftmost, and return whether all are taken."""
+def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool:
+    """Let each bank take a word of the element, its leftmost, but for those that are ``held``.
+
+    Return whether all are taken.
+    """
     done = go
     for bank in range(BANKS):
         left = window.left[bank]
@@ -198,17 +233,29 @@ def _draw(window: Window, go: bool, z: int, machine: Machine) -> bool:
             continue
         slot = 0 if left & 1 else 1 if left & 2 else 2
         address = window.address[bank, slot]
-        if (machine.hazard and window.taken[bank] == address) or window.reading[0, bank] == 1:
+        conflict = machine.hazard and window.taken[bank] == address
+        if conflict or held >> bank & 1 or window.reading[0, bank] == 1:
             window.taken[bank] = EMPTY
             done = False
             continue
         window.taken[bank] = address
+        _mark(window, bank, address, machine)
         if machine.planes > 1 and _passes(window, bank, slot, z):
             window.reading[2, bank] = 1
         left &= left - 1
         window.left[bank] = left
         done = done and left == 0
     return done
+
+
+@nb.njit(cache=True)
+def _mark(window: Window, bank: int, address: int, machine: Machine) -> None:
+    """Mark the words that share a mark with the one at an address of a bank."""
+    group, number = divmod(address, machine.half_words)
+    first = number - number % machine.mark_words
+    half = bank // (BANKS // 2) ^ group & 1
+    for shared in range(first, min(first + machine.mark_words, machine.half_words)):
+        window.marks[4 * group + bank % 4, 2 * shared + half] = True
 
 
 @nb.njit(cache=True)
@@ -223,23 +270,43 @@ def _passes(window: Window, bank: int, slot: int, z: int) -> bool:
     return passed
 
 
-@nb.njit(cache=True)
-def _flushes(window: Window, go: bool, machine: Machine) -> bool:
-    """Return whether a word leaves in this cycle: the next one of the oldest line.
+@nb.njit(cache=True, inline="always")
+def _asked_word(walk: Any) -> int:
+    """Return the number of the word that is to leave next; there is one."""
+    number = walk[LEFT_STRETCH] * STRETCH
+    left = walk[LEFT]
+    while not left & 1:
+        left >>= 1
+        number += 1
+    return int(number)
 
-    It does if the line is complete and was written into, and the element does not need the bank,
-    nor the bank and the way out are at a word's further planes. No word that leaves is ever one
-    that its bank writes at the moment, or draws in the next cycle: the line was complete a cycle
-    before, and its place is not used again until it has left.
+
+@nb.njit(cache=True)
+def _asked_banks(walk: Any) -> int:
+    """Return the bank that a word is to leave from, or else both of its line, a bit each.
+
+    No word that leaves is ever one that its bank writes at the moment, or draws in the next cycle:
+    its line was complete a cycle before, and its place is not used again until it has left.
     """
-    ring = window.ring
-    oldest = ring[OLDEST]
-    if oldest >= ring[TOP] or not ring[WRITTEN] >> oldest % LINES & 1:
-        return False
-    bank = (oldest + 4 * (ring[FLUSHED] % 2)) % BANKS
-    if machine.planes > 1 and (window.leaving[1] == SHOWN or window.reading[0, bank]):
-        return False
-    return not go or window.left[bank] == 0
+    if walk[LEFT] == 0:
+        return 0b10001 << int(walk[OLDEST] % (BANKS // 2))
+    return 1 << int((walk[OLDEST] + 4 * (_asked_word(walk) % 2)) % BANKS)
+
+
+@nb.njit(cache=True)
+def _drawn(window: Window, machine: Machine) -> int:
+    """Return the places of the lines that the banks took a word of in the cycle before."""
+    places = 0
+    for bank in range(BANKS):
+        if window.taken[bank] != EMPTY:
+            places |= 1 << (4 * (window.taken[bank] // machine.half_words) + bank % 4)
+    return places
+
+
+@nb.njit(cache=True)
+def _clean(walk: Any) -> bool:
+    """Return whether nothing in the window is written."""
+    return walk[WRITTEN] == 0 and walk[NEXT] == 0 and walk[LEFT] == 0
 
 
 @nb.njit(cache=True)
@@ -247,7 +314,9 @@ def _give_up(window: Window, machine: Machine) -> int:
     """Return whether the word that leaves is ``BLANK``, and keep its bank for its planes if not."""
     if machine.planes == 1:
         return BLANK
-    line, number = window.ring[OLDEST], window.ring[FLUSHED]
+    line, number = window.walk[OLDEST], _asked_word(window.walk)
+    if number > machine.last_column // WORD:  # it shares its mark with a word of the image
+        return BLANK
     start = _start(line, number, machine)
     kind = BLANK
     for pixel in range(WORD):
@@ -291,21 +360,39 @@ def _pixels(machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
-def _step_ring(ring: Any, complete: int, flushing: bool, go: bool, machine: Machine) -> None:
-    """Move the window on: by a word, by an empty line, or over all lines if none is written."""
-    oldest, written = ring[OLDEST], ring[WRITTEN]
-    here = 1 << oldest % LINES
-    if oldest < complete:
-        if written == 0:
-            ring[OLDEST] = complete
-        elif not written & here:
-            ring[OLDEST] = oldest + 1
-        elif flushing and ring[FLUSHED] == machine.last_column // WORD:
-            ring[OLDEST] = oldest + 1
-            ring[FLUSHED] = 0
-            written &= ~here
-        elif flushing:
-            ring[FLUSHED] += 1
-    if go:
-        written |= ring[TOUCHED]
-    ring[WRITTEN] = written
+def _step_walk(
+    window: Window, complete: int, flushed: bool, marking: bool, machine: Machine
+) -> None:
+    """Move the walker on: by a word, a stretch, a line, or over all lines if none is written."""
+    walk = window.walk
+    line, stretch = walk[LINE], walk[STRETCH_READ]
+    leaving = line < complete
+    here = 1 << line % LINES
+    scans = leaving and walk[WRITTEN] & here and not marking
+    row = 0
+    if scans:
+        first = stretch * STRETCH
+        for number in range(first, min(first + STRETCH, window.marks.shape[1])):
+            row |= int(window.marks[line % LINES, number]) << (number - first)
+
+    if flushed:
+        walk[LEFT] &= walk[LEFT] - 1
+    if walk[LEFT] == 0:
+        walk[LEFT], walk[LEFT_STRETCH] = walk[NEXT], walk[NEXT_STRETCH]
+        walk[OLDEST] = walk[NEXT_LINE]
+        walk[NEXT] = 0
+    free = walk[NEXT] == 0
+    if free:
+        walk[NEXT_LINE], walk[NEXT_STRETCH] = line, stretch
+    if scans and (free or row == 0):
+        walk[NEXT] |= row
+        window.marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
+        walk[STRETCH_READ] += 1
+        if stretch == machine.last_column // (WORD * STRETCH):
+            walk[STRETCH_READ] = 0
+            walk[LINE] += 1
+            walk[WRITTEN] &= ~here
+    elif leaving and walk[WRITTEN] == 0:
+        walk[LINE] = complete
+    elif leaving and not walk[WRITTEN] & here:
+        walk[LINE] += 1

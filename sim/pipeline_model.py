@@ -76,6 +76,8 @@ class Machine(NamedTuple):
         machine that could.
     planes
         Planes of a colour.
+    mark_words
+        Words of a bank that share a mark.
     z_lsb, z_mask
         Place of a code word's depth; the mask is the background's depth as well.
     """
@@ -90,6 +92,7 @@ class Machine(NamedTuple):
     clearing: int
     hazard: bool
     planes: int
+    mark_words: int
     z_lsb: int
     z_mask: int
 
@@ -107,6 +110,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         clearing=clearing,
         hazard=True,
         planes=config.colour_planes,
+        mark_words=config.mark_words,
         z_lsb=config.z.lsb,
         z_mask=config.z.mask,
     )

@@ -7,6 +7,8 @@ import textwrap
 import numpy as np
 import pytest
 import test_bank
+import test_bank_marks
+import test_bank_walker
 import test_decoder
 import test_engine
 import test_lane
@@ -22,6 +24,8 @@ from presets import run_bench as run_preset
 from random_frames import shapes
 
 from splatline.rtl.bank import Bank
+from splatline.rtl.bank_marks import BankMarks
+from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import BAYER, PAPER, PRESETS
@@ -83,9 +87,6 @@ BLOCK_FAULTS = [
         fault("dut.loader", "loaded", "1'h1"),
         id="load late",
     ),
-    pytest.param(
-        Window, test_window, "with_stalls", fault("dut.ring", "clean", "1'h1"), id="line dropped"
-    ),
 ]
 
 
@@ -93,6 +94,46 @@ BLOCK_FAULTS = [
 def test_a_fault_in_a_block_is_noticed(component, bench, test, edit):
     with pytest.raises(SimulationError):
         run_bench(component(PAPER), bench.__file__, test=test, edit=edit)
+
+
+ASKS = "drawn_words_are_asked_for_once_and_in_order"
+BANK_WINDOW_FAULTS = [
+    (BankMarks, test_bank_marks, "a_mark_a_word", "busy", "1'h0", "marks read while in use"),
+    (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "1'h0", "marks stay"),
+    (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "take | wipe", "marks clear too much"),
+    (BankWalker, test_bank_walker, ASKS, "single", "1'h1", "the rest of a stretch is lost"),
+    (BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
+    (BankWalker, test_bank_walker, ASKS, "half", "1'h0", "words of one half alone"),
+    (
+        BankWalker,
+        test_bank_walker,
+        "nothing_leaves_unasked",
+        "leaving",
+        "1'h1",
+        "lines leave early",
+    ),
+    (Window, test_window, "in_short", "walker.leaving", "1'h1", "lines leave the window early"),
+    (BankWalker, test_bank_walker, ASKS, "marks.clear_2", "1'h0", "words are asked for twice"),
+    (Window, test_window, "in_short", "walker.clean", "1'h1", "the end comes early"),
+    (Window, test_window, "in_short", "bank_3.drawn", "1'h0", "a bank marks nothing"),
+    (Window, test_window, "in_short", "emitter.raster__valid", "emit_valid", "background is sent"),
+]
+
+
+@pytest.mark.parametrize(
+    ("component", "bench", "test", "signal", "value"),
+    [pytest.param(*fault[:5], id=fault[5]) for fault in BANK_WINDOW_FAULTS],
+)
+def test_a_fault_in_the_window_of_banks_is_noticed(component, bench, test, signal, value):
+    *inner, name = signal.split(".")
+    with pytest.raises(SimulationError):
+        run_preset(
+            PRESETS["wide"],
+            component,
+            bench.__file__,
+            test=test,
+            edit=fault(".".join(["dut", *inner]), name, value),
+        )
 
 
 LANE_WINDOW_FAULTS = [

@@ -67,6 +67,7 @@ def image_of(received, width, height):
         before = (beat.line, beat.word)
         assert beat.line < height
         assert beat.word <= (width - 1) // 4
+        assert any(depth != DEPTH for depth in beat.pixels.depth), "a word of background was sent"
         for i in range(4):
             pixel = (beat.pixels.depth[i], beat.pixels.colour[i])
             if 4 * beat.word + i >= width:

@@ -220,12 +220,13 @@ def test_known_counts(config):
     assert count([]) == latency + 1
     assert count([cw.advance(1)] * 10) == latency + 11
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
-    # waits until it is out: the line above is complete (1), flushed (the same words either way),
-    # merged, emitted.
+    # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks, dots
+    # in words of their own leave as so many words, and on the same word wait for it as often.
     for dots in (1, 2, 4):
         apart = [cw.encode(DOT, mode=1, x=step * n) for n in range(dots)]
         same = [cw.encode(DOT, mode=1, x=4)] * dots
-        assert count([cw.advance(4), *same]) - count([cw.advance(4), *apart]) == dots - 1
+        more = count([cw.advance(4), *same]) - count([cw.advance(4), *apart])
+        assert more == (dots - 1 if config.lanes else 0)
 
 
 def test_more_words_never_take_less():

@@ -1,0 +1,120 @@
+"""Which words of the window's banks were drawn into: a bit for each, or for a few."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.lib import data, memory, wiring
+from amaranth.lib.wiring import In, Out
+
+from .bank import bank_address_bits
+from .choose import choose
+from .format import EngineConfig
+from .scatter import BANKS
+
+__all__ = ["BankMarks", "column_bits", "stretch_bits"]
+
+
+def column_bits(config: EngineConfig) -> int:
+    """Return the bits of a word's number among those of its stretch and bank: up to eight words."""
+    return min(3, config.word_bits - 1)
+
+
+def stretch_bits(config: EngineConfig) -> int:
+    """Return the bits of a stretch's number in its line; a stretch has up to sixteen words."""
+    return config.word_bits - 1 - column_bits(config)
+
+
+class BankMarks(wiring.Component):
+    """Marks words that are drawn into, and hands out a stretch of a line's marks at a time.
+
+    A bank is drawn into at one address a cycle, so a memory beside each with one port is enough:
+    its rows are addressed as the bank, but for the lowest bits, which choose a column. Memories of
+    up to 32 rows and one bit are what the LUTs of a Virtex-II hold. A line lies in two banks, its
+    words by turns in one and the other. So many words of a bank as ``mark_words`` share a bit.
+
+    **Latency**: 1 cycle from a word to its mark, 0 from ``line`` and ``stretch`` to ``bits``.
+    **Throughput**: a word a bank and cycle; a stretch a cycle, while its banks mark nothing.
+
+    Members
+    -------
+    drawn : In(8)
+        The bank's word at ``addresses`` is drawn into: mark it.
+    addresses : In(8 x bank_address_bits)
+        Which word.
+    line : In(4)
+        Place in the window of a line.
+    stretch : In(stretch_bits)
+        A stretch of it.
+    busy : Out(1)
+        A bank of that line is marking: ``bits`` mean nothing.
+    take : In(1)
+        Clear that stretch; not while ``busy``.
+    wipe : In(1)
+        Clear every bank's row at ``wipe_row``; nothing is drawn in that cycle.
+    wipe_row : In(stretch_bits + 2)
+        Stretch (low bits) and bits 3:2 of the lines.
+    bits : Out(2 ** (column_bits + 1))
+        The words' marks, two neighbours after the other. Of two neighbours the one in banks 0..3
+        comes first, whichever lies left.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        rows = stretch_bits(config) + 2
+        super().__init__(
+            {
+                "drawn": In(BANKS),
+                "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
+                "line": In(4),
+                "stretch": In(stretch_bits(config)),
+                "busy": Out(1),
+                "take": In(1),
+                "wipe": In(1),
+                "wipe_row": In(rows),
+                "bits": Out(2 << column_bits(config)),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        low = column_bits(self.config)
+        shared = min(self.config.mark_words.bit_length() - 1, low)  # bits of an address left out
+        row = Signal.like(self.wipe_row)
+        m.d.comb += row.eq(Mux(self.wipe, self.wipe_row, Cat(self.stretch, self.line[2:])))
+
+        kept = [Signal(1 << low, name=f"kept_{bank}") for bank in range(BANKS)]
+        for bank in range(BANKS):
+            drawn, address = self.drawn[bank], self.addresses[bank]
+            clear = Signal(name=f"clear_{bank}")
+            mark_row = Signal.like(row, name=f"mark_row_{bank}")
+            m.d.comb += [
+                clear.eq(self.wipe | (self.take & (self.line[:2] == bank % 4))),
+                mark_row.eq(Mux(drawn, address[low:], row)),
+            ]
+            for column in range(1 << low - shared):
+                ram = memory.Memory(
+                    shape=1,
+                    depth=1 << len(row),
+                    init=[],
+                    attrs={"ram_style": "distributed"},
+                )
+                m.submodules[f"marks_{bank}_{column}"] = ram
+                read, write = ram.read_port(domain="comb"), ram.write_port()
+                m.d.comb += [
+                    read.addr.eq(mark_row),
+                    write.addr.eq(mark_row),
+                    write.en.eq((drawn & (address[shared:low] == column)) | clear),
+                    write.data.eq(drawn),
+                    kept[bank][column << shared : column + 1 << shared].eq(
+                        read.data.replicate(1 << shared)
+                    ),
+                ]
+
+        halves = [Signal(1 << low, name=f"half_{n}") for n in range(2)]
+        for n, half in enumerate(halves):
+            m.d.comb += half.eq(choose(kept[4 * n : 4 * n + 4], self.line[:2]))
+        for column in range(1 << low):
+            m.d.comb += self.bits[2 * column : 2 * column + 2].eq(
+                Cat(halves[0][column], halves[1][column])
+            )
+        m.d.comb += self.busy.eq(choose(self.drawn[:4] | self.drawn[4:], self.line[:2]))
+        return m

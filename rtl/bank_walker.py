@@ -1,0 +1,198 @@
+"""The way along the lines that leave the banks: to each word that was drawn into, and no other."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .bank import bank_address_bits
+from .bank_marks import BankMarks, column_bits, stretch_bits
+from .format import EngineConfig
+from .layouts import PlaceLayout
+from .scatter import BANKS
+
+__all__ = ["BankWalker"]
+
+
+class BankWalker(wiring.Component):
+    """Asks for each drawn word of the lines that no later element touches to be flushed.
+
+    Line n of the image stands in place n mod 16 of the window. ``oldest`` is the first line that
+    has not left: lines ``oldest .. oldest + 15`` are in the window, those above ``top`` are on
+    their way out. A line that nothing was drawn into takes one cycle, and all are stepped over at
+    once if none was.
+
+    Marks are read ahead: while the words of a stretch are asked for, the next one that has any is
+    fetched, in a cycle in which its line's banks mark nothing. So flushing waits for marks only
+    where they are sparse.
+
+    **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle,
+    and at least one cycle a stretch of sixteen.
+
+    Members
+    -------
+    top : In(signed(line_bits + 2))
+        Lines above this one are complete. Never falls during a frame.
+    loaded : In(1)
+        Every line that is complete has received all of the initial raster that is meant for it, if
+        it is ``oldest`` or the one after.
+    jump : In(1)
+        No initial raster will come for any line: ``oldest`` may move by many lines at a time.
+    last_word : In(word_bits)
+        Number of the last word of a line.
+    drawn : In(8)
+        The bank writes what was drawn into its word at ``addresses``, one cycle after the request.
+    addresses : In(8 x bank_address_bits)
+        Which word.
+    wipe : In(1)
+        Clear the marks at ``wipe_row``, as after a reset.
+    wipe_row : In(stretch_bits + 2)
+        See :class:`BankMarks`.
+    restart : In(1)
+        The frame is over: go back to line 0.
+    oldest : Out(line_bits + 1)
+        First line in the window.
+    clean : Out(1)
+        Nothing in the window is drawn.
+    flush : Out(stream of PlaceLayout)
+        Words to read and clear.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "top": In(signed(config.line_bits + 2)),
+                "loaded": In(1),
+                "jump": In(1),
+                "last_word": In(config.word_bits),
+                "drawn": In(BANKS),
+                "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
+                "wipe": In(1),
+                "wipe_row": In(stretch_bits(config) + 2),
+                "restart": In(1),
+                "oldest": Out(config.line_bits + 1),
+                "clean": Out(1),
+                "flush": Out(stream.Signature(PlaceLayout(config))),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        m.submodules.marks = marks = BankMarks(config)
+        low = column_bits(config)
+        written = Signal(config.window_lines)
+        clean = Signal()
+
+        # The stretch that is read next, the one that was read, and the one at hand, on ``oldest``.
+        line = Signal(len(self.oldest))
+        line_read = Signal.like(line)
+        stretch = Signal(stretch_bits(config))
+        stretch_read = Signal.like(stretch)
+        stretch_left = Signal.like(stretch)
+        read = Signal(len(marks.bits))
+        left = Signal.like(read)
+
+        # Reading: on through the stretches, past those without marks, until one has some.
+        leaving = Signal()
+        here = Signal()
+        reading = Signal()
+        moves = Signal()
+        free = Signal()
+        passed = Signal()
+        ended = Signal()
+        m.d.comb += [
+            # An initial raster may be on its way to all lines but the first ones.
+            leaving.eq((line < self.top) & self.loaded & (self.jump | (line[0] == self.oldest[0]))),
+            here.eq(written.bit_select(line[:4], 1)),
+            reading.eq(leaving & here & ~marks.busy),
+            free.eq(~read.any() | moves),
+            passed.eq(reading & (free | ~marks.bits.any())),
+            ended.eq(passed & (stretch == self.last_word[low + 1 :])),
+            marks.line.eq(line),
+            marks.stretch.eq(stretch),
+            marks.take.eq(reading & free),
+            marks.drawn.eq(self.drawn),
+            marks.addresses.eq(self.addresses),
+            marks.wipe.eq(self.wipe),
+            marks.wipe_row.eq(self.wipe_row),
+            clean.eq(~written.any()),
+            # What is drawn at the moment is written one cycle later.
+            self.clean.eq(clean & ~self.drawn.any() & ~read.any() & ~left.any()),
+        ]
+        with m.If(free):
+            m.d.sync += [read.eq(marks.bits), line_read.eq(line), stretch_read.eq(stretch)]
+        with m.If(free & ~reading):
+            m.d.sync += read.eq(0)
+        with m.If(passed):
+            m.d.sync += stretch.eq(Mux(ended, 0, stretch + 1))
+        with m.If(leaving & self.jump & clean):
+            m.d.sync += line.eq(self.top)
+        with m.Elif(ended | (leaving & ~here)):
+            m.d.sync += line.eq(line + 1)
+
+        # Asking: the words that are left of the stretch at hand.
+        column, half, single = _first(m, left, self.oldest[2])
+        asked = Signal()
+        m.d.comb += [
+            self.flush.valid.eq(left.any()),
+            self.flush.payload.word.eq(Cat(half ^ self.oldest[2], column, stretch_left)),
+            self.flush.payload.line.eq(self.oldest),
+            asked.eq(self.flush.valid & self.flush.ready),
+            moves.eq(~self.flush.valid | (asked & single)),
+        ]
+        with m.If(moves):
+            m.d.sync += [left.eq(read), self.oldest.eq(line_read), stretch_left.eq(stretch_read)]
+        for word in range(len(left)):
+            with m.If(asked & ~single & (Cat(half, column) == word)):
+                m.d.sync += left[word].eq(0)
+
+        for slot in range(config.window_lines):
+            touched = Cat(
+                self.drawn[bank] & (self.addresses[bank][-2:] == slot // 4)
+                for bank in (slot % 4, slot % 4 + 4)
+            ).any()
+            with m.If(touched):
+                m.d.sync += written[slot].eq(1)
+            with m.If(ended & (line[:4] == slot)):
+                m.d.sync += written[slot].eq(0)
+        with m.If(self.restart):
+            m.d.sync += [line.eq(0), line_read.eq(0), self.oldest.eq(0)]
+        return m
+
+
+def _first(m, bits, turned):
+    """Return where the leftmost word of a stretch is: column and half; and if it is the only one.
+
+    Of two words in a column the one in the second half of the banks is the left one if ``turned``.
+    """
+    groups = [bits[base : base + 4] for base in range(0, len(bits), 4)]  # two columns
+    some = Signal(len(groups))
+    group = Signal(range(len(groups)))
+    four = Signal(4)
+    second = Signal()
+    two = Signal(2)
+    half = Signal()
+    single = Signal()
+    m.d.comb += some.eq(Cat(part.any() for part in groups))
+    for index in reversed(range(len(groups))):
+        with m.If(some[index]):
+            m.d.comb += group.eq(index)
+    with m.Switch(group):
+        for index, part in enumerate(groups):
+            with m.Case(index):
+                m.d.comb += four.eq(part)
+    m.d.comb += [
+        second.eq(~four[:2].any()),
+        two.eq(Mux(second, four[2:], four[:2])),
+        half.eq(Mux(turned, two[1], ~two[0])),
+        single.eq(_at_most_one(some) & _at_most_one(four)),
+    ]
+    column = Cat(second, group)[: (len(bits) // 2 - 1).bit_length()]
+    return column, half, single
+
+
+def _at_most_one(bits):
+    """Return whether no more than one bit is set."""
+    return ~Cat(bits[i] & bits[:i].any() for i in range(1, len(bits))).any()

@@ -1,0 +1,179 @@
+"""The walker over banks: each drawn word is asked for once, in order, and nothing else is."""
+
+import random
+
+import cocotb
+
+from splatline.rtl.bank import bank_address_bits
+from splatline.rtl.bank_marks import stretch_bits
+from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.format import WIDE
+from splatline.rtl.layouts import PlaceLayout
+from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.streams import StreamBench
+
+PLACE, ADDRESS = PlaceLayout(WIDE), bank_address_bits(WIDE)
+WORDS = 1 << WIDE.word_bits
+LOWEST = (1 << WIDE.line_bits + 1) - 1
+
+
+class Slide:
+    """A walker whose window slides down an image; knows which words are to be asked for."""
+
+    def __init__(self, dut, seed, rate=1.0):
+        self.dut = dut
+        self.bench = StreamBench(dut, seed)
+        self.flush = self.bench.sink("flush", rate)
+        self.expected = set()
+
+    async def start(self, jump=1, last_word=WORDS - 1):
+        dut = self.dut
+        for name in ("drawn", "addresses", "restart", "top", "loaded"):
+            getattr(dut, name).value = 0
+        dut.jump.value, dut.last_word.value = jump, last_word
+        await self.bench.reset()
+        dut.wipe.value = 1
+        for row in range(4 << stretch_bits(WIDE)):
+            await self.bench.step(lambda row=row: setattr(dut.wipe_row, "value", row))
+        dut.wipe.value = 0
+
+    async def cycle(self, top, words=(), loaded=1):
+        """One cycle in which the banks write words (line, word), each in a bank of its own."""
+        dut = self.dut
+        drawn, addresses = 0, 0
+        for line, word in words:
+            bank = (line + 4 * (word % 2)) % 8
+            assert not drawn >> bank & 1
+            drawn |= 1 << bank
+            addresses |= (line // 4 % 4 << WIDE.word_bits - 1 | word // 2) << ADDRESS * bank
+            self.expected.add((line, word))
+
+        def drive():
+            dut.top.value = top % (1 << WIDE.line_bits + 2)
+            dut.loaded.value = loaded
+            dut.drawn.value, dut.addresses.value = drawn, addresses
+
+        def observe():
+            if int(dut.flush__valid.value):
+                line = PLACE.from_bits(int(dut.flush__payload.value)).line
+                assert line == int(dut.oldest.value) < top
+            assert not (words and int(dut.clean.value))
+
+        await self.bench.step(drive, observe)
+
+    async def finish(self):
+        """Let everything leave, and compare."""
+        for _ in range(60_000):
+            await self.cycle(LOWEST)
+            if int(self.dut.clean.value):
+                break
+        for _ in range(6):
+            await self.cycle(LOWEST)
+        asked = [PLACE.from_bits(bits) for bits in self.flush.received]
+        assert [(place.line, place.word) for place in asked] == sorted(self.expected)
+
+
+def random_words(rng, low, high, last_word, spread):
+    """Words of lines low .. high, no two in a bank."""
+    chosen = {}
+    for _ in range(rng.randrange(9)):
+        line = rng.randrange(low, high + 1)
+        word = rng.randrange(max(0, last_word + 1 - spread), last_word + 1)
+        chosen.setdefault((line + 4 * (word % 2)) % 8, (line, word))
+    return list(chosen.values())
+
+
+@cocotb.test()
+async def drawn_words_are_asked_for_once_and_in_order(dut):
+    """Dense and sparse images, wide and narrow, quick and slow sinks."""
+    for seed, (rate, height, last_word, spread, share, jump) in enumerate(
+        [
+            (1.0, 60, WORDS - 1, 30, 0.9, 1),
+            (0.4, 30, WORDS - 1, WORDS, 0.3, 1),
+            (0.7, 400, WORDS - 1, WORDS, 0.05, 0),
+            (1.0, 60, 18, 19, 0.5, 0),
+            (0.8, 60, 0, 1, 0.8, 1),
+        ]
+    ):
+        rng, slide, top = random.Random(seed), Slide(dut, seed, rate), 0
+        await slide.start(jump, last_word)
+        behind = 0  # what was drawn for this line is written one cycle later
+        for _ in range(50_000):
+            oldest, words = int(dut.oldest.value), []
+            if top - oldest < 8 and rng.random() < share:
+                words = random_words(rng, top, top + 7, last_word, spread)
+            await slide.cycle(behind, words)
+            behind = top
+            if top - oldest < 8:
+                top += rng.choice([0] * 12 + [1, 1, 2, 9])
+            if top >= height:
+                break
+        await slide.cycle(behind)
+        assert len(slide.expected) > 15
+        await slide.finish()
+
+
+@cocotb.test()
+async def a_full_window_takes_a_cycle_a_word(dut):
+    """The marks of the next stretch are there when they are needed, and of the next line."""
+    slide = Slide(dut, 7)
+    await slide.start()
+    for line in range(8):
+        for word in range(WORDS):
+            await slide.cycle(0, [(line, word)])
+    begin = slide.bench.cycles
+    while len(slide.flush.received) < 8 * WORDS:
+        assert slide.bench.cycles - begin <= 8 * WORDS + 6
+        await slide.cycle(8)
+    await slide.finish()
+
+
+@cocotb.test()
+async def untouched_lines_leave_at_once(dut):
+    """One by one before a drawn line; all at once from a clean window, if nothing is to come."""
+    slide = Slide(dut, 8)
+    await slide.start(jump=1)
+    await slide.cycle(0, [(9, 50)])
+    for _ in range(24):
+        await slide.cycle(14)
+    assert int(dut.oldest.value) == 14
+    await slide.finish()
+    slide = Slide(dut, 9)
+    await slide.start(jump=1)
+    for _ in range(5):
+        await slide.cycle(700)
+    assert int(dut.oldest.value) == 700
+    dut.restart.value = 1
+    await slide.cycle(-4)
+    dut.restart.value = 0
+    await slide.cycle(-4)
+    assert int(dut.oldest.value) == 0
+
+
+@cocotb.test()
+async def nothing_leaves_unasked(dut):
+    """No line from ``top`` on, and none that is not loaded, nor more than one of those at once."""
+    for case, (top, loaded) in enumerate([(3, 1), (12, 0)]):
+        slide = Slide(dut, case)
+        await slide.start(jump=0)
+        await slide.cycle(0, [(3, 99)])
+        for _ in range(20):
+            await slide.cycle(top, loaded=loaded)
+        assert not slide.flush.received
+        assert int(dut.oldest.value) <= 3
+        await slide.finish()
+    slide = Slide(dut, 5, rate=0.2)
+    await slide.start(jump=0)
+    for word in (1, 2, 3, 70):
+        await slide.cycle(0, [(0, word)])
+    before = 0
+    for _ in range(80):
+        await slide.cycle(14)
+        oldest = int(dut.oldest.value)
+        assert oldest <= before + 1, "lines entered the window before they were loaded"
+        before = oldest
+    await slide.finish()
+
+
+def test_walker_asks_for_what_was_drawn(simulator_name):
+    run_bench(BankWalker(WIDE), __file__, simulator_name=simulator_name)
