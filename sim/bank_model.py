@@ -29,7 +29,7 @@ from .pipeline_model import (
     new_front,
 )
 
-__all__ = ["walk_banks"]
+__all__ = ["BANKS", "walk_banks"]
 
 BANKS = 8
 

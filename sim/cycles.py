@@ -14,7 +14,7 @@ import numpy.typing as npt
 from ..host.errors import InputError
 from ..host.frame import Frame
 from ..rtl.format import BLOCK, ROWS, EngineConfig
-from .bank_model import walk_banks
+from .bank_model import BANKS, walk_banks
 from .golden import decode, render
 from .lane_model import least_lane_cycles, walk_lanes
 from .pipeline_model import machine_of
@@ -84,19 +84,25 @@ def clearing_cycles(config: EngineConfig) -> int:
 def bound_cycles(frame: Frame) -> int:
     """Return the least cycles that the layout of the engine's memory leaves for a frame.
 
-    Each element takes as many as its busiest bank has words, or its busiest lane pixels; and of the
-    raster one word leaves in a cycle.
+    The largest of three. Each element takes as many as its busiest bank has words, or its busiest
+    lane pixels. Of the raster one word leaves in a cycle. And a bank, or lane, takes one word, or
+    pixel, in a cycle: all that are drawn and all that leave, were they spread evenly.
     """
     words = np.ascontiguousarray(frame.codewords, np.uint64)
-    elements = words[~decode(words, frame.config)["control"]].view(np.int64)
+    fields = decode(words, frame.config)
+    elements = words[~fields["control"]].view(np.int64)
     if frame.config.lanes:
         drawing = least_lane_cycles(elements)
+        memories, of_a_word = 4 * frame.config.pixels_per_word, frame.config.pixels_per_word
+        accesses = _covered_pixels(fields[~fields["control"]])
     else:
         drawing = round(least_cycles(frame)["interleaved"] * len(elements)) if len(elements) else 0
+        memories, of_a_word = BANKS, 1
+        accesses = int(_touched_words(frame).sum())
     drawn = render(frame).drawn
     step = frame.config.pixels_per_word
     leaving = int(np.count_nonzero(np.add.reduceat(drawn, range(0, frame.width, step), axis=1)))
-    return max(int(drawing), leaving)
+    return max(int(drawing), leaving, -(-(accesses + of_a_word * leaving) // memories))
 
 
 def least_cycles(frame: Frame) -> dict[str, float]:
@@ -115,6 +121,12 @@ def least_cycles(frame: Frame) -> dict[str, float]:
     banks = np.maximum(outer_upper, outer_lower).max(axis=1)
     cycles = dict(zip(LAYOUTS, (columns, rows, banks), strict=True))
     return {name: float(np.maximum(taken, 1).mean()) for name, taken in cycles.items()}
+
+
+def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
+    """Return how many pixels elements cover, each for itself."""
+    columns = np.maximum(fields["last"].astype(np.int64) - fields["first"] + 1, 0).sum(axis=1)
+    return int((columns * (2 - fields["mode"].astype(np.int64))).sum())
 
 
 def _touched_words(frame: Frame) -> npt.NDArray[np.int64]:
