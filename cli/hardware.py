@@ -16,6 +16,13 @@ from .progress import Stages
 
 __all__ = ["synth", "verilog"]
 
+TOP = click.option(
+    "--top",
+    type=click.Choice(["engine", "pins"]),
+    default="engine",
+    help="The engine with its whole streams, or narrow ones that fit the pins of a package.",
+)
+
 
 @click.command()
 @click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
@@ -27,12 +34,7 @@ __all__ = ["synth", "verilog"]
     show_default="splatline_PRESET.v",
     help="The Verilog.",
 )
-@click.option(
-    "--top",
-    type=click.Choice(["engine", "pins"]),
-    default="engine",
-    help="The engine with its whole streams, or narrow ones that fit the pins of a package.",
-)
+@TOP
 def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
     """Write an engine's Verilog, and a JSON sidecar of the same name.
 
@@ -64,6 +66,7 @@ def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
 
 @click.command()
 @click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@TOP
 @click.option(
     "--json", "report", type=click.Path(path_type=Path), metavar="FILE", help="Write the report."
 )
@@ -75,6 +78,7 @@ def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
 def synth(
     context: click.Context,
     preset: EngineConfig,
+    top: str,
     report: Path | None,
     plot: Path | None,
     record: bool,
@@ -88,6 +92,7 @@ def synth(
     \b
     Examples:
       splatline synth
+      splatline synth --top pins                as it stands on the device's pins
       splatline synth --preset rgb24 --json synth.json --plot synth.png
       splatline synth --record                  after a change that is worth what it takes
     """  # noqa: D301
@@ -101,14 +106,14 @@ def synth(
         from ..rtl.synth import synthesise
 
         try:
-            result = synthesise(preset)
+            result = synthesise(preset, pins=top == "pins")
         except RuntimeError as error:
             raise ToolFailure(str(error)) from error
     from .report_synthesis import describe_excess, print_synthesis
 
     if record:
         counts = {kind: result[kind] for kind in result["device"] if kind != "name"}
-        budgets.record(preset.name, counts)
+        budgets.record(budgets.budget_name(preset.name, pins=top == "pins"), counts)
         result |= {"budget": counts, "over_budget": {}}
     if report is not None:
         write_json(report, result)

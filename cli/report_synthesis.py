@@ -56,14 +56,15 @@ def _whole(report: Mapping[str, Any]) -> Table:
     from rich.table import Table
 
     device = report["device"]
+    pins = " with pins" if report["top"] == "pins" else ""
     table = Table(
-        title=f"Preset {report['preset']} on {device['name']}",
+        title=f"Preset {report['preset']}{pins} on {device['name']}",
         title_justify="left",
         caption=report["command"],
         caption_justify="left",
     )
     table.add_column("resource", style="bold")
-    for heading in ("this engine", "paper, Table 1", "difference", "budget", "device"):
+    for heading in ("this design", "paper, Table 1", "difference", "budget", "device"):
         table.add_column(heading, justify="right")
     for kind, label in RESOURCES.items():
         used, available, paper = report[kind], device[kind], report["paper"].get(kind)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-__all__ = ["BUDGETS", "over_budget", "read_budgets", "record"]
+__all__ = ["BUDGETS", "budget_name", "over_budget", "read_budgets", "record"]
 
 BUDGETS = Path(__file__).with_name("budgets.json")
 """By preset, ``lut4``, ``ff``, ``bram`` and ``mult``."""
@@ -18,6 +18,11 @@ BUDGETS = Path(__file__).with_name("budgets.json")
 def read_budgets() -> dict[str, dict[str, int]]:
     """Return the recorded counts of every preset that has any."""
     return json.loads(BUDGETS.read_text()) if BUDGETS.exists() else {}
+
+
+def budget_name(preset: str, *, pins: bool = False) -> str:
+    """Return what a preset's budget is recorded as: by itself, or behind its pins."""
+    return f"{preset}, pins" if pins else preset
 
 
 def over_budget(counts: dict[str, int], budget: dict[str, int] | None) -> dict[str, int]:

@@ -12,9 +12,10 @@ from pathlib import Path
 
 from amaranth.lib import wiring
 
-from .budgets import over_budget, read_budgets
+from .budgets import budget_name, over_budget, read_budgets
 from .format import PAPER, EngineConfig
 from .levels import longest_path
+from .pins import generate_pins
 from .verilog import convert, generate
 
 __all__ = ["DEVICE", "PAPER_TABLE_1", "count_component", "group_instances", "synthesise"]
@@ -47,7 +48,7 @@ LUT_MEMORIES = {"RAM16X1S": 1, "RAM16X1D": 2, "RAM32X1S": 2}
 MEMORY_CELLS = ("RAM16X", "RAM32X", "RAM64X", "RAM128X")
 
 
-def synthesise(config: EngineConfig = PAPER) -> dict:
+def synthesise(config: EngineConfig = PAPER, *, pins: bool = False) -> dict:
     """Return what an engine takes of the XC2V250, as Yosys counts it.
 
     The whole is synthesised flat; the modules are counted in a second run that keeps the hierarchy,
@@ -57,13 +58,16 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
     ----------
     config
         The engine's configuration.
+    pins
+        Count the engine behind narrow ports (:mod:`splatline.rtl.pins`), not by itself.
 
     Returns
     -------
     dict
-        ``lut4``, ``ff``, ``bram``, ``mult``; ``device``, ``fits``; ``paper``, ``difference`` from
-        it (``absolute``, ``percent``); ``budget``, None if none is recorded, and
-        ``over_budget``; ``longest_path``, see ``levels.longest_path``;
+        ``preset``, ``top`` (``engine`` or ``pins``); ``lut4``, ``ff``, ``bram``, ``mult``;
+        ``device``, ``fits``; ``paper``, ``difference`` from it (``absolute``, ``percent``);
+        ``budget``, None if none is recorded, and ``over_budget``; ``longest_path``, see
+        ``levels.longest_path``;
         ``modules``: the counts per instance, without what is below it, and ``groups`` of them;
         ``cells`` by name; ``command`` and ``tools``.
 
@@ -73,7 +77,7 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
         If Yosys fails, or leaves a cell that the device lacks.
     """
     name = "splatline"
-    text, _ = generate(config, name)
+    text, _ = (generate_pins if pins else generate)(config, name)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "engine.v").write_text(text)
@@ -82,9 +86,10 @@ def synthesise(config: EngineConfig = PAPER) -> dict:
         netlist = json.loads((folder / "netlist.json").read_text())
     counts = _count(cells)
     modules = {_instance(module, name): _count(found) for module, found in sorted(parts.items())}
-    budget = read_budgets().get(config.name)
+    budget = read_budgets().get(budget_name(config.name, pins=pins))
     return {
         "preset": config.name,
+        "top": "pins" if pins else "engine",
         **counts,
         "fits": all(counts[kind] <= DEVICE[kind] for kind in counts),
         "device": DEVICE,

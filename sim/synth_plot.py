@@ -70,7 +70,7 @@ def _rows(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     parts.sort(key=lambda group: -group["lut4"])
     whole = {kind: report[kind] for kind in PANELS}
     return [
-        {"name": f"engine, preset {report['preset']}", "colour": OURS, **whole},
+        {"name": f"{report['top']}, preset {report['preset']}", "colour": OURS, **whole},
         {"name": "the paper's engine", "colour": THEIRS, **report["paper"]},
         *parts,
     ]

@@ -10,6 +10,7 @@ from splatline.rtl.format import PAPER
 
 REPORT = {
     "preset": "paper",
+    "top": "engine",
     "command": "synth_xilinx",
     "fits": True,
     "lut4": 2000,
@@ -43,7 +44,7 @@ def synthesis(monkeypatch):
     report = dict(REPORT)
     asked = []
     module = types.ModuleType("splatline.rtl.synth")
-    module.synthesise = lambda config: asked.append(config) or report
+    module.synthesise = lambda config, *, pins: asked.append((config, pins)) or report
     monkeypatch.setitem(sys.modules, "splatline.rtl.synth", module)
     return report, asked
 
@@ -71,7 +72,7 @@ def test_verilog_that_cannot_be_written_is_refused_at_once(run, folder, output):
 def test_synth_writes_the_report_and_prints_the_table(run, folder, synthesis):
     result = run("synth", "--json", "report.json")
     assert result.exit_code == 0, result.stderr
-    assert synthesis[1] == [PAPER]
+    assert synthesis[1] == [(PAPER, False)]
     assert json.loads((folder / "report.json").read_text()) == REPORT
     luts = next(line for line in result.stdout.splitlines() if "4-input LUTs" in line)
     for cell in ("2,000 (65%)", "2,150", "-150 (-7%)", "3,072"):
@@ -112,7 +113,12 @@ def test_synth_fails_over_budget_until_the_counts_are_recorded(
     assert not book.exists()
     result = run("synth", "--record")
     assert result.exit_code == 0, result.stderr
-    assert budgets.read_budgets() == {"paper": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}}
+    counts = {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}
+    assert budgets.read_budgets() == {"paper": counts}
+    result = run("synth", "--top", "pins", "--record")
+    assert result.exit_code == 0, result.stderr
+    assert budgets.read_budgets() == {"paper": counts, "paper, pins": counts}
+    assert synthesis[1][-1] == (PAPER, True)
 
 
 def test_synth_fails_where_the_engine_does_not_fit(run, synthesis):
@@ -131,7 +137,7 @@ def test_synth_without_yosys_says_what_to_install(run, folder, synthesis, monkey
 
 
 def test_a_yosys_that_fails_shows_its_log_without_a_traceback(run, folder, synthesis, monkeypatch):
-    def fail(config):
+    def fail(config, *, pins):
         raise RuntimeError("Yosys failed:\nits log")
 
     monkeypatch.setattr(sys.modules["splatline.rtl.synth"], "synthesise", fail)

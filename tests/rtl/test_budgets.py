@@ -3,12 +3,14 @@ import pytest
 from splatline.rtl import budgets
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import PRESETS
-from splatline.rtl.synth import count_component
+from splatline.rtl.pins import PinTop
+from splatline.rtl.synth import PAPER_TABLE_1, count_component
 
 
 def test_every_preset_has_a_budget():
     """``splatline synth --preset NAME --record`` gives it one."""
-    assert set(budgets.read_budgets()) == set(PRESETS)
+    pins = budgets.budget_name("paper", pins=True)
+    assert set(budgets.read_budgets()) == {*PRESETS, pins}
 
 
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
@@ -17,6 +19,14 @@ def test_a_preset_does_not_outgrow_its_budget(preset):
     """A change that needs more says so: ``splatline synth --preset NAME --record``."""
     counts = count_component(Engine(PRESETS[preset]))
     assert budgets.over_budget(counts, budgets.read_budgets()[preset]) == {}
+
+
+def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s():
+    """Nor more than its budget."""
+    counts = count_component(PinTop(PRESETS["paper"]))
+    assert budgets.over_budget(counts, PAPER_TABLE_1) == {}
+    recorded = budgets.read_budgets()[budgets.budget_name("paper", pins=True)]
+    assert budgets.over_budget(counts, recorded) == {}
 
 
 def test_what_is_over_budget_is_told_by_how_much():
