@@ -80,8 +80,8 @@ def from_beats(
     ------
     ValueError
         If the end beat is missing or not the last; if a beat lies outside the image, comes out of
-        order or twice, or has bits above its fields; if a pixel beyond the last column is drawn, or
-        one at background depth has a colour.
+        order or twice, or has bits above its fields, or draws nothing; if a pixel beyond the last
+        column is drawn, or one at background depth has a colour.
     """
     limbs = -(-config.raster_end.end // LIMB)
     if beats.ndim != 2 or beats.shape[1] != limbs:
@@ -112,6 +112,12 @@ def from_beats(
         raise ValueError("a pixel at background depth has a colour")
     if (depth[:, width:] != config.background_depth).any():
         raise ValueError("a pixel beyond the last column was drawn")
+    drawn = (depth.reshape(height, -1, pixels) != config.background_depth).any(axis=2)
+    empty = np.flatnonzero(~drawn[lines, words])
+    if len(empty):
+        first = empty[0]
+        place = f"word {words[first]} of line {lines[first]}"
+        raise ValueError(f"beat {first} is {place}, in which nothing was drawn")
     return Raster.from_words(depth[:, :width], colour[:, :width], config)
 
 

@@ -78,11 +78,6 @@ def test_an_end_beat_may_hold_anything_else():
     assert not raster.drawn.any()
 
 
-def test_a_word_of_background_may_be_sent():
-    raster = from_beats(limbs(beat(0, 0, (511,) * 4), END), 8, 4)
-    assert not raster.drawn.any()
-
-
 @pytest.mark.parametrize(
     ("beats", "message"),
     [
@@ -98,6 +93,7 @@ def test_a_word_of_background_may_be_sent():
         (limbs(beat(0, 2), END), "beyond the last column"),
         (limbs(beat(0, 0, (511, 5, 5, 5), (1, 0, 0, 0)), END), "background depth has a colour"),
         (limbs(beat(0, 0) | 1 << 90, END), "above its end bit"),
+        (limbs(beat(0, 0), beat(1, 0, (511,) * 4), END), "beat 1 is word 0 of line 1, in which"),
         (np.zeros((3, 1), np.uint64), r"shape \(n, 2\)"),
     ],
 )
