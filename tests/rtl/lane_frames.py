@@ -2,7 +2,7 @@
 
 from test_scatter import random_spans
 from test_window import END, beats_of, draw, image_of, random_depth, random_image, random_shade
-from tiles import Tiles, tiles_of
+from tiles import Tiles, pack_tile, tiles_of
 
 from splatline.rtl.format import PAPER
 from splatline.sim.cosim.streams import StreamBench
@@ -42,12 +42,23 @@ class Painter:
 
 
 class Bench:
-    """A window's streams, for many frames and resets."""
+    """A window's streams, for many frames and resets.
 
-    def __init__(self, dut, rates, seed):
+    As the tiler does, it offers a tile once its lines are in the window, and shows the ``top`` of
+    the one to come before that: at once, or some cycles after the one before was taken.
+
+    Parameters
+    ----------
+    rates
+        Of tiles, initial raster and raster.
+    polite
+        The raster is taken only where something is offered, as any sink may do.
+    """
+
+    def __init__(self, dut, rates, seed, polite=False):
         self.dut = dut
         self.bench = StreamBench(dut, seed)
-        self.rates = rates
+        self.rates, self.polite = rates, polite
         self.sent = 0  # tiles before this cycle
 
     async def reset(self):
@@ -57,11 +68,17 @@ class Bench:
         self.initial = self.bench.source("initial", [], self.rates[1])
         self.raster = self.bench.sink("raster", self.rates[2])
         self.dut.active.value = 0
+        self.frame, self.shown = Painter(1, 1), 0
         await self.bench.reset()
 
     def open(self, frame, initial=None):
         """Offer a frame; ``initial`` are other beats than those of its start."""
-        tiles = Tiles(frame.tiles, lambda: self.source.sent != self.sent)
+        tiles = Tiles(
+            frame.tiles,
+            lambda: int(self.dut.oldest.value),
+            lambda: self.source.sent != self.sent,
+        )
+        self.frame, self.shown = frame, 0
         self.source.payloads, self.source.sent, self.sent = tiles, 0, 0
         if frame.start is not None:
             beats = initial or beats_of(frame.start, frame.width, frame.height)
@@ -73,7 +90,23 @@ class Bench:
         self.dut.active.value = 1
 
     def drive(self):
-        self.sent = self.source.sent
+        """Set what comes beside the streams; what means nothing at random."""
+        rng, tiles = self.bench.random, self.frame.tiles
+        self.sent = sent = self.source.sent
+        if self.source.offering:
+            self.shown = sent + 1
+        else:
+            if self.shown <= sent and rng.random() < 0.7:
+                self.shown = min(sent + 1, len(tiles))
+            # Of the last tile that is shown; the end shows no sooner than it is offered.
+            over = sent > len(tiles)
+            top = -4 if over or not self.shown else tiles[min(self.shown, len(tiles)) - 1]["top"]
+            noise = {"mask": rng.getrandbits(16), "meets": rng.getrandbits(1)}
+            self.dut.i__payload.value = pack_tile(top=top, **noise)
+        drawn = self.source.offering and sent < len(tiles)
+        self.dut.colour.value = tiles[sent]["colour"] if drawn else random_shade(rng)
+        if self.polite and not int(self.dut.raster__valid.value):
+            self.dut.raster__ready.value = 0
 
     async def play(self, frame, initial=None):
         self.open(frame, initial)
@@ -83,10 +116,10 @@ class Bench:
             drive=self.drive,
             after=0,
         )
-        assert self.source.sent == len(self.source.payloads)
+        assert self.source.sent == self.source.payloads.whole
         self.dut.active.value = 0
         for _ in range(5):
-            await self.bench.step()
+            await self.bench.step(self.drive)
         frame.compare(self.raster.received)
         return cycles
 

@@ -9,6 +9,7 @@ import pytest
 import test_bank
 import test_bank_marks
 import test_bank_walker
+import test_colour
 import test_decoder
 import test_engine
 import test_lane
@@ -26,11 +27,14 @@ from random_frames import shapes
 from splatline.rtl.bank import Bank
 from splatline.rtl.bank_marks import BankMarks
 from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.colour import ColourUnit
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import BAYER, PAPER, PRESETS
 from splatline.rtl.lane import Lane
+from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.loader import Loader
 from splatline.rtl.marks import Marks
 from splatline.rtl.planar_bank import PlanarBank
 from splatline.rtl.scatter import Scatter
@@ -136,8 +140,19 @@ def test_a_fault_in_the_window_of_banks_is_noticed(component, bench, test, signa
         )
 
 
+LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
+"""In place of a lane's comparison: it writes whatever it is asked to draw or to clear."""
+
 LANE_WINDOW_FAULTS = [
-    (Lane, test_lane, "random_requests", "passes", "taken[0]", "no depth test"),
+    (Lane, test_lane, "random_requests", "difference", LANE_WRITES, "no depth test"),
+    (
+        Lane,
+        test_lane,
+        "nearer_wins_and_equal_stays",
+        "difference",
+        "{ taken[1:0], old[8:0] } + { 1'h0, ~{ 2'h1, new[8:0] } } + 1",
+        "ties drawn",
+    ),
     (Tiler, test_tiler, "right_border", "words_left", "8'h3f", "right border"),
     (Tiler, test_tiler, "one_tile_a_cycle", "past_2", "1'h0", "a line misplaced"),
     (
@@ -179,40 +194,176 @@ def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signa
         run_preset(PAPER, component, bench.__file__, test=test, edit=edit)
 
 
-WAIT = r"(?<![\w.])loaded\.eq"  # the register, not what the loader says
-REWRITTEN = [
-    (LaneWindow, "elaborate", r"conflict\.eq\(drawn", "conflict.eq(0 & drawn", "with_stalls"),
-    (Tiler, "_lines", r"(groups\.eq\(.*) \+ 1\)", r"\1 + 2)", "upper_and_lower_border"),
-    (Walker, "elaborate", r" & self\.enable\b", "", "nothing_leaves_unasked"),
-    (LaneWindow, "elaborate", WAIT + r"\(.*?\)", "loaded.eq(0)", "nonsense_in_the_initial_raster"),
-    (LaneWindow, "elaborate", WAIT + r"(\(.*?) \| sweeping", r"loaded.eq\1", "reset_in_the_middle"),
-]
+WALK = "drawn_words_are_asked_for_once_and_in_order"
+LOADING = r" & ~drawn & ~cleared & ~loaded"  # nothing tells whether a load waits for what is drawn
+REWRITTEN = {
+    "no conflict": (LaneWindow, r"conflict\.eq\(drawn", "conflict.eq(0 & drawn", "with_stalls"),
+    "drawn while marks are taken": (
+        LaneWindow,
+        r"loader\.loaded & ~walker\.taking",
+        "loader.loaded",
+        "with_stalls",
+    ),
+    "loaded while marks are taken": (
+        LaneWindow,
+        r"~sweeping & ~walker\.taking",
+        "~sweeping",
+        "with_stalls",
+    ),
+    "no wait after a load": (
+        LaneWindow,
+        LOADING,
+        " & ~drawn & ~cleared",
+        "nonsense_in_the_initial_raster",
+    ),
+    "no wait after the sweep": (LaneWindow, "running & ~swept", "running", "reset_in_the_middle"),
+    "nor for a load": (
+        LaneWindow,
+        r"cleared\.eq\(flushing \| sweeping",
+        "cleared.eq(flushing",
+        "words_right_behind_the_sweep",
+    ),
+    "a load taken too early": (
+        LaneWindow,
+        r"loader\.o\.ready\.eq\(loaded",
+        "loader.o.ready.eq(loading",
+        "with_stalls",
+    ),
+    "a load offered again": (
+        Loader,
+        r" & ~\(self\.o\.valid & self\.o\.ready\)\)",
+        ")",
+        "with_stalls",
+    ),
+    "loaded beyond the window": (
+        Loader,
+        r"waiting & ~drop & in_window",
+        "waiting & ~drop",
+        "words_right_behind_what_leaves",
+    ),
+    "background holds all up": (
+        LaneEmitter,
+        r" \| dropped\)",
+        ")",
+        "a_raster_that_waits_for_its_words",
+    ),
+    "dropped behind background": (LaneEmitter, r"(~emit\.end) & ~take\)", r"\1)", "with_stalls"),
+    "marks taken unasked": (Walker, r" & self\.enable\b", "", "nothing_leaves_unasked"),
+    "marks taken twice": (Walker, r" & ~self\.taking\)", ")", WALK),
+    "marks taken too early": (Walker, r"walking & ~pairs\.any\(\)", "walking", WALK),
+    "a line left too early": (Walker, r"left\.eq\(~asking & ", "left.eq(", WALK),
+    "a pair of the next stretch": (Walker, r"next_stretch - 1", "next_stretch", WALK),
+    "lower border": (
+        Tiler,
+        r"(groups\.eq\(.*) \+ 1\)",
+        r"\1 + 2)",
+        "upper_and_lower_border",
+        "_lines",
+    ),
+    "no wait for lines": (Tiler, r"\bmay\.eq\(", "may.eq(1 | ", "a_window_that_lags_behind"),
+    "upper lines too early": (
+        Tiler,
+        r"behind\[:4\] > 4",
+        "behind[:4] > 3",
+        "a_window_that_lags_behind",
+    ),
+    "lower lines too early": (
+        Tiler,
+        r"behind\[:4\] > 8",
+        "behind[:4] > 7",
+        "a_window_that_lags_behind",
+    ),
+    "lines too late": (
+        Tiler,
+        r"behind\[:4\] > 4",
+        "behind[:4] > 5",
+        "a_tile_comes_as_soon_as_its_lines",
+    ),
+    "another's lines": (Tiler, r"near\.eq\(0\)", "near.eq(near)", "a_window_that_lags_behind"),
+    "top once it goes": (Tiler, r"Elif\(there\)", "Elif(there & may)", "a_window_that_lags_behind"),
+    "top of the last frame": (Tiler, r"top\.eq\(-SIDE\)", "top.eq(top)", "end_tokens"),
+    "top outlasts a reset": (
+        Tiler,
+        r"init=-SIDE\)",
+        "init=-SIDE, reset_less=True)",
+        "reset_in_the_middle",
+    ),
+    "colour moves too late": (Tiler, r"moves\.eq\(step\)", "moves.eq(self.i.ready)", "end_tokens"),
+    "colour moves too early": (Tiler, r"moves\.eq\(step\)", "moves.eq(1)", "end_tokens"),
+    "never meets": (Tiler, r"meets\.eq\(", "meets.eq(0 & ", "one_tile_a_cycle"),
+    "meets what was long ago": (
+        Tiler,
+        r" & valid & self\.o\.ready\)",
+        ")",
+        "a_window_that_lags_behind",
+    ),
+    "meets on any line": (
+        Tiler,
+        r"lines\.any\(\) & ",
+        "",
+        "a_window_that_lags_behind",
+        "_meets",
+    ),
+    "meets in any column": (Tiler, r" & columns\.any\(\)", "", "one_tile_a_cycle", "_meets"),
+    "meets on the wrong side": (
+        Tiler,
+        r"Mux\(new, after, ahead\)",
+        "Mux(new, ahead, after)",
+        "one_tile_a_cycle",
+        "_meets",
+    ),
+    "colour of the next": (ColourUnit, r"If\(self\.moves\)", "If(1)", "random_materials"),
+    "coefficients of the next": (ColourUnit, r"If\(self\.o\.ready\)", "If(1)", "random_materials"),
+    "coefficients move with colours": (
+        ColourUnit,
+        r"If\(self\.o\.ready\)",
+        "If(self.moves)",
+        "random_materials",
+    ),
+}
+REWRITTEN_COLLISIONS = {
+    "a load meets what is cleared": (
+        LOADING,
+        " & ~drawn & ~loaded",
+        "words_right_behind_what_leaves",
+    ),
+    "a tile meets one that stood still": (
+        r"tile\.meets \| stopped",
+        "tile.meets",
+        "tiles_while_the_raster_waits",
+    ),
+}
+BENCHES = {
+    Tiler: (Tiler, test_tiler),
+    Walker: (Walker, test_walker),
+    ColourUnit: (test_colour.Painter, test_colour),
+}
 
 
-@pytest.mark.parametrize(
-    ("component", "method", "pattern", "replacement", "test"),
-    REWRITTEN,
-    ids=[
-        "no conflict",
-        "lower border",
-        "marks taken unasked",
-        "no wait after a load",
-        "nor after the sweep",
-    ],
-)
-def test_a_rewritten_window_of_lanes_is_noticed(
-    monkeypatch, component, method, pattern, replacement, test
-):
-    """Faults in what has no name in the Verilog."""
-    source = textwrap.dedent(inspect.getsource(getattr(component, method)))
+def check_rewritten(monkeypatch, part, pattern, replacement, test, method="elaborate", **options):
+    """Break a component and run a test on it, or on the window of lanes that it is part of."""
+    source = textwrap.dedent(inspect.getsource(getattr(part, method)))
     broken, count = re.subn(pattern, replacement, source)
     assert count == 1
-    scope = dict(vars(inspect.getmodule(component)))
+    scope = dict(vars(inspect.getmodule(part)))
     exec(broken, scope)
-    monkeypatch.setattr(component, method, scope[method])
-    benches = {Tiler: test_tiler, Walker: test_walker, LaneWindow: test_lane_window}
+    monkeypatch.setattr(part, method, scope[method])
+    component, bench = BENCHES.get(part, (LaneWindow, test_lane_window))
+    assert hasattr(bench, test)
     with pytest.raises(SimulationError):
-        run_preset(PAPER, component, benches[component].__file__, test=test)
+        run_preset(PAPER, component, bench.__file__, test=test, **options)
+
+
+@pytest.mark.parametrize("broken", REWRITTEN.values(), ids=REWRITTEN)
+def test_a_rewritten_window_of_lanes_is_noticed(monkeypatch, broken):
+    """Faults in what has no name in the Verilog."""
+    check_rewritten(monkeypatch, *broken)
+
+
+@pytest.mark.parametrize("broken", REWRITTEN_COLLISIONS.values(), ids=REWRITTEN_COLLISIONS)
+def test_a_pixel_that_is_read_while_it_is_written_is_noticed(monkeypatch, broken):
+    """Where the memory is as unkind as it may be."""
+    check_rewritten(monkeypatch, LaneWindow, *broken, edit=test_lane_window.collide)
 
 
 PLANE_FAULTS = [
@@ -261,7 +412,9 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
             "wide", fault("splatline.window.bank_5", "conflict", "1'h0"), id="a bank's conflict"
         ),
         pytest.param(
-            "paper", fault("splatline.window.lane_2_1", "passes", "1'h1"), id="no depth test"
+            "paper",
+            fault("splatline.window.lane_2_1", "difference", LANE_WRITES),
+            id="no depth test",
         ),
         pytest.param(
             "paper", fault("splatline.window.walker.marks", "bit_1", "8'h01"), id="a wrong mark"

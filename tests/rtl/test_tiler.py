@@ -4,16 +4,17 @@ import itertools
 import random
 
 import cocotb
-from tiles import places_of, unpack_tile
+from tiles import LOWEST, ROOM, overlap, unpack_tile
 
 from splatline.rtl.format import PAPER
-from splatline.rtl.layouts import GeometryLayout
+from splatline.rtl.layouts import GeometryLayout, TileLayout
 from splatline.rtl.tiler import Tiler
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench
 
 WORDS = 1 << PAPER.word_bits
-LOWEST = (1 << PAPER.line_bits + 1) - 1
+TOP = (TileLayout(PAPER)["top"].offset, TileLayout(PAPER)["top"].width)
+TOPS = 1 << PAPER.line_bits + 2
 END = ([(1, 0)] * 4, 1, 300, LOWEST)
 PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(PAPER)}
 ROW_CODES = [(first, last) for first in range(8) for last in range(8)]
@@ -58,8 +59,9 @@ def tile_pixels(tile, x, top):
     """Which tile this is of an element, and its pixels; each lane must have its own place."""
     first, second = tile["words"] % WORDS, tile["words"] // WORDS
     assert second == (first + 1) % WORDS
-    lower, right = tile["lower"], (first - x // 4) % WORDS
-    assert right in (0, 1)
+    right = (first - x // 4) % WORDS
+    lower = ((tile["group"] >> 2 * (top % 4)) - top // 4) % 4
+    assert right in (0, 1) and lower in (0, 1)
     pixels = set()
     for q in range(4):
         line = top + 4 * lower
@@ -74,70 +76,140 @@ def tile_pixels(tile, x, top):
     return (lower, right), pixels
 
 
-async def play(dut, cases, given, width, height, rates, seed):
-    """Send elements; return the tiles, the cycles, and which tiles followed at once on another."""
-    words = [
-        pack_element(*case, z=z, colour=colour, end=case is END)
-        for case, (z, colour) in zip(cases, given, strict=True)
-    ]
-    bench = StreamBench(dut, seed)
-    source = bench.source("i", words, rates[0])
-    sink = bench.sink("o", rates[1])
-    dut.last_column.value, dut.last_line.value = width - 1, height - 1
-    at_once, taken, waiting = [], False, False
+class Slide:
+    """A tiler whose window follows its ``top``, and elements that wait for the end of a frame.
 
-    def drive():
-        if source.sent:  # the colour of the element that was taken last
-            dut.shade.value = given[source.sent - 1][1]
+    Each cycle it checks what comes beside the stream: ``moves``, ``top``, and that the colour that
+    moves with it would meet its tile; and that no tile comes before its lines.
 
-    def observe():
-        nonlocal taken, waiting
-        valid = int(dut.o__valid.value)
-        if valid and not waiting:
-            at_once.append(taken)
-        taken = valid and int(dut.o__ready.value)
-        waiting = valid and not taken
+    Parameters
+    ----------
+    cases
+        Elements (rows, mode, x, top), or END.
+    follow
+        Share of the cycles in which the window goes on, and lines that it then goes at most.
+    """
 
-    await bench.reset()
-    begin = bench.cycles
-    await bench.run(
-        lambda: source.sent == len(words),
-        most_cycles=50_000,
-        drive=drive,
-        observe=observe,
-        after=0,
-    )
-    cycles = bench.cycles - begin
-    for _ in range(4 if rates[1] == 1.0 else 100):
-        await bench.step(drive, observe)
-    return [unpack_tile(bits) for bits in sink.received], cycles, at_once
+    def __init__(self, dut, bench, cases, depths, rates, follow=(1.0, LOWEST)):
+        self.dut, self.bench, self.cases, self.follow = dut, bench, cases, follow
+        words = [
+            pack_element(*case, z=z, end=case is END) for case, z in zip(cases, depths, strict=True)
+        ]
+        self.depths = depths
+        self.ends = [n for n, case in enumerate(cases) if case is END]
+        self.source = bench.source("i", [], rates[0])
+        self.source.payloads = Until(words, self.may_send)
+        self.sink = bench.sink("o", rates[1])
+        self.oldest = 0
+        self.shown = -4  # as ``top`` must be in this cycle
+        self.seen = 0  # elements that were taken
+        self.hand = None  # the one that was taken last; none after the end of a frame
+        self.moved = None  # the one whose colour moved last
+        self.taken = self.waiting = False  # in the cycle before
+        self.over = 0  # ends that were taken
+        self.at_once = []  # of each tile, whether the one before was taken in the cycle before
+
+    def may_send(self):
+        """As many as there are before an end that was not taken, and that end itself."""
+        return self.ends[self.over] + 1 if self.over < len(self.ends) else len(self.cases)
+
+    def drive(self):
+        self.dut.oldest.value = self.oldest
+
+    def observe(self):
+        dut, sent = self.dut, self.source.sent
+        valid, ready = int(dut.o__valid.value), int(dut.o__ready.value)
+        bits = dut.o__payload.value
+        assert int(bits[TOP[0] + TOP[1] - 1 : TOP[0]]) == self.shown % TOPS
+        assert int(dut.moves.value) == (not valid or ready)
+        payload = unpack_tile(int(bits)) if valid else {"end": 0}
+        ends = payload["end"]
+        if valid and not self.waiting:
+            self.at_once.append(self.taken)
+            case = self.cases[self.moved]
+            assert payload["z"] == self.depths[self.moved], "another's colour"
+            assert ends == (case is END)
+            if not ends:
+                lower = tile_pixels(payload, case[2], case[3])[0][0]
+                assert case[3] + 4 * lower - self.oldest < ROOM, "a tile before its lines"
+        self.taken = valid and ready
+        self.waiting = valid and not ready
+        # As in the window: it follows what is shown, and starts again after the end.
+        if self.shown > self.oldest and self.bench.random.random() < self.follow[0]:
+            self.oldest += min(self.shown - self.oldest, self.follow[1])
+        if self.taken and ends:
+            self.shown, self.hand, self.moved, self.oldest = -4, None, None, 0
+            self.over += 1
+        elif not self.waiting and self.hand is not None:
+            self.moved, self.shown = self.hand, self.cases[self.hand][3]
+        if sent != self.seen:
+            self.hand, self.seen = sent - 1, sent
+
+    async def run(self):
+        """Send everything; return the cycles until the last element was taken."""
+        begin = self.bench.cycles
+        await self.bench.run(
+            lambda: self.source.sent == len(self.cases),
+            most_cycles=80_000,
+            drive=self.drive,
+            observe=self.observe,
+            after=0,
+        )
+        cycles = self.bench.cycles - begin
+        for _ in range(4 if (self.sink.rate, self.follow) == (1.0, (1.0, LOWEST)) else 100):
+            await self.bench.step(self.drive, self.observe)
+        return cycles
 
 
-async def check(dut, cases, width=512, height=512, rates=(1.0, 1.0), seed=1):
-    """Send (rows, mode, x, top), or END, and compare; return the cycles and how many are needed."""
+class Until:
+    """Payloads of which no more may come than a function tells."""
+
+    def __init__(self, payloads, most):
+        self.payloads, self.most = payloads, most
+
+    def __len__(self):
+        return self.most()
+
+    def __getitem__(self, n):
+        return self.payloads[n]
+
+
+def begin(dut, cases, width, height, rates, seed, follow):
+    """A bench that is not reset yet, and depths that tell its elements apart."""
     rng = random.Random(seed)
-    given = [(rng.getrandbits(PAPER.depth_bits), rng.getrandbits(9)) for _ in cases]
+    first = rng.getrandbits(PAPER.depth_bits)
+    depths = [(first + 7 * n) % (1 << PAPER.depth_bits) for n in range(len(cases))]
+    dut.last_column.value, dut.last_line.value = width - 1, height - 1
+    dut.oldest.value = 0
+    return Slide(dut, StreamBench(dut, seed), cases, depths, rates, follow)
+
+
+async def check(dut, cases, width=512, height=512, rates=(1.0, 1.0), seed=1, follow=(1.0, LOWEST)):
+    """Send (rows, mode, x, top), or END, and compare; return the cycles and how many are needed."""
     expected = [{} if case is END else expected_tiles(*case, width, height) for case in cases]
     counts = [1 if case is END else len(e) for case, e in zip(cases, expected, strict=True)]
-    received, cycles, at_once = await play(dut, cases, given, width, height, rates, seed)
+    slide = begin(dut, cases, width, height, rates, seed, follow)
+    await slide.bench.reset()
+    cycles = await slide.run()
+    received = [unpack_tile(bits) for bits in slide.sink.received]
     assert len(received) == sum(counts)
-    before = set()
-    for tile, follows in zip(received, at_once, strict=True):
-        places = places_of(tile)
-        # Of a tile that was taken earlier it does not matter.
-        assert bool(follows and places & before) <= tile["meets"] <= bool(places & before)
-        before = places
+    before = None
+    for tile, follows in zip(received, slide.at_once, strict=True):
+        if not tile["end"]:
+            # Of a tile that was taken earlier it does not matter, and must not hold this one up.
+            assert tile["meets"] == bool(follows and overlap(tile, before))
+        before = tile
     tiles = iter(received)
-    for case, count, wanted, (z, colour) in zip(cases, counts, expected, given, strict=True):
+    for case, count, wanted, z in zip(cases, counts, expected, slide.depths, strict=True):
         _, _, x, top = case
         found = {}
         for tile in itertools.islice(tiles, count):
             assert tile["end"] == (case is END), case
-            assert tile["top"] == top % (1 << PAPER.line_bits + 2)
+            assert tile["top"] == top % TOPS
             if case is END:
                 assert tile["mask"] == 0
                 continue
-            assert (tile["z"], tile["colour"]) == (z, colour)
+            assert tile["z"] == z
             key, pixels = tile_pixels(tile, x, top)
             assert key not in found, "a tile came twice"
             found[key] = pixels
@@ -150,7 +222,7 @@ async def one_tile_a_cycle(dut):
     """Random rows, both modes, every offset; elements without a pixel take a cycle."""
     rng = random.Random(1)
     cases = [
-        (random_rows(rng), mode, 100 + offset, 40 + n)
+        (random_rows(rng), mode, 100 + offset, n)
         for n in range(16)
         for offset in range(8)
         for mode in (0, 1)
@@ -197,18 +269,84 @@ async def upper_and_lower_border(dut):
         await check(dut, cases, 512, height, (0.7, 0.9), seed)
 
 
+def sorted_frames(rng, frames, elements, lines, step=0.5):
+    """Frames of elements in the order of their lines, each with its end."""
+    cases = []
+    for _ in range(frames):
+        top = -4
+        for _ in range(rng.randrange(elements + 1)):
+            top += rng.randrange(lines) if rng.random() < step else 0
+            cases.append((random_rows(rng), rng.randrange(2), rng.randrange(99), top))
+        cases.append(END)
+    return cases
+
+
 @cocotb.test()
 async def end_tokens(dut):
-    """Each comes once, without pixels, in its place among the elements, under stalls."""
+    """Each comes once, without pixels, after its frame's elements, under stalls."""
     for seed, rates in enumerate([(1.0, 1.0), (1.0, 0.2), (0.3, 1.0), (0.6, 0.6)]):
-        rng = random.Random(seed)
-        cases = [
-            END
-            if rng.random() < 0.2
-            else (random_rows(rng), rng.randrange(2), rng.randrange(99), rng.randrange(-4, 60))
-            for _ in range(100)
-        ]
+        cases = sorted_frames(random.Random(seed), 25, 8, 20)
         await check(dut, cases, 64, 48, rates, seed)
+
+
+@cocotb.test()
+async def a_window_that_lags_behind(dut):
+    """Elements wait for their lines, whatever else stalls; few lines at a time, or many."""
+    for seed, (rates, follow) in enumerate(
+        [
+            ((1.0, 1.0), (0.3, 1)),
+            ((1.0, 1.0), (0.1, 30)),
+            ((0.6, 0.7), (0.3, 2)),
+            ((1.0, 0.3), (0.5, 1)),
+            ((0.3, 1.0), (0.2, 13)),
+        ]
+    ):
+        cases = sorted_frames(random.Random(seed), 6, 30, 12)
+        await check(dut, cases, 99, 200, rates, seed, follow)
+
+
+@cocotb.test()
+async def a_tile_comes_as_soon_as_its_lines(dut):
+    """Upper tiles less than 12 lines below the window's first, lower ones less than 8.
+
+    Two cycles after the window has moved on. An element after one that goes while its lower lines
+    are not there yet comes one cycle later, and no other does. What waits shows its ``top`` two
+    cycles after it was taken.
+    """
+    for top in (0, 7, 12, 13, 100, 1000):
+        cases = [([(0, 7)] * 4, mode, 40, top) for mode in (1, 0, 1)]
+        slide = begin(dut, cases, 512, 1024, (1.0, 1.0), top, (0.0, 0))
+        await slide.bench.reset()
+
+        async def tiles_after(oldest, *counts, slide=slide):
+            slide.oldest = oldest
+            for count in counts:
+                await slide.bench.step(slide.drive, slide.observe)
+                assert len(slide.sink.received) == count, oldest
+
+        if top < 8:
+            await tiles_after(0, 0, 0, *range(1, 9), 8, 8)
+            continue
+        await tiles_after(top - 12, *[0] * 9)
+        assert (slide.source.sent, slide.shown) == (1, top)
+        await tiles_after(top - 11, 0, 0, 1, 2, 2, 3, *[4] * 9)
+        await tiles_after(top - 8, *[4] * 9)
+        await tiles_after(top - 7, 4, 4, 5, 6, 7, 8, 8, 8)
+
+
+@cocotb.test()
+async def reset_in_the_middle(dut):
+    """Whatever was at hand, offered or shown before: the next frame is as after any reset."""
+    rng = random.Random(9)
+    for seed in range(12):
+        cases = [(random_rows(rng), 0, 50, 30 * n) for n in range(9)]
+        follow = (0.0, 0) if seed % 2 else (1.0, LOWEST)
+        slide = begin(dut, cases, 512, 512, (0.8, 0.5), seed, follow)
+        await slide.bench.reset()
+        for _ in range(6 + seed):
+            await slide.bench.step(slide.drive, slide.observe)
+        assert slide.shown > -4 or slide.hand is not None
+        await check(dut, sorted_frames(rng, 2, 9, 9), 64, 48, (1.0, 0.8), seed)
 
 
 def test_tiler_cuts_the_pixels_of_the_contract(simulator_name):

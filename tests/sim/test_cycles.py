@@ -208,8 +208,11 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
 
 @pytest.mark.parametrize("config", [PAPER, WIDE], ids=["paper", "wide"])
 def test_known_counts(config):
-    """A cycle a code word, one more for its latency, and the end beat behind."""
-    latency = engine_latency(config)
+    """A cycle a code word, one more for its latency, and the end beat behind.
+
+    Lanes know one cycle later that nothing is left in the window.
+    """
+    latency = engine_latency(config) + config.lanes
     # Lanes are kept by a pixel that is drawn twice, banks by its word.
     step = 1 if config.lanes else 4
 
@@ -220,8 +223,8 @@ def test_known_counts(config):
     assert count([]) == latency + 1
     assert count([cw.advance(1)] * 10) == latency + 11
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
-    # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks, dots
-    # in words of their own leave as so many words, and on the same word wait for it as often.
+    # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks,
+    # dots in words of their own leave as so many words, and on the same word wait for it as often.
     for dots in (1, 2, 4):
         apart = [cw.encode(DOT, mode=1, x=step * n) for n in range(dots)]
         same = [cw.encode(DOT, mode=1, x=4)] * dots
