@@ -140,7 +140,7 @@ def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signa
 
 WAIT = r"(?<![\w.])loaded\.eq"  # the register, not what the loader says
 REWRITTEN = [
-    (LaneWindow, "elaborate", r"conflict\.eq\(drawn", "conflict.eq(0 & drawn", "with_stalls"),
+    (LaneWindow, "elaborate", r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     (Tiler, "_lines", r"(groups\.eq\(.*) \+ 1\)", r"\1 + 2)", "upper_and_lower_border"),
     (Walker, "elaborate", r" & self\.enable\b", "", "nothing_leaves_unasked"),
     (LaneWindow, "elaborate", WAIT + r"\(.*?\)", "loaded.eq(0)", "nonsense_in_the_initial_raster"),
