@@ -1,6 +1,9 @@
 """Engines of other windows, words, widths and depths: their pictures and their cycles."""
 
+import inspect
 import os
+import re
+import textwrap
 
 import numpy as np
 import pytest
@@ -9,13 +12,22 @@ from random_frames import frame_of, nonsense, random_raster, shapes, word
 
 from splatline.host.order import advance_word
 from splatline.rtl.format import PAPER
+from splatline.rtl.tiler import Tiler
 from splatline.rtl.variants import VARIANTS
+from splatline.sim import golden
+from splatline.sim.cosim import simulator
 from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cycles import count_cycles
 
 FULL = test_presets.FULL
-# Every size of window and of word, alone and together with the others.
-PLAYED = [v for v in VARIANTS if os.environ.get("ALLV") or v.name in ("small", "largest")]
+PLAYED = [
+    config
+    for config in VARIANTS
+    if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all" or config.name in ("small", "largest")
+]
+"""Both ends, which have every size of window and of word but the preset's: each takes a build. All
+of them on demand."""
 
 
 def at_the_right_border(rng, config):
@@ -77,6 +89,38 @@ def test_every_variant_draws_what_the_contract_says_in_the_cycles_it_is_said_to(
     timed = [n for n, name in enumerate(names) if name == "at_full_rate"]
     counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in timed]
     assert counted == [outcomes[n].cycles for n in timed]
+
+
+FAULTS = [
+    # A block of eight lines in a window of eight: too early, its last ones are still on their way.
+    (Tiler, "elaborate", r"low > 2 \* SIDE", "low > 1 * SIDE", "lines not there yet"),
+    (Tiler, "_columns", r"x\[bits:\] \+ column \+ 1", "x[bits:] + column", "a word misplaced"),
+]
+
+
+@pytest.mark.parametrize(
+    ("component", "method", "pattern", "replacement"),
+    [pytest.param(*fault[:4], id=fault[4]) for fault in FAULTS],
+)
+def test_a_fault_in_what_sizes_decide_is_noticed(
+    monkeypatch, component, method, pattern, replacement
+):
+    """Two pixels a word and eight lines, in the simulator that builds faster."""
+    config = next(config for config in VARIANTS if config.name == "small")
+    source = textwrap.dedent(inspect.getsource(getattr(component, method)))
+    broken, count = re.subn(pattern, replacement, source)
+    assert count == 1
+    scope = dict(vars(inspect.getmodule(component)))
+    exec(broken, scope)
+    monkeypatch.setattr(component, method, scope[method])
+    rng = np.random.default_rng(5)
+    frame = shapes(rng, 250, 24, 60, config=config)
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    try:
+        outcome = play([Job(frame=frame)], simulator_name=quickest)[0]
+    except SimulationError:  # words outside the image, or none for too long
+        return
+    assert outcome.raster.mismatches(golden.render(frame)) > 0
 
 
 def test_what_windows_and_words_are_for():
