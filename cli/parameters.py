@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.variants import VARIANTS
 
 __all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
 
@@ -104,10 +105,11 @@ class _Colour(click.ParamType):  # type: ignore[type-arg]
 
 
 class _Preset(click.Choice):  # type: ignore[type-arg]
-    """The name of an engine's configuration."""
+    """The name of an engine's configuration: a preset or one of ``rtl.variants``."""
 
     def __init__(self) -> None:
-        super().__init__(sorted(PRESETS))
+        self._configs = PRESETS | {config.name: config for config in VARIANTS}
+        super().__init__([*sorted(PRESETS), *(config.name for config in VARIANTS)])
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -115,7 +117,7 @@ class _Preset(click.Choice):  # type: ignore[type-arg]
         """Return the configuration."""
         if isinstance(value, EngineConfig):
             return value
-        return PRESETS[super().convert(value, param, ctx)]
+        return self._configs[super().convert(value, param, ctx)]
 
 
 def _finite(text: str) -> float | None:

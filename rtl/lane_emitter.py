@@ -1,4 +1,4 @@
-"""The way out of the lanes: four pixels that leave together become a beat of the raster."""
+"""The way out of the lanes: pixels of a word, which leave together, become a raster's beat."""
 
 from amaranth.hdl import Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
@@ -12,7 +12,7 @@ __all__ = ["LaneEmitter"]
 
 
 class LaneEmitter(wiring.Component):
-    """Picks each flushed word from its four lanes and offers it on ``raster``.
+    """Picks each flushed word from its lanes and offers it on ``raster``.
 
     A word stands on its lanes' outputs in the cycle after its request and is taken from there into
     the register on the port. A word of background only is dropped: it was marked as one of a pair.
@@ -29,7 +29,7 @@ class LaneEmitter(wiring.Component):
         A word is requested in this cycle; only while ``running``.
     place : In(PlaceLayout)
         Which word that is.
-    lanes : In(4 x 4 x PixelLayout)
+    lanes : In(4 x pixels_per_word x PixelLayout)
         The lanes' outputs, by residue of line and column.
     last_column : In(x_bits)
         Width of the image less 1.
@@ -45,11 +45,12 @@ class LaneEmitter(wiring.Component):
 
     def __init__(self, config: EngineConfig):
         self.config = config
+        row = data.ArrayLayout(PixelLayout(config), config.pixels_per_word)
         super().__init__(
             {
                 "flush": In(1),
                 "place": In(PlaceLayout(config)),
-                "lanes": In(data.ArrayLayout(data.ArrayLayout(PixelLayout(config), 4), 4)),
+                "lanes": In(data.ArrayLayout(row, 4)),
                 "last_column": In(config.x_bits),
                 "end": In(1),
                 "raster": Out(stream.Signature(RasterLayout(config))),
@@ -92,6 +93,8 @@ class LaneEmitter(wiring.Component):
 
         background = config.background_depth
         line = place.line[:2]
+        last_pixel = self.last_column[: config.pixel_bits]
+        last_word = self.last_column[config.pixel_bits :]
         for column in range(config.pixels_per_word):
             rows = [self.lanes[row][column].as_value() for row in range(4)]
             pixel = Signal(PixelLayout(config), name=f"pixel_{column}")
@@ -105,7 +108,7 @@ class LaneEmitter(wiring.Component):
                 ]
             # Elements are clipped by whole words; the rest of the last word stays inside.
             depth, colour = emit.pixels.depth[column], emit.pixels.colour[column]
-            outside = (emit.word == self.last_column[2:]) & (column > self.last_column[:2])
+            outside = (emit.word == last_word) & (column > last_pixel)
             m.d.comb += [
                 visible[column].eq((depth != background) & ~outside),
                 self.raster.payload.pixels.depth[column].eq(

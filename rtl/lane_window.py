@@ -1,4 +1,4 @@
-"""The sliding window in sixteen lanes of pixels: the least silicon for small elements."""
+"""The sliding window in lanes of pixels: the least silicon for small elements."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import stream, wiring
@@ -14,17 +14,18 @@ from .walker import Walker
 __all__ = ["LaneWindow"]
 
 SIDE = 4
+"""Lines of a tile."""
 
 
 class LaneWindow(wiring.Component):
-    """Draws tiles into sixteen lines that slide down the image.
+    """Draws tiles into a window of lines that slides down the image.
 
-    The lane of a pixel is the residue of its line and of its column modulo 4, so that a tile of
-    4 x 4 pixels has each lane once, wherever it lies. Three stages: *request* (an address a lane),
-    *write* (the lanes write over what is behind; a flushed word stands on its lanes' outputs) and
-    *emit* (the word waits on ``raster``). In the request stage the initial raster goes first, then
-    the tile, and the flush takes a row of four lanes that the tile leaves. A word that ``raster``
-    does not take stops all three.
+    The lane of a pixel is the residue of its line modulo 4 and of its column modulo a word's
+    pixels, so that a tile has each lane once, wherever it lies. Three stages: *request* (an address
+    a lane), *write* (the lanes write over what is behind; a flushed word stands on its lanes'
+    outputs) and *emit* (the word waits on ``raster``). In the request stage the initial raster goes
+    first, then the tile, and the flush takes a row of lanes that the tile leaves. A word that
+    ``raster`` does not take stops all three.
 
     A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
     the lanes are cleared, which takes as many cycles as a lane has pixels.
@@ -83,7 +84,8 @@ class LaneWindow(wiring.Component):
         m.submodules.walker = walker = Walker(config)
         m.submodules.loader = loader = Loader(config)
         m.submodules.emitter = emitter = LaneEmitter(config)
-        lanes = [[Lane(config) for _ in range(SIDE)] for _ in range(SIDE)]
+        columns = range(config.pixels_per_word)
+        lanes = [[Lane(config) for _ in columns] for _ in range(SIDE)]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
                 m.submodules[f"lane_{i}_{j}"] = lane
@@ -103,7 +105,7 @@ class LaneWindow(wiring.Component):
             loader.enable.eq(self.load),
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
-            loader.last_word.eq(self.last_column[2:]),
+            loader.last_word.eq(self.last_column[config.pixel_bits :]),
             loader.oldest.eq(walker.oldest),
             loader.restart.eq(self.finished),
             emitter.last_column.eq(self.last_column),
@@ -146,8 +148,8 @@ class LaneWindow(wiring.Component):
                 offered & running & ~swept & loader.loaded & ~walker.taking & ~loaded & ~conflict
             ),
             # What the lanes read is stale where they are still writing it: of the tile before if
-            # that went one cycle ago, and of any if everything has stood still since.
-            conflict.eq(drawn & (tile.meets | stopped)),
+            # that went one cycle ago, and of it or of a word that left if all stood still since.
+            conflict.eq((drawn & tile.meets) | stopped),
             self.i.ready.eq(going | self.finished),
             # Whether the tile goes is known late; its lanes are kept for it in any case.
             busy.eq(Cat(row.any() for row in tile.mask) & offered.replicate(SIDE)),
@@ -173,14 +175,15 @@ class LaneWindow(wiring.Component):
         drawing = Signal(PixelLayout(config), reset_less=True)
         with m.If(running):
             m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.colour)]
-        new = [Signal(PixelLayout(config), name=f"new_{j}") for j in range(SIDE)]
-        for j in range(SIDE):
+        new = [Signal(PixelLayout(config), name=f"new_{j}") for j in columns]
+        for j in columns:
             pixels = loader.o.payload.pixels
             m.d.comb += [
                 new[j].depth.eq(Mux(loaded, pixels.depth[j], drawing.depth)),
                 new[j].colour.eq(Mux(loaded, pixels.colour[j], drawing.colour)),
             ]
-        word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in range(SIDE)]
+        word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in columns]
+        group = service.line[2 : config.slot_bits]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
                 address = Signal(lane_address_bits(config), name=f"address_{i}_{j}")
@@ -189,7 +192,7 @@ class LaneWindow(wiring.Component):
                         Mux(
                             busy[i],
                             Cat(word[j], tile.group[i]),
-                            Cat(service.word, service.line[2:4]),
+                            Cat(service.word, group),
                         )
                     ),
                     lane.enable.eq(running),
@@ -210,7 +213,7 @@ class LaneWindow(wiring.Component):
             m.d.comb += walker.words[0].eq(load.payload.word)
         for i in range(SIDE):
             with m.If(load.valid):
-                m.d.comb += walker.group[i].eq(load.payload.line[2:4])
+                m.d.comb += walker.group[i].eq(load.payload.line[2 : self.config.slot_bits])
             m.d.comb += [
                 walker.touch[i][0].eq(
                     (going & (tile.mask[i] & ~tile.next).any()) | (loading & line[i])

@@ -180,11 +180,12 @@ class FootprintLayout(data.StructLayout):
 
 
 class TileLayout(data.StructLayout):
-    """Sixteen pixels of an element, four lines by four columns, as the window's lanes need them.
+    """Pixels of an element, four lines by a word's columns, as the window's lanes need them.
 
     ``mask[q][p]``: the pixel on the line with residue q modulo 4 and in the column with residue p
-    is drawn. ``group[q]``: bits 3:2 of that line. ``words``: the words of four pixels that the
-    tile's columns lie in, the second one more than the first; ``next[p]``: column p lies in the
+    modulo a word's pixels is drawn. ``group[q]``: the line's place in the window but for its two
+    lowest bits. ``words``: the words that the tile's columns lie in, the second one more than the
+    first; ``next[p]``: column p lies in the
     second. ``meets``: it has a pixel in common with the tile before it, which was taken in the
     cycle before this one came.
 
@@ -195,10 +196,10 @@ class TileLayout(data.StructLayout):
     def __init__(self, config: EngineConfig):
         super().__init__(
             {
-                "mask": data.ArrayLayout(4, 4),
-                "group": data.ArrayLayout(2, 4),
+                "mask": data.ArrayLayout(config.pixels_per_word, 4),
+                "group": data.ArrayLayout(config.group_bits, 4),
                 "words": data.ArrayLayout(config.word_bits, 2),
-                "next": 4,
+                "next": config.pixels_per_word,
                 "meets": 1,
                 "z": config.z.width,
                 "top": signed(config.line_bits + 2),

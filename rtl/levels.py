@@ -7,7 +7,7 @@ and what a stage of the pipeline grows by shows at once.
 
 from __future__ import annotations
 
-from .paths import LUT_MEMORY, Step, find_longest, signal_names
+from .paths import LUT_MEMORIES, Step, find_longest, signal_names
 
 __all__ = ["longest_path"]
 
@@ -44,7 +44,7 @@ def longest_path(module: dict) -> dict:
     names = signal_names(module)
     return {
         "levels": int(path.total),
-        "luts": sum(kind.startswith(("LUT", *LUT_MEMORY)) for kind in kinds),
+        "luts": sum(kind.startswith(("LUT", *LUT_MEMORIES)) for kind in kinds),
         "carries": sum(kind in ("MUXCY", "XORCY") for kind in kinds),
         "multipliers": kinds.count("MULT18X18"),
         "start": _register_name(module, path.start, names),

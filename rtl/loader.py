@@ -13,7 +13,7 @@ __all__ = ["Loader"]
 class Loader(wiring.Component):
     """Offers the initial raster's words as their lines enter the window.
 
-    A word goes to memory like an element of four pixels with their own depths and colours: the
+    A word goes to memory like an element of its pixels with their own depths and colours: the
     window is background where nothing was loaded, so the depth test lets all but background pass.
     Words outside the image, and words of lines that have left, are dropped.
 
@@ -79,8 +79,8 @@ class Loader(wiring.Component):
         m.d.comb += [
             waiting.eq(self.i.valid & self.enable & self.active & ~ended),
             ahead.eq(beat.line - self.oldest),
-            # Less than 16.
-            in_window.eq(ahead[-1] | ~ahead[4:-1].any()),
+            # Less than the window's lines.
+            in_window.eq(ahead[-1] | ~ahead[config.slot_bits : -1].any()),
             drop.eq(
                 beat.end | (ahead < 0) | (beat.line > self.last_line) | (beat.word > self.last_word)
             ),

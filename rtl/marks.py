@@ -27,8 +27,8 @@ class Marks(wiring.Component):
 
     A row of marks is a stretch of a line; even and odd pairs have memories of their own, as have
     the lines' residues modulo 4, so that a tile marks all its words at once: those of its first
-    word's pair, and of the next one. Memories of sixteen rows and eight bits are what the LUTs of a
-    Virtex-II hold.
+    word's pair, and of the next one. Memories of up to sixteen rows and eight bits are what the
+    LUTs of a Virtex-II hold best.
 
     **Latency**: 1 cycle from a touch to the mark, 0 from ``take`` to ``taken``. **Throughput**: a
     tile or a stretch a cycle.
@@ -37,13 +37,13 @@ class Marks(wiring.Component):
     -------
     touch : In(4 x 2)
         By residue of the line: the first and the second of two neighbouring words are written.
-    group : In(4 x 2)
-        Bits 3:2 of those lines.
+    group : In(4 x group_bits)
+        Places in the window of those lines, but for the two lowest bits.
     words : In(2 x word_bits)
         The two words, the second one more than the first.
     take : In(1)
         Give and clear a stretch; nothing is touched in that cycle.
-    line : In(4)
+    line : In(slot_bits)
         Place in the window of the line that it is of.
     stretch : In
         Its number in the line.
@@ -58,10 +58,10 @@ class Marks(wiring.Component):
         super().__init__(
             {
                 "touch": In(data.ArrayLayout(2, RESIDUES)),
-                "group": In(data.ArrayLayout(2, RESIDUES)),
+                "group": In(data.ArrayLayout(config.group_bits, RESIDUES)),
                 "words": In(data.ArrayLayout(config.word_bits, 2)),
                 "take": In(1),
-                "line": In(4),
+                "line": In(config.slot_bits),
                 "stretch": In(range(stretches(config))),
                 "wipe": In(1),
                 "taken": Out(1 << mark_bits(config)),
@@ -94,7 +94,7 @@ class Marks(wiring.Component):
                 name = f"marks_{residue}_{parity}"
                 ram = memory.Memory(
                     shape=1 << low_bits,
-                    depth=4 * stretches(config),
+                    depth=stretches(config) << config.group_bits,
                     init=[],
                     attrs={"ram_style": "distributed"},
                 )

@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterator
 from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
 
-__all__ = ["LUT_MEMORY", "REGISTERS", "Path", "Step", "find_longest", "pins", "signal_names"]
+__all__ = ["LUT_MEMORIES", "REGISTERS", "Path", "Step", "find_longest", "pins", "signal_names"]
 
-REGISTERS = ("FD", "RAMB16", "MULT18X18S", "RAM16X1", "RAM32X1")
-"""How the names of what has a clock begin."""
-
-LUT_MEMORY = ("RAM16X1", "RAM32X1")
+LUT_MEMORIES = ("RAM16X1", "RAM32X1", "RAM64X1", "RAM128X1")
 """A memory made of LUTs is written at the clock's edge, and read as a LUT is, by its address."""
+
+REGISTERS = ("FD", "RAMB16", "MULT18X18S", *LUT_MEMORIES)
+"""How the names of what has a clock begin."""
 
 READ_BY = {"O": "A", "SPO": "A", "DPO": "DPRA"}
 """How the pins of the address begin by which an output of such a memory is read."""
@@ -151,7 +151,7 @@ def _sorted(cells: dict, drivers: dict[int, str]) -> Iterator[str]:
             if bit in drivers
         }
         for name, cell in cells.items()
-        if cell["type"] in LOGIC or cell["type"].startswith(LUT_MEMORY)
+        if cell["type"] in LOGIC or cell["type"].startswith(LUT_MEMORIES)
     }
     try:
         yield from (name for name in TopologicalSorter(before).static_order() if name in before)
@@ -161,7 +161,7 @@ def _sorted(cells: dict, drivers: dict[int, str]) -> Iterator[str]:
 
 def _causes(cell: dict, output: str) -> Iterator[tuple[str, int, int]]:
     """Yield the inputs that an output follows at once; for no output, all but the clocks."""
-    address = READ_BY[output] if output and cell["type"].startswith(LUT_MEMORY) else ""
+    address = READ_BY[output] if output and cell["type"].startswith(LUT_MEMORIES) else ""
     for pin, place, bit in pins(cell, "input"):
         if pin.startswith(address) and pin not in CLOCKS:
             yield pin, place, bit

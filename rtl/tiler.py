@@ -1,26 +1,27 @@
-"""Cutting elements into tiles of 4 x 4 pixels, each of which the window's lanes take in a cycle."""
+"""Cutting elements into tiles, each of which the window's lanes take in a cycle."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .format import EngineConfig
+from .format import BLOCK, EngineConfig
 from .layouts import GeometryLayout, TileLayout
 
 __all__ = ["Tiler"]
 
 SIDE = 4
-"""Lines and columns of a tile."""
+"""Lines of a tile."""
 
 
 class Tiler(wiring.Component):
     """Gives an element's tiles, one a cycle, dealt to the lanes of the window.
 
-    An element's block of 8 x 8 pixels (8 x 4 for a fraction) has four (two) tiles. They lie on the
-    element, not on the image, so whatever is up to four pixels wide and high is one tile at any
-    place. Tiles without a pixel are passed over in no time. A tile's pixels lie in sixteen
-    different lanes, one for each residue of line and column: its rows and columns are turned to
-    theirs, and clipped to the image (columns by whole words of four pixels).
+    A tile is four lines high and a word's pixels wide, so with 4 pixels a word an element's block
+    of 8 x 8 pixels (8 x 4 for a fraction) has four (two) tiles. They lie on the element, not on the
+    image, so whatever is up to four pixels wide and high is one tile at any place. Tiles without a
+    pixel are passed over in no time. A tile's pixels lie in different lanes, one for each residue
+    of line and column: its rows and columns are turned to theirs, and clipped to the image (columns
+    by whole words).
 
     An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
     so that the lines above it may leave.
@@ -45,6 +46,7 @@ class Tiler(wiring.Component):
 
     def __init__(self, config: EngineConfig):
         self.config = config
+        self.across = BLOCK // config.pixels_per_word  # tiles that lie side by side
         super().__init__(
             {
                 "i": In(stream.Signature(GeometryLayout(config))),
@@ -62,9 +64,9 @@ class Tiler(wiring.Component):
         element = self.i.payload
         tile = Signal(TileLayout(self.config))
         there = Signal()  # an element, or the end
-        left = Signal(4)  # tiles to do: upper left, upper right, lower left, lower right
-        first = Signal(4)  # the one to do now
-        rest = Signal(4)
+        left = Signal(2 * self.across)  # tiles to do: the upper ones from the left, the lower ones
+        first = Signal.like(left)  # the one to do now
+        rest = Signal.like(left)
         near = Signal(2)  # the lines of its upper, of its lower tiles are in the window
         may = Signal()  # those of the tile to do now
         step = Signal()
@@ -101,12 +103,18 @@ class Tiler(wiring.Component):
             with m.Elif(there):
                 m.d.sync += top.eq(held["top"])
 
-        lower, right = Signal(), Signal()
+        lower = Signal()
+        column = Signal(range(self.across))  # of tiles, from the left
         waiting = Signal()
         behind = Signal.like(held["top"])
         m.d.comb += [
-            lower.eq(~left[:2].any()),
-            right.eq(first[1] | first[3]),
+            lower.eq(~left[: self.across].any()),
+            column.eq(
+                Cat(
+                    Cat(tile for n, tile in enumerate(first) if n >> b & 1).any()
+                    for b in range(len(column))
+                )
+            ),
             may.eq(held["end"] | Mux(lower, near[1], near[0])),
             # Known a cycle ahead, because all before it waits for it. While the element at hand
             # waits, the one behind it is not looked at, and comes as one whose lines are not there.
@@ -116,68 +124,67 @@ class Tiler(wiring.Component):
         with m.If(waiting & self.i.ready):
             m.d.sync += near.eq(0)
         with m.Elif(waiting | self.i.ready):
-            # A line takes the place of one that left some cycles ago, not of the four before it:
-            # they may still be cleared. So less than 12 lines ahead, or 8 for a lower tile.
-            high = behind[4:].all()
+            # A line takes the place of one that left some cycles ago. So less than 12 lines ahead
+            # of a window of 16, or 8 for a lower tile. A window of 8 lines has no room beside a
+            # whole element's: the lines above it have left once the oldest is its first.
+            bits = self.config.slot_bits
+            high, low = behind[bits:].all(), behind[:bits]
             m.d.sync += near.eq(
-                Cat(
-                    ~behind[-1] | (high & (behind[:4] > 4)), ~behind[-1] | (high & (behind[:4] > 8))
-                )
+                Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
             )
-        pixels = self._turn(m, self._rows(m, element, left), held, lower, right)
+        pixels = self._turn(m, self._rows(m, element, left), held, lower, column)
         lines = self._lines(m, element, tile, held["top"], lower)
-        columns = self._columns(m, element, tile, held["x"], right)
+        columns = self._columns(m, element, tile, held["x"], column)
         for i in range(SIDE):
-            for j in range(SIDE):
+            for j in range(self.config.pixels_per_word):
                 m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
         return m
 
     def _rows(self, m, element, left):
         """Return the upper rows as masks, and note which tiles have a pixel."""
-        rows = [Signal(2 * SIDE, name=f"row_{k}", reset_less=True) for k in range(SIDE)]
+        rows = [Signal(BLOCK, name=f"row_{k}", reset_less=True) for k in range(SIDE)]
         filled = Cat(scan.first <= scan.last for scan in element.scans)
-        halves = Signal(2)  # the upper rows have a pixel on the left, on the right
-        m.d.comb += halves.eq(
-            Cat(
-                (filled & ~Cat(scan.first[2] for scan in element.scans)).any(),
-                (filled & Cat(scan.last[2] for scan in element.scans)).any(),
-            )
-        )
+        upper = Signal(self.across)  # the upper tiles that have a pixel, from the left
+        step = self.config.pixel_bits
+        for n in range(self.across):
+            reach = [
+                (scan.first[step:] <= n if n < self.across - 1 else 1)
+                & (scan.last[step:] >= n if n else 1)
+                for scan in element.scans
+            ]
+            m.d.comb += upper[n].eq((filled & Cat(reach)).any())
         with m.If(self.i.ready):
             for scan, row in zip(element.scans, rows, strict=True):
-                m.d.sync += row.eq(
-                    Cat((scan.first <= c) & (scan.last >= c) for c in range(2 * SIDE))
-                )
+                m.d.sync += row.eq(Cat((scan.first <= c) & (scan.last >= c) for c in range(BLOCK)))
             # The lower half is the upper one turned: its left is the upper one's right.
-            turned = Cat(halves[1], halves[0]) & ~element.mode.replicate(2)
-            m.d.sync += left.eq(Cat(halves, turned) & ~element.end.replicate(4))
+            turned = upper[::-1] & ~element.mode.replicate(self.across)
+            m.d.sync += left.eq(Cat(upper, turned) & ~element.end.replicate(len(left)))
         return rows
 
-    def _turn(self, m, rows, held, lower, right):
+    def _turn(self, m, rows, held, lower, column):
         """Take the tile out of the rows; return its pixels by residue of line and column."""
-        turn_line, turn_column = held["top"][:2], held["x"][:2]
+        wide = self.config.pixels_per_word
+        turn_line, turn_column = held["top"][:2], held["x"][: self.config.pixel_bits]
         tile, by_line, turned = (
-            [Signal(SIDE, name=f"{name}_{k}") for k in range(SIDE)]
+            [Signal(wide, name=f"{name}_{k}") for k in range(SIDE)]
             for name in ("tile", "by_line", "turned")
         )
+        places = range(0, BLOCK, wide)
         for k in range(SIDE):
-            row, other = rows[k], rows[SIDE - 1 - k][::-1]
-            m.d.comb += tile[k].eq(
-                Mux(
-                    lower,
-                    Mux(right, other[SIDE:], other[:SIDE]),
-                    Mux(right, row[SIDE:], row[:SIDE]),
-                )
+            row, other = (
+                _choose(column, [pixels[place : place + wide] for place in places])
+                for pixels in (rows[k], rows[SIDE - 1 - k][::-1])
             )
+            m.d.comb += tile[k].eq(Mux(lower, other, row))
         with m.Switch(turn_line):
             for turn in range(SIDE):
                 with m.Case(turn):
                     m.d.comb += [by_line[i].eq(tile[(i - turn) % SIDE]) for i in range(SIDE)]
         with m.Switch(turn_column):
-            for turn in range(SIDE):
+            for turn in range(wide):
                 with m.Case(turn):
                     for i in range(SIDE):
-                        columns = Cat(by_line[i][(j - turn) % SIDE] for j in range(SIDE))
+                        columns = Cat(by_line[i][(j - turn) % wide] for j in range(wide))
                         m.d.comb += turned[i].eq(columns)
         return turned
 
@@ -199,7 +206,7 @@ class Tiler(wiring.Component):
             low = self.last_line[:2] >= i
             m.d.comb += [
                 past.eq(top[:2] > i),
-                tile.group[i].eq(top[2:4] + lower + past),
+                tile.group[i].eq(top[2 : self.config.slot_bits] + lower + past),
                 inside[i].eq(
                     Mux(
                         here == 0,
@@ -211,28 +218,32 @@ class Tiler(wiring.Component):
             ]
         return inside
 
-    def _columns(self, m, element, tile, x, right):
+    def _columns(self, m, element, tile, x, column):
         """Place the tile's columns; return which of them lie in the image, by residue."""
-        last_word = self.last_column[2:]
-        # Of the block's first word and the two on its right, which lie in the image.
-        inside = Signal(3, reset_less=True)
+        bits = self.config.pixel_bits
+        last_word = self.last_column[bits:]
+        # Of the block's first word and those on its right, which lie in the image.
+        inside = Signal(self.across + 1, reset_less=True)
         words_left = Signal(signed(self.config.word_bits + 1))
-        m.d.comb += words_left.eq(last_word - element.x[2:])
+        m.d.comb += words_left.eq(last_word - element.x[bits:])
         with m.If(self.i.ready):
-            m.d.sync += inside.eq(Cat(words_left >= k for k in range(3)))
+            m.d.sync += inside.eq(Cat(words_left >= k for k in range(len(inside))))
         m.d.comb += [
-            tile.words[0].eq(x[2:] + right),
-            tile.words[1].eq(x[2:] + right + 1),
+            tile.words[0].eq(x[bits:] + column),
+            tile.words[1].eq(x[bits:] + column + 1),
         ]
-        columns = Signal(SIDE)
-        for j in range(SIDE):
+        columns = Signal(self.config.pixels_per_word)
+        for j in range(len(columns)):
             past = Signal(name=f"next_{j}")
             m.d.comb += [
-                past.eq(x[:2] > j),
+                past.eq(x[:bits] > j),
                 tile.next[j].eq(past),
-                columns[j].eq(Mux(right, Mux(past, inside[2], inside[1]),
-                                  Mux(past, inside[1], inside[0]))),
-            ]  # fmt: skip
+                columns[j].eq(
+                    _choose(
+                        column, [Mux(past, inside[n + 1], inside[n]) for n in range(self.across)]
+                    )
+                ),
+            ]
         return columns
 
     def _meets(self, m, tile, before):
@@ -244,11 +255,20 @@ class Tiler(wiring.Component):
             ahead.eq(tile.words[0] == before.words[1]),
         ]
         # Which of their pixels they draw would be known too late, and says little more.
-        lines, columns = Signal(SIDE), Signal(SIDE)
+        lines, columns = Signal(SIDE), Signal(self.config.pixels_per_word)
         for i in range(SIDE):
-            new, old = tile.next[i], before.next[i]
-            m.d.comb += [
-                lines[i].eq(tile.group[i] == before.group[i]),
-                columns[i].eq(Mux(new == old, same, Mux(new, after, ahead))),
-            ]
+            m.d.comb += lines[i].eq(tile.group[i] == before.group[i])
+        for j in range(len(columns)):
+            new, old = tile.next[j], before.next[j]
+            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, ahead)))
         return lines.any() & columns.any()
+
+
+def _choose(number, options):
+    """Return the option with a number; there are as many as it has values."""
+    if len(options) == 1:
+        return options[0]
+    half = len(options) // 2
+    return Mux(
+        number[-1], _choose(number[:-1], options[half:]), _choose(number[:-1], options[:half])
+    )

@@ -28,27 +28,26 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from .paths import LUT_MEMORY, REGISTERS, Step, find_longest, pins, signal_names
+from .paths import LUT_MEMORIES, REGISTERS, Step, find_longest, pins, signal_names
 
 __all__ = ["SOURCE", "estimate_timing", "net_delay"]
 
 SOURCE = "Virtex-II -4: as XST 10.1.03 has cells, and wires by fan-out; some of RAMs from memory"
 """Where the delays come from, in short."""
 
-CLOCK_TO_OUT = {
-    "FD": 0.568,
-    "RAMB16": 2.65,
-    "RAM16X1": 2.05,
-    "RAM32X1": 2.49,
-    "MULT18X18S": 3.0,
-}
-"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_SHCKO32, T_MULTCK.
+MEMORY_MUXES = {"RAM16X1": 0.0, "RAM32X1": 0.436, "RAM64X1": 0.883, "RAM128X1": 1.33}
+"""ns of the wide multiplexers behind the LUTs of a memory of more than 16 rows: MUXF5 to 7."""
+
+CLOCK_TO_OUT = {"FD": 0.568, "RAMB16": 2.65, "MULT18X18S": 3.0}
+CLOCK_TO_OUT |= {kind: 2.05 + muxes for kind, muxes in MEMORY_MUXES.items()}
+"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_MULTCK.
 
 From memory: all but the first. That T_BACK, T_BECK and T_BWCK, recalled from T_BCKO's table, came
 out right speaks for it, as T_DS and T_WES do for T_SHCKO16. No MULT18X18S is used.
 """
 
-SETUP = {"FD": 0.370, "RAMB16": 0.359, "RAM16X1": 0.667, "RAM32X1": 0.667, "MULT18X18S": 3.890}
+SETUP = {"FD": 0.370, "RAMB16": 0.359, "MULT18X18S": 3.890}
+SETUP |= dict.fromkeys(LUT_MEMORIES, 0.667)
 """ns that an input stands before the clock's edge: T_DICK, T_BACK, T_DS, T_MULIDCK.
 
 T_DS was found for SRL16E, a LUT as well. From memory: that T_BDCK is as T_BACK, and T_AS below
@@ -62,8 +61,7 @@ SETUP_OF_PIN = {
     ("RAMB16", "EN"): 1.196,
     ("RAMB16", "WE"): 0.718,
     ("RAMB16", "SSR"): 1.65,
-    ("RAM16X1", "WE"): 0.525,
-    ("RAM32X1", "WE"): 0.525,
+    **{(kind, "WE"): 0.525 for kind in LUT_MEMORIES},
 }
 """Where it is another: T_CECK, T_SRCK, T_BECK, T_BWCK, T_BRCK (from memory), T_WES."""
 
@@ -71,8 +69,8 @@ LUT = 0.439
 """ns through a LUT: T_ILO."""
 
 LUT_READ = 0.938
-"""ns to read a memory made of LUTs: those that XST has for RAM32X1D, 1.374, without its MUXF5. By
-the data sheet, from memory, it is T_ILO."""
+"""ns to read a memory of 16 rows made of LUTs: those that XST has for RAM32X1D, 1.374, without its
+MUXF5. By the data sheet, from memory, it is T_ILO."""
 
 MUXES = {"MUXF5": (0.436, 0.699), "MUXF6": (0.447, 0.570)}
 MUXES |= dict.fromkeys(("MUXF7", "MUXF8"), MUXES["MUXF6"])
@@ -188,8 +186,8 @@ def _gate(step: Step) -> float:
     """Return the delay of the cell that a step leads through."""
     if step.kind.startswith("LUT"):
         return LUT
-    if step.kind.startswith(LUT_MEMORY):
-        return LUT_READ
+    if step.kind.startswith(LUT_MEMORIES):
+        return LUT_READ + MEMORY_MUXES[_register(step.kind)]
     if step.kind in MUXES:
         return MUXES[step.kind][step.pin == "S"]
     if step.kind == "MULT18X18":

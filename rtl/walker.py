@@ -14,11 +14,11 @@ __all__ = ["Walker"]
 class Walker(wiring.Component):
     """Asks for each written word of the lines that no later element touches to be flushed.
 
-    Line n of the image stands in place n mod 16 of the window. ``oldest`` is the first line that
-    has not left: lines ``oldest .. oldest + 15`` are in the window, those above ``top`` are on
-    their way out. A line that nothing was written into leaves in one cycle, and all at once if
-    none was written. Of others the marks are taken a stretch at a time, in cycles in which nothing
-    is written (``taking``), and each marked pair of words is asked for.
+    Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
+    first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
+    above ``top`` are on their way out. A line that nothing was written into leaves in one cycle,
+    and all at once if none was written. Of others the marks are taken a stretch at a time, in
+    cycles in which nothing is written (``taking``), and each marked pair of words is asked for.
 
     **Latency**: 2 cycles. **Throughput**: one word a cycle, one cycle more a stretch.
 
@@ -35,14 +35,14 @@ class Walker(wiring.Component):
     touch : In(4 x 2)
         By residue of the line modulo 4, which of two neighbouring words are written in this cycle;
         none while ``taking``.
-    group : In(4 x 2)
-        Bits 3:2 of those lines.
+    group : In(4 x group_bits)
+        Places in the window of those lines, but for the two lowest bits.
     words : In(2 x word_bits)
         The two words.
     wipe : In(1)
         Clear the marks of all lines' stretches at ``wipe_row``.
     wipe_row : In
-        Place of lines modulo 4 (high bits) and stretch.
+        Group of lines (high bits) and stretch.
     restart : In(1)
         The frame is over: go back to line 0.
     oldest : Out(line_bits + 1)
@@ -64,10 +64,10 @@ class Walker(wiring.Component):
                 "jump": In(1),
                 "enable": In(1),
                 "touch": In(data.ArrayLayout(2, RESIDUES)),
-                "group": In(data.ArrayLayout(2, RESIDUES)),
+                "group": In(data.ArrayLayout(config.group_bits, RESIDUES)),
                 "words": In(data.ArrayLayout(config.word_bits, 2)),
                 "wipe": In(1),
-                "wipe_row": In((stretches(config) - 1).bit_length() + 2),
+                "wipe_row": In((stretches(config) - 1).bit_length() + config.group_bits),
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
                 "clean": Out(1),
@@ -80,10 +80,10 @@ class Walker(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        stretch_bits = len(self.wipe_row) - 2
+        stretch_bits = len(self.wipe_row) - config.group_bits
         m.submodules.marks = marks = Marks(config)
         written = Signal(config.window_lines)
-        place = self.oldest[:4]
+        place = self.oldest[: config.slot_bits]
         leaving = Signal()
         walking = Signal()  # the oldest line leaves, and was written; known one cycle later
 

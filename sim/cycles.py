@@ -74,9 +74,11 @@ def clearing_cycles(config: EngineConfig) -> int:
     """Return for how long the window is still cleared when a first frame's first word is taken.
 
     It takes a cycle an address of a bank (the half words of four lines) or of a lane (a pixel of
-    each word of four lines), from the reset on; the table writes go before the first code word.
+    each word of every fourth line), from the reset on; the table writes go before the first code
+    word.
     """
-    clearing: int = 4 << (config.word_bits if config.lanes else config.word_bits - 1)
+    words = config.word_bits if config.lanes else config.word_bits - 1
+    clearing: int = config.window_lines // 4 << words
     writes = config.register_base + REGISTERS
     return max(clearing - writes - START, 0)
 
@@ -92,8 +94,9 @@ def bound_cycles(frame: Frame) -> int:
     fields = decode(words, frame.config)
     elements = words[~fields["control"]].view(np.int64)
     if frame.config.lanes:
-        drawing = least_lane_cycles(elements)
-        memories, of_a_word = 4 * frame.config.pixels_per_word, frame.config.pixels_per_word
+        pixels = frame.config.pixels_per_word
+        drawing = least_lane_cycles(elements, pixels)
+        memories, of_a_word = 4 * pixels, pixels
         accesses = _covered_pixels(fields[~fields["control"]])
     else:
         drawing = round(least_cycles(frame)["interleaved"] * len(elements)) if len(elements) else 0

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
-from ..rtl.format import ROWS
+from ..rtl.format import BLOCK, ROWS
 from .pipeline_model import (
     ABOVE,
     COLUMN,
@@ -21,8 +21,6 @@ from .pipeline_model import (
     FOLLOWING,
     HEAD,
     LAST,
-    LINES,
-    WORD,
     Machine,
     advance,
     new_front,
@@ -31,10 +29,7 @@ from .pipeline_model import (
 __all__ = ["least_lane_cycles", "walk_lanes"]
 
 SIDE = 4
-"""Lines and columns of a tile."""
-
-TILES = 4
-"""Tiles of a block: upper left, upper right, lower left, lower right."""
+"""Lines of a tile; a word's pixels are its columns."""
 
 STRETCH = 32
 """Words whose marks are taken together."""
@@ -53,11 +48,12 @@ class Lanes(NamedTuple):
     ----------
     tiles
         Columns that the element at hand covers of each line of its block, a bit each from its X on:
-        shape (4, 4), by tile and line of the tile. Unclipped.
+        shape (tiles, 4), by tile (the upper ones from the left, the lower ones) and line of the
+        tile. Unclipped.
     left
         Tiles that it still has, a bit each: shape (1,).
     marks
-        Pairs of words that were written, by place of their line: shape (16, pairs).
+        Pairs of words that were written, by place of their line: shape (lines, pairs).
     walk
         See ``OLDEST`` and what follows: shape (10,).
     """
@@ -92,12 +88,13 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     int
         0 if there is no end word.
     """
+    across = BLOCK // machine.pixels
     pairs = machine.half_words
     stretches = pairs // min(STRETCH // PAIR, pairs)
     lanes = Lanes(
-        np.zeros((TILES, SIDE), np.int64),
+        np.zeros((2 * across, SIDE), np.int64),
         np.zeros(1, np.int64),
-        np.zeros((LINES, pairs), np.bool_),
+        np.zeros((machine.lines, pairs), np.bool_),
         np.zeros(10, np.int64),
     )
     walk = lanes.walk
@@ -131,7 +128,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         _step(lanes, leaving, taking, flushing, left_line)
         walk[TAKING] = wanting
         if going:
-            _mark(tile, lanes)
+            _mark(tile, lanes, machine)
         drawn = going
 
         # The next tile, and the next element.
@@ -143,7 +140,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             number = 0
             while left and not left >> number & 1:
                 number += 1
-            may = ends or near[0 if left & 3 else 1]
+            may = ends or near[0 if left & ((1 << across) - 1) else 1]
             given = END if ends else TILE if left and may else NOTHING
             if head != EMPTY:
                 walk[TOP] = top
@@ -157,20 +154,21 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         top = front.tops[HEAD if waiting else FIRST_STAGE]
         moved = advance(words, front, done, machine)
         for lower in range(2 if waiting or moved else 0):
-            room = LINES - SIDE - SIDE * lower
+            # Once all lines above it have left there is room in any case.
+            room = max(machine.lines - SIDE - SIDE * lower, 1)
             near[lower] = not (waiting and moved) and top - oldest < room
         if moved:
             head = front.held[HEAD]
             lanes.left[0] = 0
             if head != EMPTY and head != front.state[END_WORD]:
                 x = words[head] >> machine.x_lsb & machine.x_mask
-                lanes.left[0] = _cut(words[head], lanes.tiles)
+                lanes.left[0] = _cut(words[head], lanes.tiles, machine.pixels)
         cycle += 1
     return 0
 
 
 @nb.njit(cache=True)
-def least_lane_cycles(words: Any) -> int:
+def least_lane_cycles(words: Any, pixels: int) -> int:
     """Return the least cycles in which lanes can draw elements, one pixel a lane and cycle.
 
     Of an element those are as many as its busiest lane has pixels. Its lanes are told apart by the
@@ -180,37 +178,42 @@ def least_lane_cycles(words: Any) -> int:
     ----------
     words
         Code words of elements: shape (n,), int64.
+    pixels
+        Pixels of a word of the raster.
     """
-    tiles = np.zeros((TILES, SIDE), np.int64)
+    tiles = np.zeros((2 * BLOCK // pixels, SIDE), np.int64)
     total = 0
     for i in range(len(words)):
-        _cut(words[i], tiles)
+        _cut(words[i], tiles, pixels)
         busiest = 1
         for k in range(SIDE):
-            for j in range(SIDE):
-                pixels = 0
-                for number in range(TILES):
-                    pixels += tiles[number, k] >> j & 1
-                busiest = max(busiest, pixels)
+            for j in range(pixels):
+                wanted = 0
+                for number in range(len(tiles)):
+                    wanted += tiles[number, k] >> j & 1
+                busiest = max(busiest, wanted)
         total += busiest
     return total
 
 
 @nb.njit(cache=True)
-def _cut(word: int, tiles: Any) -> int:
+def _cut(word: int, tiles: Any, pixels: int) -> int:
     """Cut an element into its tiles; return which of them have a pixel, clipped away or not."""
     tiles[:] = 0
+    across = BLOCK // pixels
+    whole = (1 << pixels) - 1
     for row in range(ROWS):
         first, last = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
         if first > last:
             continue
         columns = (2 << last) - (1 << first)
-        tiles[0, row], tiles[1, row] = columns & 15, columns >> SIDE
-        if word & 1 == 0:  # the row turned by 180 degrees
-            turned = (2 << (7 - first)) - (1 << (7 - last))
-            tiles[2, 3 - row], tiles[3, 3 - row] = turned & 15, turned >> SIDE
+        turned = (2 << (7 - first)) - (1 << (7 - last))
+        for number in range(across):
+            tiles[number, row] = columns >> number * pixels & whole
+            if word & 1 == 0:  # the row turned by 180 degrees
+                tiles[across + number, 3 - row] = turned >> number * pixels & whole
     left = 0
-    for number in range(TILES):
+    for number in range(len(tiles)):
         left |= int(tiles[number].any()) << number
     return left
 
@@ -221,11 +224,13 @@ def _clip(columns: Any, top: int, x: int, number: int, tile: Any, machine: Machi
 
     Of columns, what lies in the image's words.
     """
-    line, column = top + SIDE * (number >> 1), x + SIDE * (number & 1)
+    pixels = machine.pixels
+    across = BLOCK // pixels
+    line, column = top + SIDE * (number // across), x + pixels * (number % across)
     tile[0], tile[1] = line, column
     # A tile that begins right of the image has no column.
-    room = max((machine.last_column // WORD + 1) * WORD - column, 0)
-    inside = (1 << min(room, SIDE)) - 1
+    room = max((machine.last_column // pixels + 1) * pixels - column, 0)
+    inside = (1 << min(room, pixels)) - 1
     for k in range(SIDE):
         tile[2 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
 
@@ -233,20 +238,20 @@ def _clip(columns: Any, top: int, x: int, number: int, tile: Any, machine: Machi
 @nb.njit(cache=True)
 def _meet(tile: Any, other: Any, machine: Machine) -> bool:
     """Return whether two tiles overlap, as the circuit sees it: by their places in the window."""
-    columns = WORD * 2 * machine.half_words
-    line, column = (tile[0] - other[0]) % LINES, (tile[1] - other[1]) % columns
-    return min(line, LINES - line) < SIDE and min(column, columns - column) < SIDE
+    lines, columns = machine.lines, machine.pixels * 2 * machine.half_words
+    line, column = (tile[0] - other[0]) % lines, (tile[1] - other[1]) % columns
+    return min(line, lines - line) < SIDE and min(column, columns - column) < machine.pixels
 
 
 @nb.njit(cache=True)
-def _mark(tile: Any, lanes: Lanes) -> None:
+def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
     """Mark the words that a tile is drawn into."""
     for k in range(SIDE):
-        line, columns = tile[0] + k, tile[2 + k]
-        for j in range(SIDE):
+        place, columns = (tile[0] + k) % machine.lines, tile[2 + k]
+        for j in range(machine.pixels):
             if columns >> j & 1:
-                lanes.marks[line % LINES, (tile[1] + j) // (WORD * PAIR)] = True
-                lanes.walk[WRITTEN] |= 1 << line % LINES
+                lanes.marks[place, (tile[1] + j) // (machine.pixels * PAIR)] = True
+                lanes.walk[WRITTEN] |= 1 << place
 
 
 @nb.njit(cache=True)
@@ -254,7 +259,7 @@ def _step(lanes: Lanes, leaving: bool, taking: bool, flushing: bool, left: bool)
     """Move the walker on: by a word, a stretch, a line that has left, or over all not written."""
     walk, marks = lanes.walk, lanes.marks
     oldest = walk[OLDEST]
-    place = oldest % LINES
+    place = oldest % len(marks)
     written = walk[WRITTEN] >> place & 1
     walk[FLUSHED] = flushing
     if flushing:

@@ -36,10 +36,10 @@ __all__ = [
 ]
 
 LINES = PAPER.window_lines
-"""Lines of the window."""
+"""Lines of a window of banks, which is one size only."""
 
 WORD = PAPER.pixels_per_word
-"""Pixels in a word of the raster."""
+"""Pixels in a word of a window of banks."""
 
 FIRST_STAGE, HEAD = 0, 1
 """The pipeline's stages before the window: the table of materials, and the decoder."""
@@ -80,6 +80,10 @@ class Machine(NamedTuple):
         Words of a bank that share a mark.
     z_lsb, z_mask
         Place of a code word's depth; the mask is the background's depth as well.
+    lines
+        Lines of the window.
+    pixels
+        Pixels in a word of the raster.
     """
 
     x_lsb: int
@@ -95,6 +99,8 @@ class Machine(NamedTuple):
     mark_words: int
     z_lsb: int
     z_mask: int
+    lines: int
+    pixels: int
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
@@ -113,6 +119,8 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         mark_words=config.mark_words,
         z_lsb=config.z.lsb,
         z_mask=config.z.mask,
+        lines=config.window_lines,
+        pixels=config.pixels_per_word,
     )
 
 

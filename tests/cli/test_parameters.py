@@ -4,6 +4,7 @@ import pytest
 from splatline.cli.parameters import COLOUR, ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from splatline.host.view import UP_AXES as KNOWN_AXES
 from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.variants import VARIANTS
 
 
 @pytest.mark.parametrize(
@@ -65,7 +66,9 @@ def test_what_is_not_understood_is_quoted_with_a_hint(kind, text, hint):
 
 
 def test_every_preset_has_its_name_here():
-    assert {name: PRESET.convert(name, None, None) for name in PRESET.choices} == PRESETS
+    assert {name: PRESET.convert(name, None, None) for name in PRESET.choices} == PRESETS | {
+        config.name: config for config in VARIANTS
+    }
 
 
 def test_the_up_axes_are_those_of_the_view():

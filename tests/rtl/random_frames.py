@@ -76,7 +76,7 @@ def shapes(rng, count, width, height, largest=8, config=PAPER):
         words.append(
             word(
                 rows,
-                int(rng.integers(0, min(width + 3, 512))),
+                int(rng.integers(0, min(width + 3, config.max_width))),
                 step * int(rng.integers(16)),  # few depths, so that ties are common
                 mode=int(rng.integers(2)),
                 diffuse=int(rng.integers(config.diffuse.mask + 1)),

@@ -197,7 +197,7 @@ def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signa
 WALK = "drawn_words_are_asked_for_once_and_in_order"
 LOADING = r" & ~drawn & ~cleared & ~loaded"  # nothing tells whether a load waits for what is drawn
 REWRITTEN = {
-    "no conflict": (LaneWindow, r"conflict\.eq\(drawn", "conflict.eq(0 & drawn", "with_stalls"),
+    "no conflict": (LaneWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     "drawn while marks are taken": (
         LaneWindow,
         r"loader\.loaded & ~walker\.taking",
@@ -263,20 +263,20 @@ REWRITTEN = {
     "no wait for lines": (Tiler, r"\bmay\.eq\(", "may.eq(1 | ", "a_window_that_lags_behind"),
     "upper lines too early": (
         Tiler,
-        r"behind\[:4\] > 4",
-        "behind[:4] > 3",
+        r"low > SIDE",
+        "low > SIDE - 1",
         "a_window_that_lags_behind",
     ),
     "lower lines too early": (
         Tiler,
-        r"behind\[:4\] > 8",
-        "behind[:4] > 7",
+        r"low > 2 \* SIDE",
+        "low > 2 * SIDE - 1",
         "a_window_that_lags_behind",
     ),
     "lines too late": (
         Tiler,
-        r"behind\[:4\] > 4",
-        "behind[:4] > 5",
+        r"low > SIDE",
+        "low > SIDE + 1",
         "a_tile_comes_as_soon_as_its_lines",
     ),
     "another's lines": (Tiler, r"near\.eq\(0\)", "near.eq(near)", "a_window_that_lags_behind"),

@@ -2,6 +2,7 @@ import pytest
 
 from splatline.rtl.format import PAPER, PRESETS, EngineConfig, get_preset
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+from splatline.rtl.variants import VARIANTS
 
 
 def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
@@ -22,7 +23,7 @@ def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
     assert PAPER.control_end.lsb == 25
 
 
-@pytest.mark.parametrize("config", PRESETS.values())
+@pytest.mark.parametrize("config", [*PRESETS.values(), *VARIANTS], ids=lambda config: config.name)
 def test_the_hardware_s_layouts_lie_where_the_format_says(config):
     word = CodeWordLayout(config)
     assert word.size == 64
@@ -36,7 +37,7 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         assert (beat[name].offset, beat[name].width) == (field.lsb, field.width)
     pixels = beat["pixels"].shape
     for kind, locate in (("depth", config.raster_depth), ("colour", config.raster_colour)):
-        for pixel in range(4):
+        for pixel in range(config.pixels_per_word):
             offset = pixels[kind].offset + pixels[kind].shape[pixel].offset
             assert offset == locate(pixel).lsb
     write = TableWriteLayout(config)
@@ -55,8 +56,17 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         ({"colour_planes": 0}, "colour_planes must be an integer in 1..3, not 0"),
         ({"colour_planes": 4}, "colour_planes must be an integer in 1..3, not 4"),
         ({"material_bits": 2}, "material_bits must be an integer in 3..9, not 2"),
-        ({"window_lines": 12}, "window_lines must be 16, not 12"),
-        ({"pixels_per_word": 3}, "pixels_per_word must be 4, not 3"),
+        ({"window_lines": 8}, "window_lines must be 16, not 8: a window of banks has no other"),
+        (
+            {"pixels_per_word": 8},
+            "pixels_per_word must be 4, not 8: a window of banks has no other",
+        ),
+        ({"lanes": True, "window_lines": 12}, "window_lines must be 8, 16 or 32, not 12"),
+        ({"lanes": True, "pixels_per_word": 3}, "pixels_per_word must be 2, 4 or 8, not 3"),
+        (
+            {"lanes": True, "pixels_per_word": 8, "x_bits": 4},
+            "x_bits must be at least 5 for 8 pixels a word, not 4",
+        ),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
     ],
 )

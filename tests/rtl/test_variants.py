@@ -1,0 +1,135 @@
+"""Engines of other windows, words, widths and depths: their pictures and their cycles."""
+
+import inspect
+import os
+import re
+import textwrap
+
+import numpy as np
+import pytest
+import test_presets
+from random_frames import frame_of, nonsense, random_raster, shapes, word
+
+from splatline.host.order import advance_word
+from splatline.rtl.format import PAPER
+from splatline.rtl.tiler import Tiler
+from splatline.rtl.variants import VARIANTS
+from splatline.sim import golden
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cosim.simulator import SimulationError
+from splatline.sim.cycles import count_cycles
+
+FULL = test_presets.FULL
+PLAYED = [
+    config
+    for config in VARIANTS
+    if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all" or config.name in ("small", "largest")
+]
+"""Both ends, which have every size of window and of word but the preset's: each takes a build. All
+of them on demand."""
+
+
+def at_the_right_border(rng, config):
+    """Elements across and beyond the last column of images as wide as can be, or nearly."""
+    for width in (config.max_width, config.max_width - 1, config.max_width - 9):
+        words = []
+        for line in range(12):
+            x = rng.integers(width - 12, config.max_width, 20)
+            words += [word(FULL, int(n), int(rng.integers(99)), config=config) for n in x]
+            words.append(advance_word(int(line % 3), config))
+        start = random_raster(rng, width, 16, 0.05, config)
+        yield Job(frame=frame_of(words, width, 16, config=config), initial=start)
+
+
+def down_the_image(rng, config):
+    """Whole elements by turns near and far, which need all the lines that a window has."""
+    for seed, rates in enumerate(test_presets.RATES):
+        words = []
+        for _ in range(60):
+            words += [
+                word(FULL, int(x), int(rng.integers(99)), mode=int(rng.integers(2)), config=config)
+                for x in rng.integers(0, 40, 3)
+            ]
+            words.append(advance_word(int(rng.choice([1, 2, 4, 8, 9, 31])), config))
+        yield Job(
+            frame=frame_of(words, 40, 250, config=config),
+            initial=random_raster(rng, 40, 250, 0.1, config) if seed % 2 else None,
+            rates=rates,
+            seed=seed,
+        )
+
+
+def at_full_rate(rng, config):
+    """Frames whose cycles are counted."""
+    for width, height in ((64, 48), (config.max_width, 30), (13, 90), (1, 1)):
+        yield Job(frame=shapes(rng, 400, width, height, config=config))
+        yield Job(frame=nonsense(rng, 400, width, height, config=config))
+        yield Job(frame=nonsense(rng, 300, width, height, advance=0.5, config=config))
+
+
+@pytest.mark.parametrize("config", PLAYED, ids=lambda config: config.name)
+def test_every_variant_draws_what_the_contract_says_in_the_cycles_it_is_said_to(config):
+    rng = np.random.default_rng(23)
+    cases = [
+        at_full_rate,  # the first, so that one of them meets the memory while it is cleared
+        at_the_right_border,
+        down_the_image,
+        test_presets.with_stalls,
+        test_presets.over_an_initial_raster,
+        test_presets.back_to_back,
+        test_presets.reset_in_the_middle,
+        test_presets.on_one_word,
+    ]
+    made = [(case.__name__, job) for case in cases for job in case(rng, config)]
+    names, jobs = zip(*made, strict=True)
+    outcomes = play(jobs)
+    wrong = zip(names, test_presets.mismatches(jobs, outcomes), strict=True)
+    assert [(name, count) for name, count in wrong if count] == []
+    timed = [n for n, name in enumerate(names) if name == "at_full_rate"]
+    counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in timed]
+    assert counted == [outcomes[n].cycles for n in timed]
+
+
+FAULTS = [
+    # A block of eight lines in a window of eight: too early, its last ones are still on their way.
+    (Tiler, "elaborate", r"low > 2 \* SIDE", "low > 1 * SIDE", "lines not there yet"),
+    (Tiler, "_columns", r"x\[bits:\] \+ column \+ 1", "x[bits:] + column", "a word misplaced"),
+]
+
+
+@pytest.mark.parametrize(
+    ("component", "method", "pattern", "replacement"),
+    [pytest.param(*fault[:4], id=fault[4]) for fault in FAULTS],
+)
+def test_a_fault_in_what_sizes_decide_is_noticed(
+    monkeypatch, component, method, pattern, replacement
+):
+    """Two pixels a word and eight lines, in the simulator that builds faster."""
+    config = next(config for config in VARIANTS if config.name == "small")
+    source = textwrap.dedent(inspect.getsource(getattr(component, method)))
+    broken, count = re.subn(pattern, replacement, source)
+    assert count == 1
+    scope = dict(vars(inspect.getmodule(component)))
+    exec(broken, scope)
+    monkeypatch.setattr(component, method, scope[method])
+    rng = np.random.default_rng(5)
+    frame = shapes(rng, 250, 24, 60, config=config)
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    try:
+        outcome = play([Job(frame=frame)], simulator_name=quickest)[0]
+    except SimulationError:  # words outside the image, or none for too long
+        return
+    assert outcome.raster.mismatches(golden.render(frame)) > 0
+
+
+def test_what_windows_and_words_are_for():
+    """Wide words take wide elements in fewer cycles, high windows let more lines leave."""
+
+    def count(**changes):
+        config = PAPER.replace(**changes)
+        frame = shapes(np.random.default_rng(3), 3000, 200, 60, config=config)
+        return count_cycles(frame, after_reset=False)
+
+    assert count(pixels_per_word=8) < count() < count(pixels_per_word=2)
+    assert count(window_lines=32) <= count() < count(window_lines=8)
