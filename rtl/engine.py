@@ -101,7 +101,7 @@ class Engine(wiring.Component):
             m.d.comb += [
                 decoder.oldest.eq(window.oldest),
                 colour.moves.eq(decoder.moves),
-                window.colour.eq(colour.shade),
+                window.shade.eq(colour.shade),
             ]
         else:
             m.d.comb += decoder.shade.eq(colour.shade)

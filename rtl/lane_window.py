@@ -40,7 +40,7 @@ class LaneWindow(wiring.Component):
     i : In(stream of TileLayout)
         Tiles in the order of their lines, which are in the window; the ``end`` token is taken when
         its frame is out.
-    colour : In(colour_bits)
+    shade : In(colour_bits)
         Colour of the tile that is offered on ``i``.
     oldest : Out(line_bits + 1)
         First line in the window.
@@ -63,7 +63,7 @@ class LaneWindow(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(TileLayout(config))),
-                "colour": In(config.colour_bits),
+                "shade": In(config.colour_bits),
                 "oldest": Out(config.line_bits + 1),
                 "initial": In(stream.Signature(RasterLayout(config))),
                 "raster": Out(stream.Signature(RasterLayout(config))),
@@ -174,7 +174,7 @@ class LaneWindow(wiring.Component):
 
         drawing = Signal(PixelLayout(config), reset_less=True)
         with m.If(running):
-            m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.colour)]
+            m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.shade)]
         new = [Signal(PixelLayout(config), name=f"new_{j}") for j in columns]
         for j in columns:
             pixels = loader.o.payload.pixels

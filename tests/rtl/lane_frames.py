@@ -104,7 +104,7 @@ class Bench:
             noise = {"mask": rng.getrandbits(16), "meets": rng.getrandbits(1)}
             self.dut.i__payload.value = pack_tile(top=top, **noise)
         drawn = self.source.offering and sent < len(tiles)
-        self.dut.colour.value = tiles[sent]["colour"] if drawn else random_shade(rng)
+        self.dut.shade.value = tiles[sent]["colour"] if drawn else random_shade(rng)
         if self.polite and not int(self.dut.raster__valid.value):
             self.dut.raster__ready.value = 0
 
