@@ -22,24 +22,35 @@ _FILE = click.Path(path_type=Path)
 
 @click.command()
 @click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
-@click.option("--seed", type=click.IntRange(0), default=1, help="Of the placer.")
+@click.option("--seed", type=click.IntRange(0), default=1, help="Of the placer: the first one.")
+@click.option(
+    "--tries",
+    type=click.IntRange(1, 100),
+    default=4,
+    help="Seeds to try from there on; the fastest is kept.",
+)
 @click.option(
     "--freq", type=click.FloatRange(1, 1000), default=100.0, help="Clock rate to aim at, MHz."
 )
 @click.option("--json", "report", type=_FILE, metavar="FILE", help="Write the report.")
 @click.option("--bitstream", type=_FILE, metavar="FILE", help="Write the bitstream (.bit).")
 def pnr(
-    preset: EngineConfig, seed: int, freq: float, report: Path | None, bitstream: Path | None
+    preset: EngineConfig,
+    seed: int,
+    tries: int,
+    freq: float,
+    report: Path | None,
+    bitstream: Path | None,
 ) -> None:
     """Place and route an engine with its pins on a Lattice ECP5, LFE5U-25F.
 
-    It takes one to three minutes. The rate of the paper's Virtex-II is an estimate beside it: only
-    the vendor's tools could route that (docs/ise.md).
+    Each try takes a quarter of a minute to one. The rate of the paper's Virtex-II is an estimate
+    beside it: only the vendor's tools could route that (docs/ise.md).
 
     \b
     Examples:
       splatline pnr
-      splatline pnr --seed 3 --freq 150 --json pnr.json --bitstream splatline.bit
+      splatline pnr --seed 3 --tries 1 --freq 150 --json pnr.json --bitstream splatline.bit
     """  # noqa: D301
     require_suffix(bitstream, ".bit")
     check_files((report, bitstream))
@@ -48,7 +59,7 @@ def pnr(
         from ..rtl.pnr import place_and_route
 
         try:
-            result = place_and_route(preset, seed=seed, mhz=freq, packed=bitstream)
+            result = place_and_route(preset, seed=seed, tries=tries, mhz=freq, packed=bitstream)
         except RuntimeError as error:
             raise ToolFailure(str(error)) from error
     if report is not None:
@@ -103,6 +114,7 @@ def _print(result: dict[str, Any]) -> None:
     met = result["slack_ns"] >= 0.0
     facts: list[Any] = [
         ("clock rate, routed", (f"{result['fmax_mhz']:.1f} MHz", "green" if met else "red")),
+        ("of the seeds tried", ", ".join(f"{n}: {r:.1f}" for n, r in result["rates_mhz"].items())),
         (f"slack at {result['target_mhz']:g} MHz", f"{result['slack_ns']:.2f} ns"),
         (
             "critical path",

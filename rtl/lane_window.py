@@ -160,7 +160,14 @@ class LaneWindow(wiring.Component):
             # Taken once it is written: so it need not be stored.
             loader.o.ready.eq(loaded & running),
             flushing.eq(walker.flush.valid & walker.flush.ready),
-            walker.flush.ready.eq(running & ~sweeping & ~loader.o.valid & ~(line & busy).any()),
+            walker.flush.ready.eq(
+                running
+                & ~sweeping
+                & ~loader.o.valid
+                & ~(line & busy).any()
+                # The line of a tile that stood still may leave since, while it is still written.
+                & ~(stopped & drawn)
+            ),
             emitter.flush.eq(flushing),
             emitter.place.eq(service),
         ]

@@ -31,7 +31,7 @@ class Tiler(wiring.Component):
     Members
     -------
     i : In(stream of GeometryLayout)
-        Elements, and ``end`` tokens.
+        Elements, and ``end`` tokens; after one, nothing until it was taken from ``o``.
     o : Out(stream of TileLayout)
         Tiles; for an ``end`` token one without pixels, to be taken when its frame is out.
     moves : Out(1)

@@ -31,7 +31,7 @@ class Walker(wiring.Component):
     jump : In(1)
         No initial raster will come for any line: lines may leave many at a time.
     enable : In(1)
-        Low: no marks are taken.
+        Low: no marks are taken in the next cycle.
     touch : In(4 x 2)
         By residue of the line modulo 4, which of two neighbouring words are written in this cycle;
         none while ``taking``.

@@ -10,6 +10,7 @@ REPORT = {
     "preset": "paper",
     "device": "LFE5U-25F-6BG381",
     "seed": 1,
+    "rates_mhz": {"1": 123.4, "2": 98.7},
     "fmax_mhz": 123.4,
     "target_mhz": 100.0,
     "slack_ns": 1.9,
@@ -30,8 +31,8 @@ def routing(monkeypatch):
     """Puts a place and route in place that takes no time."""
     asked = []
 
-    def place_and_route(config, *, seed, mhz, packed):
-        asked.append((config, seed, mhz))
+    def place_and_route(config, *, seed, tries, mhz, packed):
+        asked.append((config, seed, tries, mhz))
         if packed is not None:
             packed.write_bytes(b"bits")
         return REPORT
@@ -44,12 +45,21 @@ def routing(monkeypatch):
 
 
 def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder, routing):
-    result = run("pnr", "--seed", 3, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit")
+    result = run(
+        "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit"
+    )
     assert result.exit_code == 0, result.stderr
-    assert routing[1] == [(PAPER, 3, 150.0)]
+    assert routing[1] == [(PAPER, 3, 2, 150.0)]
     assert json.loads((folder / "a.json").read_text()) == REPORT
     assert (folder / "a.bit").read_bytes() == b"bits"
-    for text in ("123.4 MHz", "1.90 ns", "2,400 of 24,288 (10%)", "an estimate", "90.1 MHz"):
+    for text in (
+        "123.4 MHz",
+        "2: 98.7",
+        "1.90 ns",
+        "2,400 of 24,288 (10%)",
+        "an estimate",
+        "90.1 MHz",
+    ):
         assert text in result.stdout
     assert "engine.draining" in result.stdout
 

@@ -328,8 +328,8 @@ REWRITTEN_COLLISIONS = {
         "words_right_behind_what_leaves",
     ),
     "a tile meets one that stood still": (
-        r"tile\.meets \| stopped",
-        "tile.meets",
+        r" \| stopped\)",
+        ")",
         "tiles_while_the_raster_waits",
     ),
 }

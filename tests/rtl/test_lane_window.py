@@ -4,6 +4,7 @@ import random
 import re
 
 import cocotb
+import pytest
 from lane_frames import Bench, Painter, random_frame
 from presets import run_bench
 from test_window import BACKGROUND, END, RASTER, beats_of, random_image
@@ -123,6 +124,17 @@ async def a_raster_that_waits_for_its_words(dut):
 
 
 @cocotb.test()
+async def tiles_in_the_place_of_what_left(dut):
+    """Each 16 lines below the one before, whose last word is cleared while all stands still."""
+    bench = Bench(dut, (1.0, 1.0, 0.1), 3)
+    await bench.reset()
+    frame = Painter(8, 400)
+    for n in range(25):
+        frame.element(16 * n, 4 * (n % 2), dict.fromkeys(range(4), (0, 3)), 100, n)
+    await bench.play(frame)
+
+
+@cocotb.test()
 async def words_right_behind_what_leaves(dut):
     """An initial raster of one word a line or two, which enter where others are just cleared."""
     for seed, rate in enumerate((1.0, 0.5, 0.2)):
@@ -198,5 +210,8 @@ def test_lane_window_in_the_quickest_simulator():
     run_bench(PAPER, LaneWindow, __file__, test="in_short", edit=collide)
 
 
-def test_no_pixel_counts_that_is_read_while_it_is_written():
-    run_bench(PAPER, LaneWindow, __file__, test="tiles_while_the_raster_waits", edit=collide)
+@pytest.mark.parametrize(
+    "test", ["tiles_while_the_raster_waits", "tiles_in_the_place_of_what_left"]
+)
+def test_no_pixel_counts_that_is_read_while_it_is_written(test):
+    run_bench(PAPER, LaneWindow, __file__, test=test, edit=collide)
