@@ -1,4 +1,4 @@
-"""The clock of a window of banks: which banks an element still needs, and which words leave.
+"""The clock of a window of banks: which banks an element still needs.
 
 Colours do not matter, and depths only where colours have further planes: two cycles after a word in
 which a pixel passed, or that was cleared and not all background, its bank reads them and takes
@@ -13,6 +13,18 @@ import numba as nb
 import numpy as np
 
 from ..rtl.format import BLOCK, ROWS
+from .bank_walk import (
+    BANKS,
+    LEFT,
+    LINE,
+    OLDEST,
+    TOP,
+    WRITTEN,
+    asked_banks,
+    asked_word,
+    is_clean,
+    step_walk,
+)
 from .pipeline_model import (
     ABOVE,
     COLUMN,
@@ -29,15 +41,10 @@ from .pipeline_model import (
     new_front,
 )
 
-__all__ = ["BANKS", "walk_banks"]
-
-BANKS = 8
+__all__ = ["walk_banks"]
 
 NEIGHBOURS = 3
 """Words of a line that a block can touch."""
-
-STRETCH = 16
-"""Words whose marks are read together."""
 
 URGENT = 6
 """Where so many complete lines wait, or one more, a word which leaves goes before the element."""
@@ -55,7 +62,7 @@ class Window(NamedTuple):
     taken
         The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape (8,).
     walk
-        See ``OLDEST`` and what follows: shape (10,).
+        The walker's registers, see ``bank_walk.OLDEST``: shape (10,).
     marks
         Words that were drawn into, by place of their line: shape (16, words).
     covered, place
@@ -80,24 +87,6 @@ class Window(NamedTuple):
     depth: Any
     reading: Any
     leaving: Any
-
-
-(
-    OLDEST,
-    LINE,
-    STRETCH_READ,
-    NEXT,
-    NEXT_LINE,
-    NEXT_STRETCH,
-    LEFT,
-    LEFT_STRETCH,
-    WRITTEN,
-    TOP,
-) = range(10)
-"""Registers of the walker: the first line in the window; the line and the stretch whose marks are
-read next; the marks of the stretch that follows, its line and number; those of the words that are
-still to be asked for, and their stretch, on line ``OLDEST``; a bit a place that was written into;
-the line above which all lines are complete."""
 
 
 BLANK, SHOWN = 1, 2
@@ -142,14 +131,14 @@ def walk_banks(words: Any, machine: Machine) -> int:
         drawn = _drawn(window, machine) if cycle > machine.clearing else 0
         head, top = front.held[HEAD], front.tops[HEAD]
         ends = head != EMPTY and head == front.state[END_WORD]
-        if ends and not drawn and _clean(walk) and not _on_the_way(window, machine):
+        if ends and not drawn and is_clean(walk) and not _on_the_way(window, machine):
             return cycle + 2  # the end beat is on the port in the next cycle
 
         ahead = top - walk[OLDEST]
         go = head != EMPTY and not ends and not clearing and ahead < LINES - BANKS
         complete = walk[TOP]
         ready = not clearing and not (machine.planes > 1 and window.leaving[1] == SHOWN)
-        asked = _asked_banks(walk)
+        asked = asked_banks(walk)
         held = asked if ahead >= URGENT and ready else 0
         flushed = ready and walk[LEFT] != 0
         for bank in range(BANKS):
@@ -164,7 +153,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
             window.taken[:] = 4 * machine.half_words - 1
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
         _shift(window, _give_up(window, machine) if flushed else 0)
-        _step_walk(window, complete, flushed, marking, machine)
+        step_walk(walk, window.marks, complete, flushed, marking, machine)
         walk[WRITTEN] |= drawn
         if head != EMPTY:
             walk[TOP] = top
@@ -270,29 +259,6 @@ def _passes(window: Window, bank: int, slot: int, z: int) -> bool:
     return passed
 
 
-@nb.njit(cache=True, inline="always")
-def _asked_word(walk: Any) -> int:
-    """Return the number of the word that is to leave next; there is one."""
-    number = walk[LEFT_STRETCH] * STRETCH
-    left = walk[LEFT]
-    while not left & 1:
-        left >>= 1
-        number += 1
-    return int(number)
-
-
-@nb.njit(cache=True)
-def _asked_banks(walk: Any) -> int:
-    """Return the bank that a word is to leave from, or else both of its line, a bit each.
-
-    No word that leaves is ever one that its bank writes at the moment, or draws in the next cycle:
-    its line was complete a cycle before, and its place is not used again until it has left.
-    """
-    if walk[LEFT] == 0:
-        return 0b10001 << int(walk[OLDEST] % (BANKS // 2))
-    return 1 << int((walk[OLDEST] + 4 * (_asked_word(walk) % 2)) % BANKS)
-
-
 @nb.njit(cache=True)
 def _drawn(window: Window, machine: Machine) -> int:
     """Return the places of the lines that the banks took a word of in the cycle before."""
@@ -304,17 +270,11 @@ def _drawn(window: Window, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
-def _clean(walk: Any) -> bool:
-    """Return whether nothing in the window is written."""
-    return walk[WRITTEN] == 0 and walk[NEXT] == 0 and walk[LEFT] == 0
-
-
-@nb.njit(cache=True)
 def _give_up(window: Window, machine: Machine) -> int:
     """Return whether the word that leaves is ``BLANK``, and keep its bank for its planes if not."""
     if machine.planes == 1:
         return BLANK
-    line, number = window.walk[OLDEST], _asked_word(window.walk)
+    line, number = window.walk[OLDEST], asked_word(window.walk)
     if number > machine.last_column // WORD:  # it shares its mark with a word of the image
         return BLANK
     start = _start(line, number, machine)
@@ -357,42 +317,3 @@ def _start(line: int, number: int, machine: Machine) -> int:
 def _pixels(machine: Machine) -> int:
     """Return how many pixels the image's words have; none are needed for one plane."""
     return _start(machine.last_line + 1, 0, machine) if machine.planes > 1 else 0
-
-
-@nb.njit(cache=True)
-def _step_walk(
-    window: Window, complete: int, flushed: bool, marking: bool, machine: Machine
-) -> None:
-    """Move the walker on: by a word, a stretch, a line, or over all lines if none is written."""
-    walk = window.walk
-    line, stretch = walk[LINE], walk[STRETCH_READ]
-    leaving = line < complete
-    here = 1 << line % LINES
-    scans = leaving and walk[WRITTEN] & here and not marking
-    row = 0
-    if scans:
-        first = stretch * STRETCH
-        for number in range(first, min(first + STRETCH, window.marks.shape[1])):
-            row |= int(window.marks[line % LINES, number]) << (number - first)
-
-    if flushed:
-        walk[LEFT] &= walk[LEFT] - 1
-    if walk[LEFT] == 0:
-        walk[LEFT], walk[LEFT_STRETCH] = walk[NEXT], walk[NEXT_STRETCH]
-        walk[OLDEST] = walk[NEXT_LINE]
-        walk[NEXT] = 0
-    free = walk[NEXT] == 0
-    if free:
-        walk[NEXT_LINE], walk[NEXT_STRETCH] = line, stretch
-    if scans and (free or row == 0):
-        walk[NEXT] |= row
-        window.marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
-        walk[STRETCH_READ] += 1
-        if stretch == machine.last_column // (WORD * STRETCH):
-            walk[STRETCH_READ] = 0
-            walk[LINE] += 1
-            walk[WRITTEN] &= ~here
-    elif leaving and walk[WRITTEN] == 0:
-        walk[LINE] = complete
-    elif leaving and not walk[WRITTEN] & here:
-        walk[LINE] += 1

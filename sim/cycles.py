@@ -14,7 +14,8 @@ import numpy.typing as npt
 from ..host.errors import InputError
 from ..host.frame import Frame
 from ..rtl.format import BLOCK, ROWS, EngineConfig
-from .bank_model import BANKS, walk_banks
+from .bank_model import walk_banks
+from .bank_walk import BANKS
 from .golden import decode, render
 from .lane_model import least_lane_cycles, walk_lanes
 from .pipeline_model import machine_of
