@@ -1,13 +1,11 @@
 """Engines of other windows, words, widths and depths: their pictures and their cycles."""
 
-import inspect
 import os
-import re
-import textwrap
 
 import numpy as np
 import pytest
 import test_presets
+from faults import rewrite
 from random_frames import frame_of, nonsense, random_raster, shapes, word
 
 from splatline.host.order import advance_word
@@ -107,12 +105,7 @@ def test_a_fault_in_what_sizes_decide_is_noticed(
 ):
     """Two pixels a word and eight lines, in the simulator that builds faster."""
     config = next(config for config in VARIANTS if config.name == "small")
-    source = textwrap.dedent(inspect.getsource(getattr(component, method)))
-    broken, count = re.subn(pattern, replacement, source)
-    assert count == 1
-    scope = dict(vars(inspect.getmodule(component)))
-    exec(broken, scope)
-    monkeypatch.setattr(component, method, scope[method])
+    rewrite(monkeypatch, component, method, pattern, replacement)
     rng = np.random.default_rng(5)
     frame = shapes(rng, 250, 24, 60, config=config)
     quickest = "icarus" if simulator.available("icarus") else "verilator"
