@@ -9,6 +9,7 @@ import click
 from .bench_configurations import configurations
 from .bench_engine import engine
 from .bench_host import host
+from .bench_options import folder_option, scenes_option
 from .bench_stability import stability
 from .bench_subjects import check_names
 from .outputs import check_folder
@@ -34,14 +35,7 @@ def bench() -> None:
 
 @bench.command()
 @click.argument("clouds", nargs=-1, type=click.Path(path_type=Path), metavar="[CLOUD ...]")
-@click.option(
-    "--scene",
-    "scenes",
-    multiple=True,
-    metavar="NAME",
-    show_default="all",
-    help="Built-in scene; may be given several times.",
-)
+@scenes_option
 @click.option(
     "--view",
     "views",
@@ -53,13 +47,7 @@ def bench() -> None:
 )
 @click.option("--size", type=SIZE, metavar="WxH", default=None, show_default="512x512",
               help="Size of the image in pixels.")  # fmt: skip
-@click.option(
-    "--out-dir",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default=Path("docs/bench"),
-    help="Where accuracy.json, accuracy.md and the plots go.",
-)
+@folder_option("accuracy.json, accuracy.md and the plots")
 @click.option(
     "--no-pictures",
     "unseen",

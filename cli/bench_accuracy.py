@@ -219,6 +219,7 @@ def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
     from ..rtl.format import PRESETS
     from ..sim import metrics
     from ..sim.budget import blurred_psnr
+    from ..sim.cycles import count_cycles
     from .engines import Drawing
 
     assert run.preset is not None
@@ -249,9 +250,8 @@ def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
         "psnr_blurred_db": blurred_psnr(raster.to_rgb(case.background), case.exact.rgb),
     }
     numbers["switched"] = run.switched
-    cycles, elements = _cycles(frame), numbers["elements"]
-    numbers["cycles"] = cycles
-    numbers["cycles_per_element"] = cycles / elements if cycles is not None else None
+    numbers["cycles"] = count_cycles(frame)
+    numbers["cycles_per_element"] = numbers["cycles"] / numbers["elements"]
     return _rounded(numbers)
 
 
@@ -333,19 +333,6 @@ def _golden(frame: Frame, repeats: int) -> tuple[Raster, float]:
         raster = golden.render(frame)
         best = min(best, time.perf_counter() - begin)
     return raster, best
-
-
-def _cycles(frame: Frame) -> int | None:
-    """Return the cycles that the engine takes, or None where there is no model of it."""
-    from ..sim import cycles
-
-    count = getattr(cycles, "count_cycles", None)
-    if count is None:
-        return None
-    try:
-        return int(count(frame))
-    except NotImplementedError:
-        return None
 
 
 def _shown(case: Case) -> dict[str, Any]:

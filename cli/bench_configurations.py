@@ -15,9 +15,10 @@ from ..rtl.format import PRESETS, EngineConfig
 from ..rtl.variants import VARIANTS
 from .bench_configurations_page import page
 from .bench_engine_runs import Plan, measure
+from .bench_options import folder_option, scenes_option, splats_option
 from .bench_subjects import check_names
 from .outputs import check_folder, lines_of_json, write_text
-from .parameters import DIAMETER, SIZE
+from .parameters import SIZE
 from .progress import Counter
 from .statistics import tool_versions
 
@@ -40,36 +41,15 @@ SPLATS = (None, 4.0, 6.5)
     show_default="all",
     help=f"Engine: {', '.join(POINTS)}. May be given several times.",
 )
-@click.option(
-    "--scene",
-    "scenes",
-    multiple=True,
-    metavar="NAME",
-    show_default="all",
-    help="Built-in scene; may be given several times.",
-)
+@scenes_option
 @click.option("--size", type=SIZE, metavar="WxH", default="512x512", help="Size of the image.")
-@click.option(
-    "--splats",
-    multiple=True,
-    type=DIAMETER,
-    metavar="auto|PIXELS",
-    default=SPLATS,
-    show_default="auto, 4, 6.5",
-    help="Median diameter; auto: the points' own spacing. May be given several times.",
-)
+@splats_option(SPLATS)
 @click.option(
     "--quality", type=click.Choice(list(QUALITIES)), default="fast", help="Of the code words."
 )
 @click.option("--no-luts", is_flag=True, help="Count cycles alone: seconds instead of minutes.")
 @click.option("--clock", is_flag=True, help="Place and route each on an ECP5 too, for its clock.")
-@click.option(
-    "--out-dir",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default=Path("docs/bench"),
-    help="Where configurations.json and configurations.md go.",
-)
+@folder_option("configurations.json and configurations.md")
 def configurations(
     names: tuple[str, ...],
     scenes: tuple[str, ...],

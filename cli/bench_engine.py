@@ -11,9 +11,10 @@ from ..host.errors import InputError
 from ..host.quality import QUALITIES
 from ..rtl.format import PRESETS, EngineConfig
 from .bench_engine_runs import CLOCK_HZ, Plan, count_luts, measure
+from .bench_options import folder_option, scenes_option, splats_option
 from .bench_subjects import check_names
 from .outputs import check_folder, lines_of_json, write_text
-from .parameters import DIAMETER, PRESET, SIZE
+from .parameters import PRESET, SIZE
 from .progress import Counter
 from .statistics import tool_versions
 
@@ -28,24 +29,9 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide"))
 
 @click.command()
 @click.argument("clouds", nargs=-1, type=click.Path(path_type=Path), metavar="[CLOUD ...]")
-@click.option(
-    "--scene",
-    "scenes",
-    multiple=True,
-    metavar="NAME",
-    show_default="all",
-    help="Built-in scene; may be given several times.",
-)
+@scenes_option
 @click.option("--size", type=SIZE, metavar="WxH", default="512x512", help="Size of the image.")
-@click.option(
-    "--splats",
-    multiple=True,
-    type=DIAMETER,
-    metavar="auto|PIXELS",
-    default=SPLATS,
-    show_default="auto, 2, 3, 4, 6.5",
-    help="Median diameter; auto: the points' own spacing. May be given several times.",
-)
+@splats_option(SPLATS)
 @click.option(
     "--quality",
     "qualities",
@@ -65,13 +51,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide"))
     help="Engine; may be given several times.",
 )
 @click.option("--luts", is_flag=True, help="Synthesise each preset too, for the rate of a LUT.")
-@click.option(
-    "--out-dir",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default=Path("docs/bench"),
-    help="Where engine.json and engine.md go.",
-)
+@folder_option("engine.json and engine.md")
 def engine(
     clouds: tuple[Path, ...],
     scenes: tuple[str, ...],

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .bench_options import folder_option
 from .outputs import check_folder, write_json, write_text
 from .parameters import PRESET, SIZE
 from .statistics import tool_versions
@@ -51,13 +52,7 @@ VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
 )
 @click.option("--repeats", type=click.IntRange(1), default=10, help="Frames; the fastest counts.")
 @click.option("--peers/--no-peers", default=True, help="Draw with other renderers too.")
-@click.option(
-    "--out-dir",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default=Path("docs/bench"),
-    help="Where host.json and host.md go.",
-)
+@folder_option("host.json and host.md")
 def host(
     clouds: tuple[Path, ...],
     size: tuple[int, int],

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .bench_options import folder_option
 from .outputs import check_folder, write_text
 from .statistics import tool_versions
 
@@ -50,13 +51,7 @@ point is either drawn or counted as left out. Whatever numpy would warn of is an
 
 
 @click.command()
-@click.option(
-    "--out-dir",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default=Path("docs/bench"),
-    help="Where stability.json and stability.md go.",
-)
+@folder_option("stability.json and stability.md")
 def stability(out_dir: Path) -> None:
     """Draw clouds, views and normals that are made to break arithmetic, and tabulate the errors.
 
