@@ -6,6 +6,7 @@ from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
+from .choose import pick
 from .engine import Engine
 from .format import PAPER, EngineConfig
 from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
@@ -132,7 +133,7 @@ class Splitter(wiring.Component):
             self.o.payload.eq(left),
         ]
         with m.If(room):
-            m.d.sync += [valid.eq(self.i.valid & ~over), left.eq(_pick(pieces, count))]
+            m.d.sync += [valid.eq(self.i.valid & ~over), left.eq(pick(pieces, count))]
         with m.If(over):
             m.d.sync += over.eq(0)
         with m.Elif(room & self.i.valid):
@@ -234,14 +235,6 @@ class PinTop(wiring.Component):
             engine.raster.ready.eq(raster.i.ready),
         ]
         return m
-
-
-def _pick(choices: list, number: Signal):
-    """Return one of the choices by a tree over the number's bits; a third smaller than an Array."""
-    if len(choices) == 1:
-        return choices[0]
-    bit = (len(choices) - 1).bit_length() - 1
-    return Mux(number[bit], _pick(choices[1 << bit :], number), _pick(choices[: 1 << bit], number))
 
 
 def generate_pins(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:

@@ -4,6 +4,7 @@ from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from .choose import number_of, pick
 from .format import BLOCK, EngineConfig
 from .layouts import GeometryLayout, TileLayout
 
@@ -109,12 +110,7 @@ class Tiler(wiring.Component):
         behind = Signal.like(held["top"])
         m.d.comb += [
             lower.eq(~left[: self.across].any()),
-            column.eq(
-                Cat(
-                    Cat(tile for n, tile in enumerate(first) if n >> b & 1).any()
-                    for b in range(len(column))
-                )
-            ),
+            column.eq(number_of(first, len(column))),
             may.eq(held["end"] | Mux(lower, near[1], near[0])),
             # Known a cycle ahead, because all before it waits for it. While the element at hand
             # waits, the one behind it is not looked at, and comes as one whose lines are not there.
@@ -172,7 +168,7 @@ class Tiler(wiring.Component):
         places = range(0, BLOCK, wide)
         for k in range(SIDE):
             row, other = (
-                _choose(column, [pixels[place : place + wide] for place in places])
+                pick([pixels[place : place + wide] for place in places], column)
                 for pixels in (rows[k], rows[SIDE - 1 - k][::-1])
             )
             m.d.comb += tile[k].eq(Mux(lower, other, row))
@@ -239,9 +235,7 @@ class Tiler(wiring.Component):
                 past.eq(x[:bits] > j),
                 tile.next[j].eq(past),
                 columns[j].eq(
-                    _choose(
-                        column, [Mux(past, inside[n + 1], inside[n]) for n in range(self.across)]
-                    )
+                    pick([Mux(past, inside[n + 1], inside[n]) for n in range(self.across)], column)
                 ),
             ]
         return columns
@@ -262,13 +256,3 @@ class Tiler(wiring.Component):
             new, old = tile.next[j], before.next[j]
             m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, ahead)))
         return lines.any() & columns.any()
-
-
-def _choose(number, options):
-    """Return the option with a number; there are as many as it has values."""
-    if len(options) == 1:
-        return options[0]
-    half = len(options) // 2
-    return Mux(
-        number[-1], _choose(number[:-1], options[half:]), _choose(number[:-1], options[:half])
-    )

@@ -4,6 +4,7 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from .choose import number_of
 from .format import EngineConfig
 from .layouts import PlaceLayout
 from .marks import RESIDUES, Marks, mark_bits, stretches
@@ -124,7 +125,7 @@ class Walker(wiring.Component):
         with m.If(~asking | (asked & second_word)):
             m.d.sync += [
                 asking.eq(pairs.any()),
-                pair.eq(Cat(_number(first), stretch)),
+                pair.eq(Cat(number_of(first), stretch)),
                 pairs.eq(pairs & ~first),
             ]
         with m.If(self.taking):
@@ -143,9 +144,3 @@ class Walker(wiring.Component):
         with m.If(self.restart):
             m.d.sync += self.oldest.eq(0)
         return m
-
-
-def _number(one_hot):
-    """Return the number of the bit that is set."""
-    bits = range((len(one_hot) - 1).bit_length())
-    return Cat(Cat(one_hot[i] for i in range(len(one_hot)) if i >> b & 1).any() for b in bits)
