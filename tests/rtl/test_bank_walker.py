@@ -3,6 +3,7 @@
 import random
 
 import cocotb
+from slides import Slide
 
 from splatline.rtl.bank import bank_address_bits
 from splatline.rtl.bank_marks import stretch_bits
@@ -10,32 +11,22 @@ from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.format import WIDE
 from splatline.rtl.layouts import PlaceLayout
 from splatline.sim.cosim.blocks import run_bench
-from splatline.sim.cosim.streams import StreamBench
 
 PLACE, ADDRESS = PlaceLayout(WIDE), bank_address_bits(WIDE)
 WORDS = 1 << WIDE.word_bits
 LOWEST = (1 << WIDE.line_bits + 1) - 1
 
 
-class Slide:
-    """A walker whose window slides down an image; knows which words are to be asked for."""
+class BankSlide(Slide):
+    """A walker over banks whose window slides down an image."""
 
     def __init__(self, dut, seed, rate=1.0):
-        self.dut = dut
-        self.bench = StreamBench(dut, seed)
-        self.flush = self.bench.sink("flush", rate)
-        self.expected = set()
+        super().__init__(dut, seed, rate, PLACE, LOWEST)
 
     async def start(self, jump=1, last_word=WORDS - 1):
-        dut = self.dut
-        for name in ("drawn", "addresses", "restart", "top", "loaded"):
-            getattr(dut, name).value = 0
-        dut.jump.value, dut.last_word.value = jump, last_word
-        await self.bench.reset()
-        dut.wipe.value = 1
-        for row in range(4 << stretch_bits(WIDE)):
-            await self.bench.step(lambda row=row: setattr(dut.wipe_row, "value", row))
-        dut.wipe.value = 0
+        self.dut.jump.value, self.dut.last_word.value = jump, last_word
+        inputs = ("drawn", "addresses", "restart", "top", "loaded")
+        await self.reset(inputs, 4 << stretch_bits(WIDE))
 
     async def cycle(self, top, words=(), loaded=1):
         """One cycle in which the banks write words (line, word), each in a bank of its own."""
@@ -54,23 +45,14 @@ class Slide:
             dut.drawn.value, dut.addresses.value = drawn, addresses
 
         def observe():
-            if int(dut.flush__valid.value):
-                line = PLACE.from_bits(int(dut.flush__payload.value)).line
-                assert line == int(dut.oldest.value) < top
+            self.check_flush(int(dut.oldest.value), top)
             assert not (words and int(dut.clean.value))
 
         await self.bench.step(drive, observe)
 
     async def finish(self):
         """Let everything leave, and compare."""
-        for _ in range(60_000):
-            await self.cycle(LOWEST)
-            if int(self.dut.clean.value):
-                break
-        for _ in range(6):
-            await self.cycle(LOWEST)
-        asked = [PLACE.from_bits(bits) for bits in self.flush.received]
-        assert [(place.line, place.word) for place in asked] == sorted(self.expected)
+        await self.leave(lambda: self.cycle(LOWEST))
 
 
 def random_words(rng, low, high, last_word, spread):
@@ -95,7 +77,7 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
             (0.8, 60, 0, 1, 0.8, 1),
         ]
     ):
-        rng, slide, top = random.Random(seed), Slide(dut, seed, rate), 0
+        rng, slide, top = random.Random(seed), BankSlide(dut, seed, rate), 0
         await slide.start(jump, last_word)
         behind = 0  # what was drawn for this line is written one cycle later
         for _ in range(50_000):
@@ -116,7 +98,7 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
 @cocotb.test()
 async def a_full_window_takes_a_cycle_a_word(dut):
     """The marks of the next stretch are there when they are needed, and of the next line."""
-    slide = Slide(dut, 7)
+    slide = BankSlide(dut, 7)
     await slide.start()
     for line in range(8):
         for word in range(WORDS):
@@ -131,14 +113,14 @@ async def a_full_window_takes_a_cycle_a_word(dut):
 @cocotb.test()
 async def untouched_lines_leave_at_once(dut):
     """One by one before a drawn line; all at once from a clean window, if nothing is to come."""
-    slide = Slide(dut, 8)
+    slide = BankSlide(dut, 8)
     await slide.start(jump=1)
     await slide.cycle(0, [(9, 50)])
     for _ in range(24):
         await slide.cycle(14)
     assert int(dut.oldest.value) == 14
     await slide.finish()
-    slide = Slide(dut, 9)
+    slide = BankSlide(dut, 9)
     await slide.start(jump=1)
     for _ in range(5):
         await slide.cycle(700)
@@ -154,7 +136,7 @@ async def untouched_lines_leave_at_once(dut):
 async def nothing_leaves_unasked(dut):
     """No line from ``top`` on, and none that is not loaded, nor more than one of those at once."""
     for case, (top, loaded) in enumerate([(3, 1), (12, 0)]):
-        slide = Slide(dut, case)
+        slide = BankSlide(dut, case)
         await slide.start(jump=0)
         await slide.cycle(0, [(3, 99)])
         for _ in range(20):
@@ -162,7 +144,7 @@ async def nothing_leaves_unasked(dut):
         assert not slide.flush.received
         assert int(dut.oldest.value) <= 3
         await slide.finish()
-    slide = Slide(dut, 5, rate=0.2)
+    slide = BankSlide(dut, 5, rate=0.2)
     await slide.start(jump=0)
     for word in (1, 2, 3, 70):
         await slide.cycle(0, [(0, word)])

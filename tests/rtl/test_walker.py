@@ -4,6 +4,7 @@ import random
 
 import cocotb
 from cocotb.triggers import Timer
+from slides import Slide
 from test_marks import STRETCHES, WORDS, Touch
 
 from splatline.rtl.format import PAPER
@@ -11,33 +12,23 @@ from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.marks import RESIDUES
 from splatline.rtl.walker import Walker
 from splatline.sim.cosim.blocks import run_bench
-from splatline.sim.cosim.streams import StreamBench
 
 PLACE = PlaceLayout(PAPER)
 LOWEST = (1 << PAPER.line_bits + 1) - 1
 NOTHING = Touch(0, [(0, 0)] * RESIDUES, [0] * RESIDUES)
 
 
-class Slide:
-    """A walker whose window slides down an image; knows which words are to be asked for."""
+class LaneSlide(Slide):
+    """A walker over lanes whose window slides down an image."""
 
     def __init__(self, dut, seed, rate=1.0):
-        self.dut = dut
-        self.bench = StreamBench(dut, seed)
-        self.flush = self.bench.sink("flush", rate)
-        self.expected = set()
+        super().__init__(dut, seed, rate, PLACE, LOWEST)
         self.enabled = 1  # in the cycle before
 
     async def start(self, jump=1):
-        dut = self.dut
-        for name in ("touch", "group", "words", "restart", "enable", "top"):
-            getattr(dut, name).value = 0
-        dut.loaded.value, dut.jump.value = 0, jump
-        await self.bench.reset()
-        dut.wipe.value = 1
-        for row in range(4 * STRETCHES):
-            await self.bench.step(lambda row=row: setattr(dut.wipe_row, "value", row))
-        dut.wipe.value = 0
+        self.dut.loaded.value, self.dut.jump.value = 0, jump
+        inputs = ("touch", "group", "words", "restart", "enable", "top")
+        await self.reset(inputs, 4 * STRETCHES)
 
     def line_of(self, place, lowest):
         """The line from ``lowest`` on that stands in a place of the window."""
@@ -57,9 +48,7 @@ class Slide:
 
         def observe():
             assert int(dut.taking.value) == taking, "taking is known before all else"
-            if int(dut.flush__valid.value):
-                line = PLACE.from_bits(int(dut.flush__payload.value)).line
-                assert line == oldest < top
+            self.check_flush(oldest, top)
 
         await self.bench.step(observe=observe)
         self.enabled = enable
@@ -71,15 +60,8 @@ class Slide:
 
     async def finish(self, rng):
         """Let everything leave, and compare."""
-        for _ in range(60_000):
-            await self.cycle(LOWEST, enable=rng.random() < 0.8)
-            if int(self.dut.clean.value):
-                break
-        asked = [PLACE.from_bits(bits) for bits in self.flush.received]
-        assert [(place.line, place.word) for place in asked] == sorted(self.expected)
-        for _ in range(6):
-            assert await self.cycle(LOWEST)
-        assert len(self.flush.received) == len(self.expected)
+        await self.leave(lambda: self.cycle(LOWEST, enable=rng.random() < 0.8))
+        assert await self.cycle(LOWEST)
         assert int(self.dut.oldest.value) == LOWEST or not int(self.dut.jump.value)
 
 
@@ -104,7 +86,7 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
             (1.0, 30, 40, 0.5, 0),
         ]
     ):
-        rng, slide, top, cycles = random.Random(seed), Slide(dut, seed, rate), -4, 0
+        rng, slide, top, cycles = random.Random(seed), LaneSlide(dut, seed, rate), -4, 0
         await slide.start(jump)
         while top < height:
             oldest, touch = int(dut.oldest.value), NOTHING
@@ -125,7 +107,7 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
 async def loaded_words_too(dut):
     """An initial raster: words of lines that enter, which wait for it; then nothing but those."""
     for seed, (rate, per_line) in enumerate([(1.0, 2), (0.5, 0.2), (1.0, 0.05)]):
-        rng, slide = random.Random(seed), Slide(dut, seed, rate)
+        rng, slide = random.Random(seed), LaneSlide(dut, seed, rate)
         await slide.start(jump=0)
         complete = -1  # no more comes for lines up to this one
         for _ in range(900):
@@ -147,7 +129,7 @@ async def a_full_window_takes_a_cycle_a_word(dut):
     A line's first marks are there four cycles after the line before has left. Those of the others
     are taken while the last word is asked for, and the first of them is picked one cycle later.
     """
-    rng, slide = random.Random(7), Slide(dut, 7)
+    rng, slide = random.Random(7), LaneSlide(dut, 7)
     await slide.start()
     lines = 12
     for word in range(0, WORDS, 2):
@@ -163,14 +145,14 @@ async def a_full_window_takes_a_cycle_a_word(dut):
 @cocotb.test()
 async def untouched_lines_leave_at_once(dut):
     """One by one before a written line; all at once from a clean window, if nothing is to come."""
-    rng, slide = random.Random(8), Slide(dut, 8)
+    rng, slide = random.Random(8), LaneSlide(dut, 8)
     await slide.start(jump=0)
     await slide.cycle(0, random_touch(rng, 9, 9, 50, single=True))
     for _ in range(12):
         await slide.cycle(14)
     assert int(dut.oldest.value) == 9 or slide.flush.received
     await slide.finish(rng)
-    slide = Slide(dut, 9)
+    slide = LaneSlide(dut, 9)
     await slide.start(jump=1)
     for _ in range(2):
         await slide.cycle(700)
@@ -185,7 +167,7 @@ async def untouched_lines_leave_at_once(dut):
 async def nothing_leaves_unasked(dut):
     """No line from ``top`` on, none that is not loaded, and no marks are taken without leave."""
     for case, (top, enable, loaded) in enumerate([(3, 1, 1), (12, 0, 1), (12, 1, 0)]):
-        rng, slide = random.Random(case), Slide(dut, case)
+        rng, slide = random.Random(case), LaneSlide(dut, case)
         await slide.start()
         assert await slide.cycle(0, random_touch(rng, 3, 3, 99, single=True))
         for _ in range(12):

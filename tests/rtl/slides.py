@@ -1,0 +1,46 @@
+"""What the benches of both walkers share: a window that slides down, and what is asked for."""
+
+from splatline.sim.cosim.streams import StreamBench
+
+__all__ = ["Slide"]
+
+
+class Slide:
+    """A walker with its sink; ``expected`` has the words (line, word) that are to be asked for.
+
+    ``lowest`` is a line below every image, ``place`` the layout of what is asked for.
+    """
+
+    def __init__(self, dut, seed, rate, place, lowest):
+        self.dut, self.place, self.lowest = dut, place, lowest
+        self.bench = StreamBench(dut, seed)
+        self.flush = self.bench.sink("flush", rate)
+        self.expected = set()
+
+    async def reset(self, inputs, rows):
+        """Put inputs to 0, and clear all marks, a row of them a cycle."""
+        dut = self.dut
+        for name in inputs:
+            getattr(dut, name).value = 0
+        await self.bench.reset()
+        dut.wipe.value = 1
+        for row in range(rows):
+            await self.bench.step(lambda row=row: setattr(dut.wipe_row, "value", row))
+        dut.wipe.value = 0
+
+    def check_flush(self, oldest, top):
+        """What is asked for now lies on the window's oldest line, above the next element."""
+        if int(self.dut.flush__valid.value):
+            line = self.place.from_bits(int(self.dut.flush__payload.value)).line
+            assert line == oldest < top
+
+    async def leave(self, cycle):
+        """Let everything leave, in cycles of a kind, and some more; compare."""
+        for _ in range(60_000):
+            await cycle()
+            if int(self.dut.clean.value):
+                break
+        for _ in range(6):
+            await cycle()
+        asked = [self.place.from_bits(bits) for bits in self.flush.received]
+        assert [(place.line, place.word) for place in asked] == sorted(self.expected)
