@@ -20,7 +20,7 @@ from .exact import (
 )
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
-from .shapes import quantise
+from .shapes import LEVELS, quantise
 from .symmetric import encode_symmetric, encode_turned
 
 __all__ = ["encode_splats", "measure_room"]
@@ -231,7 +231,10 @@ def _encode_other(
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_turned(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
     if quality == 0:
-        shape = quantise(-slope_x, -1.0), quantise(-slope_y, -1.0)
+        shape = (
+            quantise(-slope_x, -1.0, LEVELS),
+            quantise(-slope_y, -1.0, LEVELS),
+        )
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)
     if found:

@@ -21,7 +21,8 @@ from .materials import Materials, find_materials, material_tables
 from .order import sort_by_line
 from .project import project
 from .quality import DEFAULT_QUALITY, QUALITIES
-from .shade import shade_bits
+from .shade import SHADE_LEVELS, shade_bits
+from .shapes import LEVELS
 from .skips import DEFAULT_SKIPS, check_skips
 from .view import View
 
@@ -88,7 +89,7 @@ def make_frame(
     index = _index(cloud, radii, materials, config, clock)
     lighting = lighting or Lighting()
     tables = material_tables(index.materials, lighting, config)
-    shades = shade_bits(lighting, config)
+    shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
     clock.lap("tables")
     # The symmetric shapes always have a pixel.
     useful = chosen - {"no_pixel"} if quality == "paper" else chosen

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from .cull import cull_blocks, faces_away, lies_outside, misses_centre
 from .emit import LARGEST
 from .index import BLOCK_POINTS, Index
-from .shapes import LEVELS, quantise
+from .shapes import quantise
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
 from .view import View
 
@@ -129,7 +129,7 @@ def project(
     view
         Where they are looked at from.
     shades
-        DIFFUSE and SPECULAR by quantised normal: shape (2, 4096); see ``shade_bits``.
+        DIFFUSE and SPECULAR by quantised normal; see ``shade_bits``.
     material_shift
         Lowest bit of MATERIAL, counted from DIFFUSE's.
     skips
@@ -311,18 +311,18 @@ def _project_point(
     # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0: for
     # shading such a normal counts as just grazing.
     towards = min(nz, -STEEPEST)
-    diffuse = LEVELS * quantise(nx, towards) + quantise(ny, towards)
+    levels = shades.shape[1]
+    shade = shades[0, quantise(nx, towards, levels), quantise(ny, towards, levels)]
     # The table's viewer is on the axis. A highlight is seen as by the true one if the normal turns
     # along by half of the way from his direction to the axis: n + ((n.v) e - (n.e) v) / 2, with v
     # and e the directions to the viewer and against the axis.
     half = 0.5 / math.sqrt(a * a + b * b + 1.0)
     mx, my = nx - half * a * nz, ny - half * b * nz
     mz = min(nz + half * (facing - nz), -STEEPEST)
-    specular = LEVELS * quantise(mx, mz) + quantise(my, mz)
+    shade |= shades[1, quantise(mx, mz, levels), quantise(my, mz, levels)]
     floats[at, COLUMN], floats[at, LINE], floats[at, DIAMETER] = column, line, 2.0 * radius
     inverse = 1.0 / facing
     floats[at, SLOPE_X], floats[at, SLOPE_Y] = nx * inverse, ny * inverse
-    shade = shades[0, diffuse] | shades[1, specular]
     bits[at, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
     doubles[at, DEPTH] = z
     return 0

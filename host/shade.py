@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,11 +11,14 @@ from ..rtl.format import EngineConfig
 from .lighting import Lighting
 from .shapes import level_slopes
 
-__all__ = ["shade_bits", "shade_tables"]
+__all__ = ["SHADE_LEVELS", "shade_bits", "shade_tables"]
+
+SHADE_LEVELS = 256
+"""Levels of n'x and of n'y that shades are told apart by. The paper's are those of its shapes."""
 
 
 def shade_tables(
-    lighting: Lighting, intensity_bits: int
+    lighting: Lighting, intensity_bits: int, levels: int = SHADE_LEVELS
 ) -> tuple[npt.NDArray[np.uint16], npt.NDArray[np.uint16]]:
     """Return the diffuse and specular intensity of every quantised normal.
 
@@ -26,13 +31,15 @@ def shade_tables(
         Any number of directional lights.
     intensity_bits
         Bits of D and of S; an intensity of 1 is their largest value.
+    levels
+        Of n'x and of n'y.
 
     Returns
     -------
     diffuse, specular
-        Shape (64 * 64,), uint16, by ``64 * level of n'x + level of n'y``.
+        Shape (levels, levels), uint16, by the levels of n'x and n'y.
     """
-    slopes = level_slopes()
+    slopes = level_slopes(levels)
     x, y = np.meshgrid(slopes, slopes, indexing="ij")
     normal = -np.stack([x, y, np.ones_like(x)], axis=-1)  # towards the eye: z points away from it
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -48,20 +55,28 @@ def shade_tables(
         specular += light.intensity * glance**lighting.shininess
     full = (1 << intensity_bits) - 1
 
-    def levels(intensity: npt.NDArray[np.float64]) -> npt.NDArray[np.uint16]:
-        return np.rint(np.clip(intensity, 0.0, 1.0) * full).astype(np.uint16).ravel()
+    def rounded(intensity: npt.NDArray[np.float64]) -> npt.NDArray[np.uint16]:
+        return np.rint(np.clip(intensity, 0.0, 1.0) * full).astype(np.uint16)
 
-    return levels(diffuse), levels(specular)
+    return rounded(diffuse), rounded(specular)
 
 
-def shade_bits(lighting: Lighting, config: EngineConfig) -> npt.NDArray[np.uint32]:
+@functools.lru_cache(maxsize=8)
+def shade_bits(
+    lighting: Lighting, config: EngineConfig, levels: int = SHADE_LEVELS
+) -> npt.NDArray[np.uint32]:
     """Return DIFFUSE and SPECULAR of every quantised normal, as they lie in a code word.
+
+    The table of the same lights is made once: it takes longer than a small frame.
 
     Returns
     -------
     ndarray
-        Shape (2, 64 * 64), uint32: DIFFUSE, then SPECULAR; bit 0 is the lowest of DIFFUSE.
+        Shape (2, levels, levels), uint32, read-only: DIFFUSE, then SPECULAR; bit 0 is the lowest of
+        DIFFUSE.
     """
-    diffuse, specular = shade_tables(lighting, config.intensity_bits)
+    diffuse, specular = shade_tables(lighting, config.intensity_bits, levels)
     shift = np.uint32(config.specular.lsb - config.diffuse.lsb)
-    return np.stack([diffuse.astype(np.uint32), specular.astype(np.uint32) << shift])
+    bits = np.stack([diffuse.astype(np.uint32), specular.astype(np.uint32) << shift])
+    bits.setflags(write=False)
+    return bits

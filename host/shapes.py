@@ -19,7 +19,7 @@ from ..rtl.format import BLOCK, ROWS
 __all__ = ["EMPTY_SCANS", "LEVELS", "SIZES", "level_slopes", "quantise", "row_span", "shape_table"]
 
 LEVELS = 64
-"""Levels of n'x and of n'y."""
+"""Levels of n'x and of n'y in the shape table."""
 
 SIZES = 17
 """Diameters of the table: 0..16 pixels."""
@@ -29,20 +29,20 @@ EMPTY_SCANS = 0b000001_000001_000001_000001
 
 
 @nb.njit(inline="always")
-def quantise(part: float, facing: float) -> int:
-    """Return the level of a slope n' = ``part / facing`` with ``facing < 0``.
+def quantise(part: float, facing: float, levels: int) -> int:
+    """Return which of the levels the slope n' = ``part / facing`` has, with ``facing < 0``.
 
     Levels are even steps of n' / (1 + |n'|), which lies in -1..1: so they are fine where shapes and
     shades change most, and no slope is too large. Measured against steps even in angle
     (``docs/decisions.md``), and free of an arc tangent.
     """
-    level = int((0.5 - 0.5 * part / (abs(part) - facing)) * LEVELS)
-    return min(max(level, 0), LEVELS - 1)
+    level = int((0.5 - 0.5 * part / (abs(part) - facing)) * levels)
+    return min(max(level, 0), levels - 1)
 
 
-def level_slopes() -> npt.NDArray[np.float64]:
-    """Return the slope n' that each level stands for, its middle: shape (64,)."""
-    middle = (np.arange(LEVELS) + 0.5) / (0.5 * LEVELS) - 1.0
+def level_slopes(levels: int = LEVELS) -> npt.NDArray[np.float64]:
+    """Return the slope n' that each level stands for, its middle: shape (levels,)."""
+    middle = (np.arange(levels) + 0.5) / (0.5 * levels) - 1.0
     return middle / (1.0 - np.abs(middle))
 
 

@@ -12,6 +12,8 @@ import numpy.typing as npt
 
 from ..host.cloud import Cloud
 from ..host.lighting import Lighting
+from ..host.shade import SHADE_LEVELS
+from ..host.shapes import LEVELS
 from ..host.view import View
 from ..rtl.format import PAPER, EngineConfig
 from . import metrics
@@ -74,8 +76,9 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
             ("levels of n'", {"normal_levels": True}),
         ]
     colour = f"{config.channel_bits}-bit colour" + (", dithered" if config.dither else "")
+    levels = LEVELS if quality == "paper" else SHADE_LEVELS
     changes += [
-        ("shading table", {"intensity_bits": config.intensity_bits}),
+        ("shading table", {"intensity_bits": config.intensity_bits, "shade_levels": levels}),
         ("materials", {"materials": 1 << config.material_bits}),
         (colour, {"channel_bits": config.channel_bits, "dither": config.dither}),
     ]

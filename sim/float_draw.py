@@ -12,7 +12,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from ..host.shapes import quantise
+from ..host.shapes import LEVELS, quantise
 from ..rtl.format import BLOCK, ROWS
 from .reference import _bound_disc, _bound_part
 
@@ -106,8 +106,8 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
         return
     if len(slopes):
         splat.kind = ELLIPSE
-        splat.slope_x = slopes[quantise(-splat.slope_x, -1.0)]
-        splat.slope_y = slopes[quantise(-splat.slope_y, -1.0)]
+        splat.slope_x = slopes[quantise(-splat.slope_x, -1.0, LEVELS)]
+        splat.slope_y = slopes[quantise(-splat.slope_y, -1.0, LEVELS)]
         half = math.sqrt(splat.square)
         low_x, high_x = splat.column - half, splat.column + half
         low_y, high_y = splat.line - half, splat.line + half

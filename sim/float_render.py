@@ -18,8 +18,8 @@ import numpy.typing as npt
 from ..host.cloud import Cloud
 from ..host.lighting import Lighting
 from ..host.materials import find_materials
-from ..host.shade import shade_tables
-from ..host.shapes import LEVELS, level_slopes, quantise
+from ..host.shade import SHADE_LEVELS, shade_tables
+from ..host.shapes import level_slopes, quantise
 from ..host.view import View
 from ..rtl.format import BAYER
 from . import reference
@@ -61,6 +61,8 @@ class Steps:
     intensity_bits
         The shade comes from the table of quantised normals, with the viewer on the image's axis and
         so many bits of D and S; None: Phong's model at the disc's centre.
+    shade_levels
+        Levels of n'x and of n'y in that table.
     materials
         Most colours of the palette; None: each point's own.
     channel_bits
@@ -78,6 +80,7 @@ class Steps:
     never_empty: bool = False
     normal_levels: bool = False
     intensity_bits: int | None = None
+    shade_levels: int = SHADE_LEVELS
     materials: int | None = None
     channel_bits: int | None = None
     dither: bool = False
@@ -178,22 +181,25 @@ def _colours(
         base = found.palette[found.index]
     if steps.intensity_bits is None:
         return reference._shade(base, normals, centres, lighting)
-    level = np.empty(len(normals), np.int64)
-    _shade_levels(normals, level)
-    diffuse, specular = shade_tables(lighting, steps.intensity_bits)
+    level = np.empty((2, len(normals)), np.int64)
+    _shade_levels(normals, steps.shade_levels, level)
+    diffuse, specular = (
+        table[level[0], level[1]]
+        for table in shade_tables(lighting, steps.intensity_bits, steps.shade_levels)
+    )
     full = float((1 << steps.intensity_bits) - 1)
-    shown: _Floats = base / 255.0 * (diffuse[level] / full)[:, np.newaxis]
-    shown += lighting.gloss * (specular[level] / full)[:, np.newaxis]
+    shown: _Floats = base / 255.0 * (diffuse / full)[:, np.newaxis]
+    shown += lighting.gloss * (specular / full)[:, np.newaxis]
     return shown.clip(0.0, 1.0)
 
 
 @numba.njit(cache=True)
-def _shade_levels(normals: Any, level: Any) -> None:
-    """Set each normal's place in the shading table."""
+def _shade_levels(normals: Any, levels: int, level: Any) -> None:
+    """Set each normal's levels of n'x and n'y."""
     for i in range(len(normals)):
         towards = min(normals[i, 2], GRAZING)
-        x, y = quantise(normals[i, 0], towards), quantise(normals[i, 1], towards)
-        level[i] = LEVELS * x + y
+        level[0, i] = quantise(normals[i, 0], towards, levels)
+        level[1, i] = quantise(normals[i, 1], towards, levels)
 
 
 def _levels(rgb: _Floats, steps: Steps) -> _Floats:

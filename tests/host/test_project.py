@@ -16,7 +16,7 @@ def view(width=200, height=100, focal=150.0):
 def seen(cloud, radii, at=None, skips=DEFAULT_SKIPS - {"no_pixel"}):
     """Splats, each with its level of the normal for a look."""
     index = build_index(cloud, radii)
-    levels = np.stack([np.arange(4096), np.zeros(4096)]).astype(np.uint32)
+    levels = np.stack([np.arange(4096), np.zeros(4096)]).astype(np.uint32).reshape(2, 64, 64)
     return project(index, at or view(), levels, 14, skips)
 
 

@@ -5,8 +5,9 @@ from clouds import cloud_of
 
 from splatline.host.index import build_index
 from splatline.host.lighting import Light, Lighting
+from splatline.host.pipeline import make_frame
 from splatline.host.project import project
-from splatline.host.shade import shade_bits, shade_tables
+from splatline.host.shade import SHADE_LEVELS, shade_bits, shade_tables
 from splatline.host.shapes import level_slopes
 from splatline.host.view import View
 from splatline.rtl.format import PAPER
@@ -16,8 +17,8 @@ def test_tables_are_phong_s_model_at_each_level():
     lighting = Lighting(
         (Light((0.3, -0.4, -2.0), 0.6), Light((-1.0, 0.0, -0.2), 0.3)), 0.1, 0.5, 9.0
     )
-    diffuse, specular = shade_tables(lighting, 7)
-    slopes = level_slopes()
+    diffuse, specular = shade_tables(lighting, 7, 64)
+    slopes = level_slopes(64)
     for x in range(0, 64, 5):
         for y in range(0, 64, 7):
             length = math.sqrt(slopes[x] ** 2 + slopes[y] ** 2 + 1)
@@ -31,8 +32,8 @@ def test_tables_are_phong_s_model_at_each_level():
                     d += light.intensity * cosine
                     reflected_z = 2 * cosine * n[2] - towards[2]
                     s += light.intensity * max(-reflected_z, 0) ** lighting.shininess
-            assert abs(diffuse[64 * x + y] - 127 * min(d, 1)) <= 0.5
-            assert abs(specular[64 * x + y] - 127 * min(s, 1)) <= 0.5
+            assert abs(diffuse[x, y] - 127 * min(d, 1)) <= 0.5
+            assert abs(specular[x, y] - 127 * min(s, 1)) <= 0.5
 
 
 def test_bright_lights_saturate_and_no_light_leaves_the_ambient():
@@ -68,3 +69,27 @@ def test_highlights_are_those_that_the_true_viewer_sees():
     on_axis = np.where(cosine > 0, np.maximum(-mirrored[:, 2], 0.0) ** 12.0, 0.0)
     # To first order in the slant, which goes up to 50 degrees here.
     assert np.sqrt(np.mean((shown - true) ** 2)) < 0.5 * np.sqrt(np.mean((on_axis - true) ** 2))
+
+
+def test_the_table_of_the_same_lights_is_made_once_and_cannot_be_changed():
+    table = shade_bits(Lighting(), PAPER)
+    assert table is shade_bits(Lighting(), PAPER)
+    assert table.shape == (2, SHADE_LEVELS, SHADE_LEVELS)
+    assert shade_bits(Lighting(), PAPER, 64).shape == (2, 64, 64)
+    assert not table.flags.writeable
+
+
+def test_the_paper_s_quality_has_the_paper_s_levels_of_shade():
+    """So many normals of one direction: 64 levels show fewer shades than 256."""
+    rng = np.random.default_rng(6)
+    normals = np.stack([*rng.uniform(-0.4, 0.4, (2, 2000)), np.full(2000, -1.0)], -1)
+    cloud = cloud_of(rng.uniform(-1, 1, (2000, 3)), normals)
+    view = View(np.array([0.0, 0.0, -5.0]), np.eye(3), 100.0, 64, 64, 0.1)
+    radii = np.full(2000, 0.05)
+    field = np.uint64((1 << PAPER.material.lsb - PAPER.diffuse.lsb) - 1)
+
+    def shades(quality):
+        words = make_frame(cloud, view, radii=radii, quality=quality).codewords
+        return len(np.unique(words >> np.uint64(PAPER.diffuse.lsb) & field))
+
+    assert shades("exact") > 1.1 * shades("paper")

@@ -60,8 +60,8 @@ def test_levels_are_even_in_their_measure_and_cover_every_direction():
     assert np.allclose(np.diff(measure), 2 / 64)
     for level, slope in enumerate(slopes):
         # The slope is part / facing with facing negative.
-        assert quantise(-slope, -1.0) == level
-        assert quantise(-slope * 1e-30, -1e-30) == level
-    assert quantise(1.0, -1e-300) == 0
-    assert quantise(-1.0, -1e-300) == 63
-    assert quantise(0.0, -1.0) in (31, 32)
+        assert quantise(-slope, -1.0, 64) == level
+        assert quantise(-slope * 1e-30, -1e-30, 64) == level
+    assert quantise(1.0, -1e-300, 64) == 0
+    assert quantise(-1.0, -1e-300, 64) == 63
+    assert quantise(0.0, -1.0, 64) in (31, 32)
