@@ -10,6 +10,7 @@ import click
 from ..host.errors import InputError
 from ..host.quality import QUALITIES
 from ..rtl.format import PRESETS, EngineConfig
+from .bench_engine_few import measure_few
 from .bench_engine_runs import CLOCK_HZ, Plan, count_luts, measure
 from .bench_options import folder_option, scenes_option, splats_option
 from .bench_subjects import check_names
@@ -92,6 +93,7 @@ def engine(
         "clock_hz": CLOCK_HZ,
         "versions": tool_versions("golden"),
         "runs": runs,
+        "few": list(measure_few(presets, size)),
         "targets": judge(runs),
     }
     text = page(report)

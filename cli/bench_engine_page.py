@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from .bench_engine_few import PIXELS
 from .bench_engine_targets import TARGETS, Target
 
 __all__ = ["page"]
+
+FEW = ("elements", "codewords", "raster_words", "cycles")
 
 
 def page(report: dict[str, Any]) -> str:
@@ -41,6 +44,16 @@ def page(report: dict[str, Any]) -> str:
         parts.append(f"## Preset {preset}" + (f", {luts:,} LUTs" if rated else ""))
         cells = (_cells(run)[: len(heads)] for run in rows)
         parts.append(_table(heads, cells, words={"scene", "splats, px", "quality"}))
+    parts += [
+        "## Few elements",
+        f"Splats of {PIXELS:g} pixels at random places. The frame is not the engine's first, which"
+        " waits until memory is cleared.",
+        _table(
+            ("preset", "elements", "code words", "raster words", "cycles"),
+            ((row["preset"], *(f"{row[key]:,}" for key in FEW)) for row in report["few"]),
+            words={"preset"},
+        ),
+    ]
     return "\n\n".join(parts) + "\n"
 
 

@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from .bank import bank_address_bits
 from .bank_marks import BankMarks, column_bits, stretch_bits
+from .choose import number_of
 from .format import EngineConfig
 from .layouts import PlaceLayout
 from .scatter import BANKS
@@ -23,10 +24,11 @@ class BankWalker(wiring.Component):
 
     Marks are read ahead: while the words of a stretch are asked for, the next one that has any is
     fetched, in a cycle in which its line's banks mark nothing. So flushing waits for marks only
-    where they are sparse.
+    where they are sparse. With a mark for each word (``mark_words`` 1) a stretch that no element
+    has reached since the window was last clean is not read: a few elements cost a few cycles.
 
     **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle,
-    and at least one cycle a stretch of sixteen.
+    and at least one cycle a stretch of sixteen that was reached.
 
     Members
     -------
@@ -39,6 +41,10 @@ class BankWalker(wiring.Component):
         No initial raster will come for any line: ``oldest`` may move by many lines at a time.
     last_word : In(word_bits)
         Number of the last word of a line.
+    reaching : In(1)
+        Something may be drawn in this cycle into the stretches ``reach``.
+    reach : In(2 ** stretch_bits)
+        Means nothing unless ``jump``: an initial raster may lie anywhere.
     drawn : In(8)
         The bank writes what was drawn into its word at ``addresses``, one cycle after the request.
     addresses : In(8 x bank_address_bits)
@@ -65,6 +71,8 @@ class BankWalker(wiring.Component):
                 "loaded": In(1),
                 "jump": In(1),
                 "last_word": In(config.word_bits),
+                "reaching": In(1),
+                "reach": In(1 << stretch_bits(config)),
                 "drawn": In(BANKS),
                 "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
                 "wipe": In(1),
@@ -81,7 +89,6 @@ class BankWalker(wiring.Component):
         m = Module()
         config = self.config
         m.submodules.marks = marks = BankMarks(config)
-        low = column_bits(config)
         written = Signal(config.window_lines)
         clean = Signal()
 
@@ -89,6 +96,7 @@ class BankWalker(wiring.Component):
         line = Signal(len(self.oldest))
         line_read = Signal.like(line)
         stretch = Signal(stretch_bits(config))
+        last = Signal()  # it is the line's last
         stretch_read = Signal.like(stretch)
         stretch_left = Signal.like(stretch)
         read = Signal(len(marks.bits))
@@ -109,7 +117,7 @@ class BankWalker(wiring.Component):
             reading.eq(leaving & here & ~marks.busy),
             free.eq(~read.any() | moves),
             passed.eq(reading & (free | ~marks.bits.any())),
-            ended.eq(passed & (stretch == self.last_word[low + 1 :])),
+            ended.eq(passed & last),
             marks.line.eq(line),
             marks.stretch.eq(stretch),
             marks.take.eq(reading & free),
@@ -125,8 +133,12 @@ class BankWalker(wiring.Component):
             m.d.sync += [read.eq(marks.bits), line_read.eq(line), stretch_read.eq(stretch)]
         with m.If(free & ~reading):
             m.d.sync += read.eq(0)
-        with m.If(passed):
-            m.d.sync += stretch.eq(Mux(ended, 0, stretch + 1))
+        if config.mark_words == 1:
+            self._reached(m, stretch, last, passed, clean & ~self.drawn.any())
+        else:
+            m.d.comb += last.eq(stretch == self.last_word[column_bits(config) + 1 :])
+            with m.If(passed):
+                m.d.sync += stretch.eq(Mux(last, 0, stretch + 1))
         with m.If(leaving & self.jump & clean):
             m.d.sync += line.eq(self.top)
         with m.Elif(ended | (leaving & ~here)):
@@ -160,6 +172,27 @@ class BankWalker(wiring.Component):
         with m.If(self.restart):
             m.d.sync += [line.eq(0), line_read.eq(0), self.oldest.eq(0)]
         return m
+
+    def _reached(self, m, stretch, last, passed, clean):
+        """Choose the first stretch that was reached, of those that the line still has."""
+        reached = Signal.like(self.reach)
+        ahead = Signal.like(self.reach, init=-1)
+        wanted = Signal.like(self.reach)
+        first = Signal.like(self.reach)
+        m.d.comb += [
+            wanted.eq(reached & ahead),
+            first.eq(wanted & (~wanted + 1)),
+            stretch.eq(number_of(first)),
+            last.eq(first == wanted),
+        ]
+        with m.If(passed):
+            m.d.sync += ahead.eq(Mux(last, -1, ahead & ~first))
+        with m.If(~self.jump):
+            m.d.sync += reached.eq(-1)
+        with m.Elif(self.reaching):
+            m.d.sync += reached.eq(reached | self.reach)
+        with m.Elif(clean):
+            m.d.sync += reached.eq(0)
 
 
 def _first(m, bits, turned):

@@ -101,7 +101,8 @@ class EngineConfig:
         which take larger elements faster.
     mark_words
         Words of a bank that share the mark which says that something was drawn into one of them: 1,
-        2, 4 or 8. More take less silicon; all of them are read when their line leaves.
+        2, 4 or 8. More take less silicon; all of them are read when their line leaves. With 1,
+        stretches of marks that nothing reached are passed over as well.
     dither
         Ordered dithering: a threshold for each pixel is added to the colour sum.
 

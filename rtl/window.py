@@ -187,6 +187,20 @@ class Window(wiring.Component):
             flushing.eq(walker.flush.valid & walker.flush.ready),
         ]
 
+        # Stretches of marks that an element at hand lies in: that of its first word, and the next
+        # one if its third word may lie there.
+        stretch = footprint.word[column_bits(config) + 1 :]
+        across = footprint.word[1 : column_bits(config) + 1].all()
+        m.d.comb += [
+            walker.reaching.eq(scatter.go),
+            walker.reach.eq(
+                Cat(
+                    (stretch == number) | (across & (stretch == number - 1))
+                    for number in range(len(walker.reach))
+                )
+            ),
+        ]
+
         # Merge: what the banks draw, and the way out of what they give up.
         connect(m, emitter.raster, flipped(self.raster))
         m.d.comb += [

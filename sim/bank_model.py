@@ -14,10 +14,13 @@ import numpy as np
 
 from ..rtl.format import BLOCK, ROWS
 from .bank_walk import (
+    AHEAD,
     BANKS,
     LEFT,
     LINE,
     OLDEST,
+    REACHED,
+    STRETCH,
     TOP,
     WRITTEN,
     asked_banks,
@@ -62,7 +65,7 @@ class Window(NamedTuple):
     taken
         The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape (8,).
     walk
-        The walker's registers, see ``bank_walk.OLDEST``: shape (10,).
+        The walker's registers, see ``bank_walk.OLDEST``: shape (11,).
     marks
         Words that were drawn into, by place of their line: shape (16, words).
     covered, place
@@ -113,7 +116,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         np.zeros(BANKS, np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(BANKS, EMPTY, np.int64),
-        np.zeros(10, np.int64),
+        np.zeros(11, np.int64),
         np.zeros((LINES, 2 * machine.half_words), np.bool_),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
@@ -122,7 +125,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         np.zeros(3, np.int64),
     )
     walk = window.walk
-    walk[TOP] = -ABOVE
+    walk[TOP], walk[AHEAD] = -ABOVE, -1
     z = 0  # depth of the element at hand
     front = new_front()
     cycle = 0
@@ -148,12 +151,19 @@ def walk_banks(words: Any, machine: Machine) -> int:
         # The marks of its line are in use in the cycle after one of its banks was drawn into.
         residue = walk[LINE] % (BANKS // 2)
         marking = window.taken[residue] != EMPTY or window.taken[residue + BANKS // 2] != EMPTY
+        is_empty = walk[WRITTEN] == 0
         done = _draw(window, go, held, z, machine)
         if clearing:  # all banks, one address after the other; the last is the highest
             window.taken[:] = 4 * machine.half_words - 1
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
         _shift(window, _give_up(window, machine) if flushed else 0)
         step_walk(walk, window.marks, complete, flushed, marking, machine)
+        if machine.mark_words > 1:
+            walk[REACHED] = (2 << machine.last_column // (WORD * STRETCH)) - 1  # all are read
+        elif go:
+            walk[REACHED] |= _reach(words[head], machine)
+        elif is_empty and not drawn:
+            walk[REACHED] = 0
         walk[WRITTEN] |= drawn
         if head != EMPTY:
             walk[TOP] = top
@@ -164,6 +174,16 @@ def walk_banks(words: Any, machine: Machine) -> int:
                 z = words[head] >> machine.z_lsb & machine.z_mask
         cycle += 1
     return 0
+
+
+@nb.njit(cache=True, inline="always")
+def _reach(word: int, machine: Machine) -> int:
+    """Return the stretches that an element's words may lie in, a bit each."""
+    number = (word >> machine.x_lsb & machine.x_mask) // WORD
+    stretches = 1 << number // STRETCH
+    if number % STRETCH >= STRETCH - 2 and number + 2 < 2 * machine.half_words:
+        stretches |= 2 << number // STRETCH  # its third word may lie in the next
+    return int(stretches)
 
 
 @nb.njit(cache=True)

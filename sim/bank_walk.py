@@ -9,13 +9,16 @@ from typing import Any
 
 import numba as nb
 
-from .pipeline_model import LINES, WORD, Machine
+from .pipeline_model import LINES, Machine
 
 __all__ = [
+    "AHEAD",
     "BANKS",
     "LEFT",
     "LINE",
     "OLDEST",
+    "REACHED",
+    "STRETCH",
     "TOP",
     "WRITTEN",
     "asked_banks",
@@ -32,7 +35,6 @@ STRETCH = 16
 (
     OLDEST,
     LINE,
-    STRETCH_READ,
     NEXT,
     NEXT_LINE,
     NEXT_STRETCH,
@@ -40,11 +42,14 @@ STRETCH = 16
     LEFT_STRETCH,
     WRITTEN,
     TOP,
-) = range(10)
-"""Registers of the walker: the first line in the window; the line and the stretch whose marks are
+    REACHED,
+    AHEAD,
+) = range(11)
+"""Registers of the walker: the first line in the window; the line whose marks are
 read next; the marks of the stretch that follows, its line and number; those of the words that are
 still to be asked for, and their stretch, on line ``OLDEST``; a bit a place that was written into;
-the line above which all lines are complete."""
+the line above which all lines are complete; stretches that elements reached since the window was
+last clean, and those that the line still has, a bit each."""
 
 
 @nb.njit(cache=True, inline="always")
@@ -85,7 +90,7 @@ def step_walk(
     Parameters
     ----------
     walk
-        The walker's registers, changed: see ``OLDEST``; shape (10,), int64.
+        The walker's registers, changed: see ``OLDEST``; shape (11,), int64.
     marks
         Words that were drawn into, changed: shape (16, words), bool.
     complete
@@ -97,7 +102,10 @@ def step_walk(
     machine
         The engine.
     """
-    line, stretch = walk[LINE], walk[STRETCH_READ]
+    line, wanted = walk[LINE], walk[REACHED] & walk[AHEAD]
+    stretch = 0
+    while wanted and not wanted >> stretch & 1:
+        stretch += 1
     leaving = line < complete
     here = 1 << line % LINES
     scans = leaving and walk[WRITTEN] & here and not marking
@@ -119,9 +127,9 @@ def step_walk(
     if scans and (free or row == 0):
         walk[NEXT] |= row
         marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
-        walk[STRETCH_READ] += 1
-        if stretch == machine.last_column // (WORD * STRETCH):
-            walk[STRETCH_READ] = 0
+        walk[AHEAD] &= ~(1 << stretch)
+        if wanted >> stretch <= 1:
+            walk[AHEAD] = -1
             walk[LINE] += 1
             walk[WRITTEN] &= ~here
     elif leaving and walk[WRITTEN] == 0:

@@ -66,8 +66,17 @@ def test_the_page_is_printed_and_its_tables_are_whole(outcome):
     for heading in ("What it must show", "Preset paper, 2,000 LUTs", "Preset rgb24, 2,000 LUTs"):
         assert f"\n## {heading}\n" in page
     tables = [block.splitlines() for block in page.split("\n\n") if block.startswith("| ")]
-    assert len(tables) == 3
+    assert len(tables) == 4
     assert all(row.count("|") == table[0].count("|") for table in tables for row in table)
+
+
+def test_a_frame_of_few_elements_costs_few_cycles(outcome):
+    few = outcome[0]["few"]
+    assert [row["elements"] for row in few if row["preset"] == "paper"] == [1, 10, 100, 1000]
+    # 64 x 64 pixels have 1,024 words: they are neither cleared nor sent.
+    assert all(row["cycles"] < 40 + 25 * row["raster_words"] for row in few)
+    ten = next(row for row in few if row["elements"] == 10)
+    assert ten["raster_words"] < ten["cycles"] < 1024
 
 
 def test_the_number_of_frames_is_known_before(outcome):

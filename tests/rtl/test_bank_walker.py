@@ -15,6 +15,8 @@ from splatline.sim.cosim.blocks import run_bench
 PLACE, ADDRESS = PlaceLayout(WIDE), bank_address_bits(WIDE)
 WORDS = 1 << WIDE.word_bits
 LOWEST = (1 << WIDE.line_bits + 1) - 1
+STRETCHES = 1 << stretch_bits(WIDE)
+STRETCH = WORDS // STRETCHES
 
 
 class BankSlide(Slide):
@@ -25,7 +27,7 @@ class BankSlide(Slide):
 
     async def start(self, jump=1, last_word=WORDS - 1):
         self.dut.jump.value, self.dut.last_word.value = jump, last_word
-        inputs = ("drawn", "addresses", "restart", "top", "loaded")
+        inputs = ("drawn", "addresses", "restart", "top", "loaded", "reach", "reaching")
         await self.reset(inputs, 4 << stretch_bits(WIDE))
 
     async def cycle(self, top, words=(), loaded=1):
@@ -38,11 +40,17 @@ class BankSlide(Slide):
             drawn |= 1 << bank
             addresses |= (line // 4 % 4 << WIDE.word_bits - 1 | word // 2) << ADDRESS * bank
             self.expected.add((line, word))
+        reach = sum({1 << word // STRETCH for _, word in words})
 
         def drive():
             dut.top.value = top % (1 << WIDE.line_bits + 2)
             dut.loaded.value = loaded
             dut.drawn.value, dut.addresses.value = drawn, addresses
+            # One stretch more may be reached in vain: the window is not told an element's width.
+            dut.reaching.value, dut.reach.value = (
+                bool(words),
+                (reach | reach << 1) % (1 << STRETCHES),
+            )
 
         def observe():
             self.check_flush(int(dut.oldest.value), top)
@@ -107,6 +115,25 @@ async def a_full_window_takes_a_cycle_a_word(dut):
     while len(slide.flush.received) < 8 * WORDS:
         assert slide.bench.cycles - begin <= 8 * WORDS + 6
         await slide.cycle(8)
+    await slide.finish()
+
+
+@cocotb.test()
+async def a_stretch_that_nothing_reached_is_not_read(dut):
+    """A line with a word costs the reading of two stretches, wherever they lie."""
+    slide = BankSlide(dut, 11)
+    await slide.start()
+    for n, word in enumerate((0, 17, 50, 100, 127)):
+        line = 16 * n
+        await slide.cycle(line - 4)
+        await slide.cycle(line, [(line, word)])
+        begin = slide.bench.cycles
+        while len(slide.flush.received) <= n:
+            assert slide.bench.cycles - begin <= 6
+            await slide.cycle(line + 1)
+        for _ in range(4):
+            await slide.cycle(line + 1)
+        assert int(dut.clean.value)
     await slide.finish()
 
 

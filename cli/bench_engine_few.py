@@ -1,0 +1,65 @@
+"""What almost empty frames cost: a few small splats anywhere in the image."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..host.cloud import Cloud
+    from ..rtl.format import EngineConfig
+
+__all__ = ["COUNTS", "PIXELS", "measure_few"]
+
+COUNTS = (1, 10, 100, 1000)
+"""Splats of a frame."""
+
+PIXELS = 3.0
+"""Their diameter."""
+
+SEED = 7
+
+
+def measure_few(presets: Sequence[EngineConfig], size: tuple[int, int]) -> Iterator[dict[str, Any]]:
+    """Yield what each of a few frames takes of each preset, ready for JSON.
+
+    The frame is not the engine's first, which waits for the window to be cleared.
+    """
+    import numpy as np
+
+    from ..host.pipeline import make_frame
+    from ..host.view import View
+    from ..sim import golden
+    from ..sim.cycles import count_cycles
+
+    width, height = size
+    eye = np.array([0.0, 0.0, -1.0])
+    view = View(eye, np.eye(3), float(max(size)), width, height, near=0.1)
+    for config in presets:
+        for count in COUNTS:
+            radii = np.full(count, 0.5 * PIXELS / max(size))
+            frame = make_frame(
+                _scatter(count, size), view, radii=radii, quality="fast", config=config
+            )
+            words = np.add.reduceat(
+                golden.render(frame).drawn, range(0, width, config.pixels_per_word), axis=1
+            )
+            yield {
+                "preset": config.name,
+                "elements": frame.counts["elements"],
+                "codewords": len(frame.codewords),
+                "raster_words": int(np.count_nonzero(words)),
+                "cycles": count_cycles(frame, after_reset=False),
+            }
+
+
+def _scatter(count: int, size: tuple[int, int]) -> Cloud:
+    """Return points at random places of the image, about the origin and facing the eye."""
+    import numpy as np
+
+    from ..host.assemble import Columns, assemble_cloud
+
+    rng = np.random.default_rng(SEED)
+    half = 0.5 * (np.array(size) - 2.0 * PIXELS) / max(size)
+    positions = np.concatenate([rng.uniform(-half, half, (count, 2)), np.zeros((count, 1))], axis=1)
+    return assemble_cloud(Columns(positions, -np.eye(3)[[2] * count]), "few")
