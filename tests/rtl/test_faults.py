@@ -72,6 +72,7 @@ BANK_WINDOW_FAULTS = [
     (BankWalker, test_bank_walker, ASKS, "single", "1'h1", "the rest of a stretch is lost"),
     (BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
     (BankWalker, test_bank_walker, ASKS, "half", "1'h0", "words of one half alone"),
+    (BankWalker, test_bank_walker, ASKS, "last", "1'h1", "only the first stretch is read"),
     (
         BankWalker,
         test_bank_walker,
@@ -102,6 +103,20 @@ def test_a_fault_in_the_window_of_banks_is_noticed(component, bench, test, signa
             test=test,
             edit=fault(".".join(["dut", *inner]), name, value),
         )
+
+
+STRETCH_FAULTS = {
+    "the third word's stretch": (Window, r" \| \(across & \(stretch == number - 1\)\)", ""),
+    "reached at the moment": (BankWalker, r"clean & ~self\.drawn\.any\(\)\)$", "clean)"),
+}
+
+
+@pytest.mark.parametrize("broken", STRETCH_FAULTS.values(), ids=STRETCH_FAULTS)
+def test_a_stretch_that_is_passed_over_is_noticed(monkeypatch, broken):
+    part, pattern, replacement = broken
+    rewrite(monkeypatch, part, "elaborate", f"(?m){pattern}", replacement)
+    with pytest.raises(SimulationError):
+        run_preset(PRESETS["wide"], Window, test_window.__file__, test="few_far_apart")
 
 
 PLANE_FAULTS = [

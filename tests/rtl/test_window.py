@@ -170,6 +170,13 @@ async def in_short(dut):
 
 
 @cocotb.test()
+async def few_far_apart(dut):
+    """The window is clean between one element and the next, which may lie anywhere."""
+    await check(dut, [(512, 900, 60, None), (512, 300, 60, None)], (1.0, 1.0, 1.0), 8)
+    await check(dut, [(512, 900, 60, None)], (0.3, 1.0, 0.5), 9)
+
+
+@cocotb.test()
 async def nonsense_in_the_initial_raster(dut):
     """Beats outside the image or out of order fall nowhere but on their own place."""
     rng = random.Random(5)
