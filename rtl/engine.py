@@ -10,8 +10,9 @@ from .decoder import Decoder
 from .format import PAPER, EngineConfig
 from .lane import lane_address_bits
 from .lane_window import LaneWindow
-from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+from .layouts import CodeWordLayout, ElementLayout, RasterLayout, TableWriteLayout
 from .sequencer import Sequencer
+from .shape_rom import ROM_LATENCY, ShapeRom
 from .tables import Tables
 from .tiler import Tiler
 from .window import Window
@@ -21,7 +22,7 @@ __all__ = ["Engine", "engine_latency"]
 
 def engine_latency(config: EngineConfig) -> int:
     """Return ``Engine(config).latency`` without building the engine."""
-    return 4 if config.lanes else 3
+    return (4 if config.lanes else 3) + (ROM_LATENCY if config.shapes != "none" else 0)
 
 
 class Engine(wiring.Component):
@@ -30,12 +31,13 @@ class Engine(wiring.Component):
     A frame opens with its first code word and closes with its end beat on ``raster``. Between
     frames, table writes go before the next frame's first code word.
 
-    **Latency**: 3 cycles from a code word to its pixels, 4 with lanes; a line leaves once a code
-    word follows that lies five lines or more below it, or ends the frame. **Throughput**: with
-    lanes a cycle a tile of 4 x 4 pixels, so 1 to 4 a code word; with banks 1 to 3 a code word; one
-    more where two follow each other into the same pixel or word of memory. Where
-    ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes its
-    bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is drawn.
+    **Latency**: 3 cycles from a code word to its pixels, 4 with lanes, and 3 more with a shape ROM;
+    a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
+    **Throughput**: with lanes a cycle a tile of 4 x 4 pixels, so 1 to 4 a code word; with banks 1
+    to 3 a code word; one more where two follow each other into the same pixel or word of memory.
+    Where ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes
+    its bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is
+    drawn.
 
     Parameters
     ----------
@@ -91,7 +93,13 @@ class Engine(wiring.Component):
 
         connect(m, flipped(self.tables), tables.i)
         connect(m, flipped(self.codewords), sequencer.i)
-        connect(m, sequencer.o, colour.i)
+        if config.shapes == "none":
+            connect(m, sequencer.o, colour.i)
+        else:
+            # Behind the sequencer, so that a frame opens, and keeps table writes off, as without.
+            m.submodules.shapes = shapes = ShapeRom(config, ElementLayout(config))
+            connect(m, sequencer.o, shapes.i)
+            connect(m, shapes.o, colour.i)
         connect(m, colour.o, decoder.i)
         connect(m, decoder.o, window.i)
         connect(m, flipped(self.initial), window.initial)

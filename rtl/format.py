@@ -16,6 +16,7 @@ __all__ = [
     "PAPER",
     "PRESETS",
     "ROWS",
+    "SHAPES",
     "EngineConfig",
     "Field",
     "Register",
@@ -27,6 +28,9 @@ BLOCK = 8
 
 ROWS = 4
 """Rows of the block that a code word carries; symmetry gives the rest."""
+
+SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
+"""The shape ROMs there are, and the largest size that each holds."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,9 @@ class EngineConfig:
         stretches of marks that nothing reached are passed over as well.
     dither
         Ordered dithering: a threshold for each pixel is added to the colour sum.
+    shapes
+        One of ``SHAPES``: the ROM that turns compact words into code words; ``none``: there is
+        none, and no word is compact.
 
     Raises
     ------
@@ -127,6 +134,7 @@ class EngineConfig:
     lanes: bool = False
     mark_words: int = 1
     dither: bool = False
+    shapes: str = "none"
 
     def __post_init__(self) -> None:
         """Check every parameter, so that no component need check it again."""
@@ -170,12 +178,21 @@ class EngineConfig:
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither):
             raise ValueError("lanes have neither further colour planes nor dithering")
+        if self.shapes not in SHAPES:
+            raise ValueError(f"shapes must be {', '.join(SHAPES)}, not {self.shapes!r}")
         if self.z.end != 64:
             raise ValueError(f"the code word must have 64 bits, not {self.z.end}")
 
     def replace(self, **changes: object) -> EngineConfig:
         """Return a copy with some parameters changed; the name becomes ``custom`` unless given."""
         return dataclasses.replace(self, **{"name": "custom", **changes})  # type: ignore[arg-type]
+
+    def with_shapes(self, shapes: str = "small") -> EngineConfig:
+        """Return the same engine with a shape ROM, or itself if it has one; ``paper-rom``."""
+        if self.shapes != "none":
+            return self
+        suffix = "-rom" if shapes == "small" else f"-rom-{shapes}"
+        return self.replace(name=self.name + suffix, shapes=shapes)
 
     # The code word, bit 0 first.
 
@@ -226,6 +243,44 @@ class EngineConfig:
     def control_end(self) -> Field:
         """End of frame; counts in control words alone."""
         return Field(self.diffuse.lsb, 1)
+
+    # A compact word: MODE 0, and in row 3 the highest bit of ``first`` is set and that of ``last``
+    # is not, so that it is empty in a way in which no host writes it.
+
+    @property
+    def compact_set(self) -> Field:
+        """1 in a compact word: the highest bit of row 3's first column."""
+        return Field(self.first(ROWS - 1).end - 1, 1)
+
+    @property
+    def compact_clear(self) -> Field:
+        """0 in a compact word: the highest bit of row 3's last column."""
+        return Field(self.last(ROWS - 1).end - 1, 1)
+
+    @property
+    def compact_size(self) -> Field:
+        """Diameter of the shape."""
+        return Field(self.scans.lsb, 5)
+
+    @property
+    def compact_level_x(self) -> Field:
+        """Level of n'x."""
+        return Field(self.compact_size.end, 6)
+
+    @property
+    def compact_level_y(self) -> Field:
+        """Level of n'y."""
+        return Field(self.compact_level_x.end, 6)
+
+    @property
+    def compact_part(self) -> Field:
+        """Which four lines of a shape of sixteen; sizes up to 8 have one part."""
+        return Field(self.compact_level_y.end, 2)
+
+    @property
+    def largest_shape(self) -> int:
+        """Largest size that the shape ROM holds; -1 if there is none."""
+        return SHAPES[self.shapes]
 
     # The image.
 

@@ -32,7 +32,10 @@ COMMAND = "synth_xilinx -family xc2v -ise -nowidelut"
 KINDS = {
     "lut4": ("LUT1", "LUT2", "LUT3", "LUT4"),
     "ff": ("FDRE", "FDSE", "FDCE", "FDPE", "FDRE_1", "FDSE_1"),
-    "bram": tuple(f"RAMB16_S{a}_S{b}" for a in (1, 2, 4, 9, 18, 36) for b in (1, 2, 4, 9, 18, 36)),
+    "bram": (
+        *(f"RAMB16_S{a}" for a in (1, 2, 4, 9, 18, 36)),
+        *(f"RAMB16_S{a}_S{b}" for a in (1, 2, 4, 9, 18, 36) for b in (1, 2, 4, 9, 18, 36)),
+    ),
     "mult": ("MULT18X18", "MULT18X18S"),
 }
 """Cells of each kind. LUT1..LUT4 each take one 4-input LUT of the device."""

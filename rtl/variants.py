@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from .format import PAPER, EngineConfig
 
-__all__ = ["VARIANTS"]
+__all__ = ["SHAPED", "VARIANTS"]
 
 
 def _large(name: str, **changes: object) -> EngineConfig:
@@ -48,3 +48,7 @@ VARIANTS = (
 )  # fmt: skip
 """By name: windows of 8 and of 32 lines, words of 2 and of 8 pixels, both as small as can be; 16
 bits of depth; 2048 columns, with a window that stays as small; and the largest of everything."""
+
+SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
+"""Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,
+``paper-rom-full`` those up to 16."""

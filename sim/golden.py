@@ -16,6 +16,7 @@ import numpy.typing as npt
 from ..host.errors import InputError
 from ..host.frame import Frame, Tables
 from ..rtl.format import PAPER, ROWS, EngineConfig, Field
+from .expand import expand_frame
 from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
 from .raster import Raster
 
@@ -49,7 +50,8 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
     ----------
     frame
         Code words, tables and the size of the image. Any 64 bits are a code word; those after the
-        end-of-frame word are not part of the frame and are ignored.
+        end-of-frame word are not part of the frame and are ignored. Compact words are expanded
+        first (:mod:`splatline.sim.expand`).
     initial
         The raster to start from, as the engine before in a chain has left it; nothing but
         background if not given. It is not changed.
@@ -82,7 +84,7 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
         _check_initial(initial, frame)
 
     layout = layout_of(config)
-    words = np.ascontiguousarray(frame.codewords, np.uint64)
+    words = np.ascontiguousarray(expand_frame(frame).codewords, np.uint64)
     starts, ended = index_lines(words, frame.height + ABOVE, layout)
     if not ended:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")

@@ -1,0 +1,112 @@
+"""The shape ROM's Verilog: every entry, what must pass untouched, stalls, and planted faults."""
+
+import re
+
+import numpy as np
+import pytest
+from faults import fault
+from rom_words import build_rom, compact_words, every_entry, mixed_words, play_words
+
+from splatline.host.shapes import EMPTY_SCANS, shape_table
+from splatline.rtl.format import PAPER
+from splatline.rtl.shape_contents import shape_contents
+from splatline.rtl.shape_rom import ROM_LATENCY
+from splatline.rtl.variants import SHAPED
+from splatline.sim.cosim import simulator
+from splatline.sim.expand import expand
+
+QUICKEST = "icarus" if simulator.available("icarus") else "verilator"
+"""To build; the frames of ``test_shaped_engine`` go through Verilator."""
+
+RATES = [(1.0, 1.0), (0.6, 0.7), (1.0, 0.3), (0.2, 1.0)]
+
+each_rom = pytest.mark.parametrize("config", SHAPED, ids=lambda config: config.name)
+
+
+@each_rom
+def test_every_entry_is_the_host_s_and_words_pass_in_order_under_stalls(config, tmp_path):
+    rng = np.random.default_rng(1)
+    entries = every_entry(config, rng)
+    streams = [(entries, 1.0, 1.0)]
+    streams += [(rng.permutation(entries)[:5000], *rates) for rates in RATES]
+    streams += [(mixed_words(config, rng, 5000), *rates) for rates in RATES]
+    played = play_words(build_rom(config, simulator_name=QUICKEST), streams, config, tmp_path)
+    for (words, *_), (received, _) in zip(streams, played, strict=True):
+        assert np.array_equal(received, expand(words, config).words)
+
+    # The entries once more, against the table itself and nothing else.
+    received, cycles = played[0]
+    scans = (received >> np.uint64(config.scans.lsb)).astype(np.int64) & config.scans.mask
+    small = shape_table()[:9, ..., 0].ravel()
+    assert np.array_equal(scans[: len(small)], small)
+    large = entries[len(small) :]
+    assert cycles == len(small) + 2 * len(large) + 1 + ROM_LATENCY
+    if config.largest_shape > 8:
+        # Parts 0 and 1 are the table's upper half, with what is empty left out.
+        origins = expand(entries, config).origins
+        upper = np.concatenate(
+            [np.zeros(len(small), np.int64), np.tile([1, 1, 0, 0], len(large) // 4)]
+        )
+        table = shape_table()[9:]
+        assert np.array_equal(scans[upper[origins] == 1], table[table != EMPTY_SCANS])
+
+
+def test_what_a_word_costs(tmp_path):
+    """A cycle each, two of a size over 8, and three from in to out.
+
+    The first is taken in its last cycle, which is where the count begins.
+    """
+    _, config = SHAPED
+    plain = np.full(1000, 0b011_001_011_001_011_001_011_001_1, np.uint64)
+    streams = [
+        (plain, 1.0, 1.0),
+        (compact_words(config, 8, np.arange(1000) % 64, 9, rest=plain), 1.0, 1.0),
+        (compact_words(config, 16, 28 + np.arange(1000) % 8, 32, 1, rest=plain), 1.0, 1.0),
+        (compact_words(config, 17, np.arange(1000) % 64, 9, rest=plain), 1.0, 1.0),
+    ]
+    played = play_words(build_rom(config, simulator_name=QUICKEST), streams, config, tmp_path)
+    assert [cycles - ROM_LATENCY - 1 for _, cycles in played] == [1000, 1000, 1999, 1999]
+    assert [len(words) for words, _ in played] == [1000, 1000, 2000, 0]
+
+
+FAULTS = {
+    "a number's lowest bit": ("numbers", 6 * 1024 - 700),
+    "a shape's lowest bit": ("shapes", shape_contents(SHAPED[0]).numbers[4 * 1024]),
+    "no mirror": ("mirror", None),
+    "no mark": ("compact", None),
+    "takes a word while the next waits": ("i__ready", None),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_noticed(name, tmp_path):
+    config = SHAPED[0]
+    rng = np.random.default_rng(2)
+    words = rng.permutation(every_entry(config, rng))
+    built = build_rom(config, broken(*FAULTS[name]), QUICKEST)
+    try:
+        [(received, _)] = play_words(built, [(words, 0.9, 0.6)], config, tmp_path)
+    except AssertionError:
+        return
+    assert not np.array_equal(received, expand(words, config).words)
+
+
+def broken(signal, place):
+    """An edit of one bit of a memory, or of a signal."""
+    if place is None:
+        return fault("dut", signal, {"i__ready": "1'h1"}.get(signal, "1'h0"))
+
+    def edit(text):
+        digits = rf"({signal}\[{place}\] = \d+'h[0-9a-f]*)([0-9a-f]);"
+        changed, count = re.subn(
+            digits, lambda found: f"{found[1]}{int(found[2], 16) ^ 1:x};", text
+        )
+        assert count == 1
+        return changed
+
+    return edit
+
+
+def test_an_engine_without_shapes_has_no_rom():
+    with pytest.raises(ValueError, match="no shape ROM"):
+        shape_contents(PAPER)
