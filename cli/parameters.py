@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from ..rtl.format import PRESETS, EngineConfig
-from ..rtl.variants import VARIANTS
+from ..rtl.variants import SHAPED, VARIANTS
 
 __all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
 
@@ -108,8 +108,9 @@ class _Preset(click.Choice):  # type: ignore[type-arg]
     """The name of an engine's configuration: a preset or one of ``rtl.variants``."""
 
     def __init__(self) -> None:
-        self._configs = PRESETS | {config.name: config for config in VARIANTS}
-        super().__init__([*sorted(PRESETS), *(config.name for config in VARIANTS)])
+        further = {config.name: config for config in (*SHAPED, *VARIANTS)}
+        self._configs = PRESETS | further
+        super().__init__([*sorted(PRESETS), *further])
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None

@@ -39,6 +39,9 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
         facts.append(
             ("code words", f"{stats['codewords']:,}, of them {stats['control_words']:,} control")
         )
+    if "bits_sent" in stats:
+        sent = [f"{bits:,} ({name})" for name, bits in stats["bits_sent"].items()]
+        facts.append(("bits sent", ", ".join(sent)))
     if stats["cycles"] is not None:
         each = stats["cycles_per_element"]
         per = "" if each is None else f", {each:.3f} an element"

@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from ..host.quality import DEFAULT_QUALITY, QUALITIES
+from ..host.shape_source import SHAPE_SOURCES
 from ..host.skips import DEFAULT_SKIPS, SKIPS
 from ..rtl.format import EngineConfig
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
@@ -62,6 +64,8 @@ class Subject:
         How splats become code words.
     skips
         What to leave out.
+    shapes
+        Where the shapes of the quality ``paper`` come from.
     """
 
     path: Path | None
@@ -75,6 +79,7 @@ class Subject:
     preset: EngineConfig
     quality: str
     skips: frozenset[str]
+    shapes: str = "table"
 
     @property
     def name(self) -> str:
@@ -122,12 +127,15 @@ def subject_options(command: _Command) -> _Command:
         quality: str,
         skip: tuple[str, ...],
         keep: tuple[str, ...],
+        shapes: str,
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
         if both := set(skip) & set(keep):
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
+        if shapes == "rom":
+            quality, preset = _quality_for_rom(quality), preset.with_shapes()
         subject = Subject(
             cloud,
             scene or DEFAULT_SCENE,
@@ -140,6 +148,7 @@ def subject_options(command: _Command) -> _Command:
             preset,
             quality,
             (DEFAULT_SKIPS | set(skip)) - set(keep),
+            shapes,
         )
         return command(subject=subject, **rest)
 
@@ -159,6 +168,13 @@ def subject_options(command: _Command) -> _Command:
             help="Leave out points as well (may be given several times). "
             + "; ".join(f"{name}: {what}" for name, what in SKIPS.items())
             + ".",
+        ),
+        click.option(
+            "--shapes",
+            type=click.Choice(list(SHAPE_SOURCES)),
+            default="table",
+            help="; ".join(f"{name}: {what}" for name, what in SHAPE_SOURCES.items())
+            + ". rom takes the quality paper, and of --preset the variant with a ROM.",
         ),
         click.option("--preset", type=PRESET, default="paper", help="The engine to draw for."),
         click.option(
@@ -217,6 +233,14 @@ def subject_options(command: _Command) -> _Command:
     return decorated
 
 
+def _quality_for_rom(quality: str) -> str:
+    """Return the one quality that a shape ROM has, unless another was asked for."""
+    context = click.get_current_context()
+    if quality != "paper" and context.get_parameter_source("quality") != ParameterSource.DEFAULT:
+        raise click.UsageError(f"--shapes rom needs --quality paper, not {quality}")
+    return "paper"
+
+
 def prepare(subject: Subject, stages: Stages) -> Shot:
     """Read a subject and turn it into a frame.
 
@@ -251,14 +275,17 @@ def prepare(subject: Subject, stages: Stages) -> Shot:
         view = fit_view(cloud, size=subject.size, **camera)
     from ..host.pipeline import make_frame
 
+    options: dict[str, Any] = {
+        "config": subject.preset,
+        "quality": subject.quality,
+        "skips": subject.skips,
+    }
     with stages.stage("", "Encoding"):
-        frame = make_frame(
-            cloud,
-            view,
-            radii=radii,
-            config=subject.preset,
-            quality=subject.quality,
-            skips=subject.skips,
-        )
+        frame = make_frame(cloud, view, radii=radii, shapes=subject.shapes, **options)
     stages.seconds.update(frame.counts.get("seconds", {}))
+    if subject.shapes != "table":
+        # For the number of bits alone, so that its time does not count.
+        with stages.stage("", "Encoding with the host's table, to compare"):
+            other = make_frame(cloud, view, radii=radii, **options)
+        frame.counts["bits_sent"].update(other.counts["bits_sent"])
     return Shot(cloud, view, radii, frame, camera)

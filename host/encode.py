@@ -75,6 +75,7 @@ def encode(
     *,
     nearest_pixel: bool = False,
     skip_hidden: bool = False,
+    compact: bool = False,
 ) -> Encoded:
     """Return the code words that draw splats.
 
@@ -96,7 +97,10 @@ def encode(
         Draw a splat that covers no pixel's centre as the pixel that holds it; else leave it out.
         The symmetric shapes always have a pixel.
     skip_hidden
-        Leave out splats that are wholly behind others; no pixel changes by it.
+        Leave out splats that are wholly behind others; no pixel changes by it. Not with compact
+        words, which do not say what they cover.
+    compact
+        Write the symmetric shapes that the engine's ROM holds as compact words.
     """
     low, high = splats.depth_range
     fixed = (
@@ -111,6 +115,7 @@ def encode(
         nearest_pixel,
         config.diffuse.lsb,
         view.near,
+        config.largest_shape if compact else 0,
     )
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)

@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 
 from ..rtl.format import BLOCK, ROWS
+from .compact import encode_compact
 from .emit import LARGEST, ONE_PIXEL, emit
 from .exact import (
     conic,
@@ -100,7 +101,8 @@ def encode_splats(
     fixed
         Shape table, its levels' slopes, number of the quality, width, height, 1 / focal length,
         least depth, 1 / depth range, whether a splat without a pixel draws the nearest, the lowest
-        bit of DIFFUSE, and the distance of the near plane.
+        bit of DIFFUSE, the distance of the near plane, and the largest size that goes as a compact
+        word (0: none).
     to
         Where words go; see :mod:`splatline.host.emit`.
     skip_hidden, bound, coarse
@@ -223,7 +225,7 @@ def _encode_other(
     to: Any,
 ) -> int:
     """Write the words of a splat that is not one fraction, and return the next one's place."""
-    table, levels, quality, _, _, inverse_focal, low, inverse_span, nearest_pixel, _, _ = fixed
+    table, levels, quality, _, _, inverse_focal, low, inverse_span, nearest_pixel, _, _, rom = fixed
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to[5], to[6]
     depth = (distance - low) * inverse_span
@@ -236,6 +238,8 @@ def _encode_other(
             quantise(-slope_y, -1.0, LEVELS),
         )
         common |= quantised_depth(depth, largest) << z_lsb
+        if rom > 0:
+            return encode_compact(column, line, diameter, shape, rom, table, levels, common, at, to)
         return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)
     if found:
         plane = (

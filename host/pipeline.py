@@ -22,6 +22,7 @@ from .order import sort_by_line
 from .project import project
 from .quality import DEFAULT_QUALITY, QUALITIES
 from .shade import SHADE_LEVELS, shade_bits
+from .shape_source import check_shapes
 from .shapes import LEVELS
 from .skips import DEFAULT_SKIPS, check_skips
 from .view import View
@@ -40,6 +41,7 @@ def make_frame(
     quality: str = DEFAULT_QUALITY,
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,
+    shapes: str = "table",
 ) -> Frame:
     """Project, cull, shade, encode and sort a cloud.
 
@@ -66,12 +68,15 @@ def make_frame(
     depth_range
         Distances along the view of depth 0 and of the largest depth, so that frames of one view can
         be put together; fitted to what is seen if not given.
+    shapes
+        One of ``SHAPE_SOURCES``: where the shapes of the quality ``paper`` come from.
 
     Returns
     -------
     Frame
         ``counts`` has ``points``, ``dropped`` (reason -> points left out when the cloud was read),
         ``culled`` (reason -> points), ``elements`` (points drawn), ``quality``, ``skips``,
+        ``shapes``, ``bits_sent`` (those of the stream, by the name of ``shapes``),
         ``codewords`` (length of the stream), ``control_words``, ``depth_range`` (distances along
         the view of depth 0 and of the largest depth) and ``seconds`` (per stage).
 
@@ -79,12 +84,14 @@ def make_frame(
     ------
     InputError
         If the image is larger than the engine's, or shows nothing of the cloud, or a radius is
-        missing, negative or not finite; or if there is no quality or skip of a given name.
+        missing, negative or not finite; or if there is no quality, skip or source of shapes of a
+        given name, or the ROM does not go with the rest.
     """
     check_size(view.width, view.height, config)
     chosen = check_skips(skips)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
+    check_shapes(shapes, quality, chosen, config)
     clock = Stopwatch()
     index = _index(cloud, radii, materials, config, clock)
     lighting = lighting or Lighting()
@@ -104,6 +111,7 @@ def make_frame(
         quality,
         nearest_pixel="no_pixel" not in useful,
         skip_hidden="hidden" in useful,
+        compact=shapes == "rom",
     )
     clock.lap("encode")
     culled = splats.culled
@@ -119,6 +127,7 @@ def make_frame(
             quality=quality,
             skips=chosen - {"no_pixel"},
             depth_range=depth_range,
+            shapes=shapes,
         )
     name, points, dropped = index.cloud.name, len(index), index.cloud.dropped
     if not encoded.elements:
@@ -136,6 +145,8 @@ def make_frame(
         "elements": encoded.elements,
         "quality": quality,
         "skips": sorted(chosen),
+        "shapes": shapes,
+        "bits_sent": {shapes: 8 * stream.nbytes},
         "codewords": len(stream),
         "control_words": control_words,
         "depth_range": list(splats.depth_range),

@@ -11,7 +11,7 @@ from ..rtl.format import BLOCK, ROWS
 from .emit import LARGEST, ONE_PIXEL, emit, put_symmetric, turned
 from .shapes import EMPTY_SCANS, SIZES, row_span
 
-__all__ = ["encode_symmetric", "encode_turned"]
+__all__ = ["corner", "encode_symmetric", "encode_turned"]
 
 
 @nb.njit(error_model="numpy")
@@ -46,7 +46,7 @@ def encode_turned(
         scans |= ((first | last << 3) if rest >= 0.0 and first <= last else 1) << 6 * row
     if scans == EMPTY_SCANS:
         return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
-    return _put_block(_corner(column), _corner(line), scans, common, at, to)
+    return _put_block(corner(column), corner(line), scans, common, at, to)
 
 
 @nb.njit
@@ -89,7 +89,7 @@ def encode_symmetric(
     if size <= 1:
         return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
 
-    x, y = _corner(column), _corner(line)
+    x, y = corner(column), corner(line)
     level_x, level_y = shape
     if size <= BLOCK:
         return _put_block(x, y, int(table[size, level_x, level_y, 0]), common, at, to)
@@ -110,7 +110,7 @@ def encode_symmetric(
 
 
 @nb.njit(inline="always")
-def _corner(place: float) -> int:
+def corner(place: float) -> int:
     """Return the nearest border of pixels; further off than any integer is far enough."""
     return math.floor(min(max(place, -LARGEST), LARGEST) + 0.5)
 

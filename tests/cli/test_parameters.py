@@ -4,7 +4,7 @@ import pytest
 from splatline.cli.parameters import COLOUR, ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from splatline.host.view import UP_AXES as KNOWN_AXES
 from splatline.rtl.format import PAPER, PRESETS
-from splatline.rtl.variants import VARIANTS
+from splatline.rtl.variants import SHAPED, VARIANTS
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_what_is_not_understood_is_quoted_with_a_hint(kind, text, hint):
 
 def test_every_preset_has_its_name_here():
     assert {name: PRESET.convert(name, None, None) for name in PRESET.choices} == PRESETS | {
-        config.name: config for config in VARIANTS
+        config.name: config for config in (*SHAPED, *VARIANTS)
     }
 
 
