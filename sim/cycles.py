@@ -16,6 +16,7 @@ from ..host.frame import Frame
 from ..rtl.format import BLOCK, ROWS, EngineConfig
 from .bank_model import walk_banks
 from .bank_walk import BANKS
+from .expand import expand_frame, slots
 from .golden import decode, render
 from .lane_model import least_lane_cycles, walk_lanes
 from .pipeline_model import machine_of
@@ -62,13 +63,16 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     """
     config = frame.config
     clearing = clearing_cycles(config) if after_reset else 0
-    words = np.ascontiguousarray(frame.codewords, np.uint64).view(np.int64)
+    sent = np.ascontiguousarray(frame.codewords, np.uint64)
+    words = slots(sent, config)
+    # A word that takes two cycles counts as taken in the second.
+    late = len(sent) > 0 and len(slots(sent[:1], config)) - 1
     machine = machine_of(config, frame.width, frame.height, clearing)
     walk = walk_lanes if config.lanes else walk_banks
-    cycles = walk(words, machine._replace(hazard=conflicts))
+    cycles = walk(words.view(np.int64), machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
-    return int(cycles)
+    return int(cycles) - late
 
 
 def clearing_cycles(config: EngineConfig) -> int:
@@ -91,6 +95,7 @@ def bound_cycles(frame: Frame) -> int:
     lane pixels. Of the raster one word leaves in a cycle. And a bank, or lane, takes one word, or
     pixel, in a cycle: all that are drawn and all that leave, were they spread evenly.
     """
+    frame = expand_frame(frame)
     words = np.ascontiguousarray(frame.codewords, np.uint64)
     fields = decode(words, frame.config)
     elements = words[~fields["control"]].view(np.int64)
@@ -135,7 +140,7 @@ def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
 
 def _touched_words(frame: Frame) -> npt.NDArray[np.int64]:
     """Return which of three neighbouring words each row touches: shape (elements, 8, 3), 0 or 1."""
-    fields = decode(frame.codewords, frame.config)
+    fields = decode(expand_frame(frame).codewords, frame.config)
     fields = fields[~fields["control"]]
     first, last = fields["first"], fields["last"]
     symmetric = (fields["mode"] == 0)[:, np.newaxis]

@@ -15,7 +15,7 @@ from ..host.frame import Frame
 from ..host.shapes import EMPTY_SCANS, shape_table
 from ..rtl.format import BLOCK, ROWS, EngineConfig, Field
 
-__all__ = ["Expansion", "expand", "expand_frame"]
+__all__ = ["Expansion", "expand", "expand_frame", "slots"]
 
 PARTS = 4
 """Groups of four lines of a shape of sixteen lines."""
@@ -57,27 +57,47 @@ def expand(words: npt.NDArray[np.uint64], config: EngineConfig) -> Expansion:
     config
         The engine; without a ROM no word is compact.
     """
+    places, used, _ = _places(words, config)
+    origins = np.broadcast_to(np.arange(len(words))[:, np.newaxis], places.shape)
+    return Expansion(places[used], origins[used])
+
+
+def slots(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.uint64]:
+    """Return what a shape ROM looks up cycle by cycle, for the models of the clock.
+
+    As ``expand``, but where a look-up gives nothing the compact word stays: shape (n,), uint64.
+    """
+    places, _, looked_up = _places(words, config)
+    return places[looked_up]
+
+
+def _places(
+    words: npt.NDArray[np.uint64], config: EngineConfig
+) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Return up to two words for each, which of them come out, and which are looked up.
+
+    Each has the shape (n, 2): a large compact word gives the left and the right fraction.
+    """
     compact = _are_compact(words, config)
     size = _take(words, config.compact_size)
     small = compact & (size <= min(BLOCK, config.largest_shape))
     large = compact & (size > BLOCK) & (size <= config.largest_shape)
-    # One place for each word, a second for the right fraction of large ones.
     places = np.repeat(words[:, np.newaxis], 2, axis=1)
     used = np.zeros(places.shape, np.bool_)
     used[:, 0] = ~compact | small
     places[small, 0] = _put(words[small], config.scans, _entries(words[small], config)[:, 0])
     fractions = _fractions(words[large], config)
-    used[large] = fractions != EMPTY_SCANS
     x = _take(words[large], config.x)
     for side in range(2):
-        column = x + BLOCK * side
-        word = _put(
-            words[large] | np.uint64(1 << config.mode.lsb), config.scans, fractions[:, side]
-        )
-        places[large, side] = _put(word, config.x, column & config.x.mask)
-        used[large, side] &= column <= config.x.mask
-    origins = np.broadcast_to(np.arange(len(words))[:, np.newaxis], places.shape)
-    return Expansion(places[used], origins[used])
+        column, scans = x + BLOCK * side, fractions[:, side]
+        inside = (scans != EMPTY_SCANS) & (column <= config.x.mask)
+        word = _put(words[large] | np.uint64(1 << config.mode.lsb), config.scans, scans)
+        word = _put(word, config.x, column & config.x.mask)
+        places[large, side] = np.where(inside, word, words[large])
+        used[large, side] = inside
+    looked_up = np.ones_like(used)
+    looked_up[:, 1] = compact & (size > BLOCK) & (config.largest_shape > BLOCK)
+    return places, used, looked_up
 
 
 def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:

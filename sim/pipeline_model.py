@@ -54,6 +54,10 @@ ABOVE = BLOCK // 2
 FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
 LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
 COLUMN = PAPER.first(0).mask
+MARK_SET, MARK_CLEAR = PAPER.compact_set.lsb, PAPER.compact_clear.lsb
+
+ROM_STAGES = 3
+"""Stages of the shape ROM, where there is one."""
 
 
 class Machine(NamedTuple):
@@ -84,6 +88,8 @@ class Machine(NamedTuple):
         Lines of the window.
     pixels
         Pixels in a word of the raster.
+    rom
+        The engine has a shape ROM.
     """
 
     x_lsb: int
@@ -101,6 +107,7 @@ class Machine(NamedTuple):
     z_mask: int
     lines: int
     pixels: int
+    rom: bool
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
@@ -121,6 +128,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         z_mask=config.z.mask,
         lines=config.window_lines,
         pixels=config.pixels_per_word,
+        rom=config.shapes != "none",
     )
 
 
@@ -140,18 +148,23 @@ class Front(NamedTuple):
         Its block's first line: shape (2,).
     state
         See ``FOLLOWING`` and what follows: shape (3,).
+    rom, rom_tops
+        As ``held`` and ``tops``, of the shape ROM, which lies before them: shape (3,).
     """
 
     held: Any
     tops: Any
     state: Any
+    rom: Any
+    rom_tops: Any
 
 
 @nb.njit(cache=True)
 def new_front() -> Front:
     """Return empty stages before the first code word."""
     state = np.array([0, -ABOVE, EMPTY])
-    return Front(np.full(HEAD + 1, EMPTY, np.int64), np.zeros(HEAD + 1, np.int64), state)
+    held, rom = np.full(HEAD + 1, EMPTY, np.int64), np.full(ROM_STAGES, EMPTY, np.int64)
+    return Front(held, np.zeros_like(held), state, rom, np.zeros_like(rom))
 
 
 @nb.njit(cache=True)
@@ -164,7 +177,7 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
     Parameters
     ----------
     words
-        The code words.
+        The code words; with a shape ROM, ``sim.expand.slots``.
     front
         Changed.
     done
@@ -180,6 +193,10 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
         if moves:
             held[stage], tops[stage] = held[stage - 1], tops[stage - 1]
             held[stage - 1] = EMPTY
+    first, first_tops = held[: FIRST_STAGE + 1], tops[: FIRST_STAGE + 1]
+    if machine.rom:
+        _advance_rom(words, front)
+        first, first_tops = front.rom, front.rom_tops
     if state[END_WORD] == EMPTY:
         following = state[FOLLOWING]
         word = words[following]
@@ -187,13 +204,34 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
             step = word >> machine.x_lsb & machine.x_mask
             state[TOP_LINE] = min(state[TOP_LINE] + step, machine.lowest)
             state[FOLLOWING] += 1
-        elif held[FIRST_STAGE] == EMPTY:
+        elif first[0] == EMPTY:
             ends = _is_control(word)
-            held[FIRST_STAGE] = following
-            tops[FIRST_STAGE] = machine.lowest if ends else state[TOP_LINE]
+            first[0] = following
+            first_tops[0] = machine.lowest if ends else state[TOP_LINE]
             state[END_WORD] = following if ends else EMPTY
             state[FOLLOWING] += 1
     return head_moves
+
+
+@nb.njit(cache=True)
+def _advance_rom(words: Any, front: Front) -> None:
+    """Let the words in the shape ROM move on; what gives nothing leaves before the last stage."""
+    held, tops, rom, rom_tops = front.held, front.tops, front.rom, front.rom_tops
+    last = ROM_STAGES - 1
+    if held[FIRST_STAGE] == EMPTY:
+        held[FIRST_STAGE], tops[FIRST_STAGE] = rom[last], rom_tops[last]
+        rom[last] = EMPTY
+    for stage in range(last, 0, -1):
+        if rom[stage] == EMPTY:
+            rom[stage], rom_tops[stage] = rom[stage - 1], rom_tops[stage - 1]
+            rom[stage - 1] = EMPTY
+    if rom[last] != EMPTY and _is_compact(words[rom[last]]):
+        rom[last] = EMPTY
+
+
+@nb.njit(cache=True, inline="always")
+def _is_compact(word: int) -> bool:
+    return not word & 1 and word >> MARK_SET & 1 == 1 and not word >> MARK_CLEAR & 1
 
 
 @nb.njit(cache=True, inline="always")
