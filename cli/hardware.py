@@ -10,7 +10,7 @@ import click
 from ..host.errors import InputError
 from ..rtl.format import EngineConfig
 from .errors import ToolFailure
-from .outputs import check_files, require_suffix, write_json, write_text
+from .outputs import check_files, check_folder, require_suffix, write_json, write_text
 from .parameters import PRESET
 from .progress import Stages
 
@@ -35,7 +35,15 @@ TOP = click.option(
     help="The Verilog.",
 )
 @TOP
-def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
+@click.option(
+    "--readmemh",
+    "contents",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Put what the shape ROM holds into files of this folder, which the Verilog reads with"
+    " $readmemh by this very path; for presets with a ROM.",
+)
+def verilog(preset: EngineConfig, output: Path | None, top: str, contents: Path | None) -> None:
     """Write an engine's Verilog, and a JSON sidecar of the same name.
 
     The sidecar has the ports with their widths and meaning, the configuration, the latency and the
@@ -46,12 +54,16 @@ def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
       splatline verilog
       splatline verilog --preset paper -o engine.v        engine.v and engine.json
       splatline verilog --top pins -o top.v               for an FPGA of its own
+      splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if output is None:
         output = Path(f"splatline_{preset.name}.v")
     require_suffix(output, ".v")
     sidecar = output.with_suffix(".json")
     check_files((output, sidecar))
+    check_folder(contents)
+    if contents is not None and preset.shapes == "none":
+        raise InputError(f"preset {preset.name} has no shape ROM whose contents could be written")
     with Stages().stage("", f"Writing the Verilog of {preset.name}"):
         if top == "pins":
             from ..rtl.pins import generate_pins as generate
@@ -59,6 +71,13 @@ def verilog(preset: EngineConfig, output: Path | None, top: str) -> None:
             from ..rtl.verilog import generate
 
         text, description = generate(preset)
+    if contents is not None:
+        from ..rtl.memory_files import move_contents
+
+        text, files = move_contents(text, contents.as_posix())
+        contents.mkdir(parents=True, exist_ok=True)
+        for name, words in files.items():
+            write_text(contents / name, words)
     write_text(output, text)
     write_json(sidecar, description)
     click.echo(f"{output}: {text.count(chr(10)):,} lines of Verilog; {sidecar}: its description")

@@ -69,6 +69,23 @@ def test_verilog_that_cannot_be_written_is_refused_at_once(run, folder, output):
     assert not list(folder.iterdir())
 
 
+def test_the_rom_s_contents_go_into_files_that_the_verilog_reads(run, folder):
+    result = run("verilog", "--preset", "paper-rom", "--readmemh", "rom", "-o", "engine.v")
+    assert result.exit_code == 0, result.stderr
+    text = (folder / "engine.v").read_text()
+    for name, words in (("numbers", 6144), ("shapes", 293)):
+        assert text.count(f'$readmemh("rom/{name}.hex", {name});') == 1
+        assert f"{name}[0] =" not in text
+        assert len((folder / "rom" / f"{name}.hex").read_text().split()) == words
+
+
+def test_a_preset_without_a_rom_has_no_contents_to_write(run, folder):
+    result = run("verilog", "--readmemh", "rom")
+    assert result.exit_code == 2
+    assert "paper has no shape ROM" in result.stderr
+    assert not list(folder.iterdir())
+
+
 def test_synth_writes_the_report_and_prints_the_table(run, folder, synthesis):
     result = run("synth", "--json", "report.json")
     assert result.exit_code == 0, result.stderr

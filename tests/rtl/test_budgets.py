@@ -4,13 +4,14 @@ from splatline.rtl import budgets
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import PRESETS
 from splatline.rtl.pins import PinTop
-from splatline.rtl.synth import PAPER_TABLE_1, count_component
+from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, count_component
+from splatline.rtl.variants import SHAPED
 
 
 def test_every_preset_has_a_budget():
     """``splatline synth --preset NAME --record`` gives it one."""
     pins = budgets.budget_name("paper", pins=True)
-    assert set(budgets.read_budgets()) == {*PRESETS, pins}
+    assert set(budgets.read_budgets()) == {*PRESETS, SHAPED[0].name, pins}
 
 
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
@@ -45,3 +46,11 @@ def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
     budgets.record("wide", {"lut4": 6})
     assert book.read_text() == '{\n  "paper": {"lut4": 5},\n  "wide": {"lut4": 6}\n}\n'
     assert budgets.read_budgets() == {"paper": {"lut4": 5}, "wide": {"lut4": 6}}
+
+
+def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget():
+    config = SHAPED[0]
+    counts = count_component(Engine(config))
+    assert budgets.over_budget(counts, {kind: DEVICE[kind] for kind in counts}) == {}
+    assert budgets.over_budget(counts, budgets.read_budgets()[config.name]) == {}
+    assert counts["bram"] - budgets.read_budgets()["paper"]["bram"] == 4

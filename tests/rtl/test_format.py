@@ -2,7 +2,7 @@ import pytest
 
 from splatline.rtl.format import PAPER, PRESETS, EngineConfig, get_preset
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
-from splatline.rtl.variants import VARIANTS
+from splatline.rtl.variants import SHAPED, VARIANTS
 
 
 def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
@@ -23,7 +23,9 @@ def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
     assert PAPER.control_end.lsb == 25
 
 
-@pytest.mark.parametrize("config", [*PRESETS.values(), *VARIANTS], ids=lambda config: config.name)
+@pytest.mark.parametrize(
+    "config", [*PRESETS.values(), *SHAPED, *VARIANTS], ids=lambda config: config.name
+)
 def test_the_hardware_s_layouts_lie_where_the_format_says(config):
     word = CodeWordLayout(config)
     assert word.size == 64
@@ -67,6 +69,7 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
             {"lanes": True, "pixels_per_word": 8, "x_bits": 4},
             "x_bits must be at least 5 for 8 pixels a word, not 4",
         ),
+        ({"shapes": "round"}, "shapes must be none, small, full, not 'round'"),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
     ],
 )
@@ -90,3 +93,19 @@ def test_presets_are_found_by_name():
     with pytest.raises(ValueError, match="no preset named 'large'; there are: deep, dither, paper"):
         get_preset("large")
     assert PAPER.replace(depth_bits=8, x_bits=10).name == "custom"
+
+
+def test_a_compact_word_s_fields_lie_side_by_side_in_the_scans():
+    """In every configuration in the same place, which the host's compiled code relies on."""
+    for config in (*PRESETS.values(), *SHAPED, *VARIANTS):
+        fields = [config.compact_size, config.compact_level_x, config.compact_level_y,
+                  config.compact_part]  # fmt: skip
+        assert [(field.lsb, field.end) for field in fields] == [(1, 6), (6, 12), (12, 18), (18, 20)]
+        assert (config.compact_set.lsb, config.compact_clear.lsb) == (21, 24)
+
+
+def test_a_rom_is_added_once():
+    assert PAPER.with_shapes().name == "paper-rom"
+    assert PAPER.with_shapes().with_shapes("full") == PAPER.with_shapes()
+    assert PAPER.with_shapes("full").largest_shape == 16
+    assert PAPER.largest_shape < 0

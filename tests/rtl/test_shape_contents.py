@@ -1,0 +1,127 @@
+"""The table that the ROM is made of, its compression, and what the tools keep of it."""
+
+import json
+
+import numpy as np
+import pytest
+from rom_words import build_rom, every_entry, play_words
+
+from splatline.host.shapes import EMPTY_SCANS, shape_table
+from splatline.rtl.memory_files import move_contents
+from splatline.rtl.netlist import RUN_YOSYS, run_tool
+from splatline.rtl.shape_contents import shape_contents
+from splatline.rtl.shape_rom import ShapeRom
+from splatline.rtl.shape_table import EMPTY, folded_shapes
+from splatline.rtl.synth import COMMAND, KINDS
+from splatline.rtl.variants import SHAPED
+from splatline.rtl.verilog import convert
+from splatline.sim.cosim import simulator
+from splatline.sim.expand import expand
+
+
+def mirrored(entries):
+    """Entries of the table from right to left: rows, and where there are two halves, these too."""
+    swapped = np.zeros_like(entries)
+    for row in range(4):
+        first, last = entries >> 6 * row & 7, entries >> 6 * row + 3 & 7
+        swapped |= np.where(first <= last, (7 - last) | (7 - first) << 3, 1) << 6 * row
+    swapped[9:] = swapped[9:][..., [1, 0, 3, 2]]
+    return swapped
+
+
+def test_the_folded_integers_are_the_host_s_whole_table():
+    """All 69,632 entries, from a quarter of them and two symmetries."""
+    quarter = folded_shapes()
+    unfolded = np.empty((17, 64, 64, 4), np.int64)
+    unfolded[:, 32:, 32:] = quarter
+    unfolded[:, :32, :32] = quarter[:, ::-1, ::-1]
+    unfolded[:, 32:, :32] = mirrored(quarter)[:, :, ::-1]
+    unfolded[:, :32, 32:] = mirrored(quarter)[:, ::-1]
+    assert EMPTY == EMPTY_SCANS
+    assert np.array_equal(unfolded, shape_table())
+
+
+@pytest.mark.parametrize(("config", "rows", "shapes"), [(SHAPED[0], 6, 292), (SHAPED[1], 38, 1221)])
+def test_each_shape_stands_once(config, rows, shapes):
+    contents = shape_contents(config)
+    assert len(contents.numbers) == 1024 * rows
+    assert len(contents.shapes) - 1 == shapes == len(set(contents.shapes[1:]))
+    assert max(contents.numbers) >> contents.number_bits == 0
+    assert max(contents.shapes) >> contents.shape_bits == 0
+    # Each is used, by some entry of some size.
+    packed = np.array(contents.numbers[-1024:])
+    used = {*contents.numbers[:-1024], *(packed & 7), *(packed >> 3 & 7), *(packed >> 6 & 7)}
+    assert {int(number) for number in used} == set(range(1, shapes + 1))
+
+
+@pytest.fixture
+def verilog():
+    """The small ROM's Verilog."""
+    return convert(ShapeRom(SHAPED[0]), "dut")
+
+
+def written(text, folder, named):
+    """The Verilog with its contents in files of a folder, which it names so."""
+    changed, files = move_contents(text, named)
+    assert sorted(files) == ["numbers.hex", "shapes.hex"]
+    for name, words in files.items():
+        (folder / name).write_text(words)
+    return changed
+
+
+@pytest.mark.parametrize("files", [False, True], ids=["in the text", "in files"])
+def test_yosys_keeps_the_contents_in_four_block_rams(verilog, files, tmp_path):
+    """Bit for bit in the cells' INIT, from the text and from what $readmemh reads."""
+    text = written(verilog, tmp_path, ".") if files else verilog
+    (tmp_path / "rom.v").write_text(text)
+    script = f"read_verilog rom.v; {COMMAND} -flatten -top dut; write_json rom.json"
+    run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], tmp_path)
+    cells = json.loads((tmp_path / "rom.json").read_text())["modules"]["dut"]["cells"]
+    rams = {name: cell for name, cell in cells.items() if cell["type"] in KINDS["bram"]}
+    assert sorted(rams) == ["numbers.0.0", "numbers.0.1", "numbers.0.2", "shapes.0.0"]
+    contents = shape_contents(SHAPED[0])
+    numbers = np.concatenate([stored(rams[f"numbers.0.{n}"], 1) for n in range(3)])
+    assert np.array_equal(numbers, columns(contents.numbers, 9))
+    # Columns of bits that are the same in every word became wires.
+    shapes = columns(contents.shapes, contents.shape_bits)
+    shapes = shapes[:, shapes.any(axis=0) & ~shapes.all(axis=0)]
+    kept = stored(rams["shapes.0.0"], 4)
+    assert np.array_equal(kept[: len(shapes), : shapes.shape[1]], shapes)
+
+
+def columns(words, bits):
+    """Words as rows of bits, the lowest first."""
+    return np.array(words)[:, np.newaxis] >> np.arange(bits) & 1 == 1
+
+
+def stored(cell, parts):
+    """The words of a RAMB16 as rows of bits: each byte of INIT with its bit of INITP above it."""
+
+    def bits(kind, count):
+        rows = (cell["parameters"][f"{kind}_{n:02X}"][::-1] for n in range(count))
+        return np.array(list("".join(rows))) == "1"
+
+    data, parity = bits("INIT", 64).reshape(-1, 8), bits("INITP", 8).reshape(-1, 1)
+    return np.concatenate([data, parity], axis=1).reshape(-1, 9 * parts)
+
+
+def test_verilog_that_reads_files_does_the_same(tmp_path):
+    config = SHAPED[0]
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    built = build_rom(config, lambda text: written(text, tmp_path, tmp_path.as_posix()), quickest)
+    rng = np.random.default_rng(4)
+    words = rng.permutation(every_entry(config, rng))[:5000]
+    [(received, _)] = play_words(built, [(words, 1.0, 1.0)], config, tmp_path)
+    assert np.array_equal(received, expand(words, config).words)
+
+
+def test_memories_of_zeros_keep_their_text():
+    memory = (
+        "  reg [1:0] ram [1:0];\n  initial begin\n    ram[0] = 2'h{};\n    ram[1] = 2'h0;\n  end\n"
+    )
+    assert move_contents(memory.format(0), "x") == (memory.format(0), {})
+    text, files = move_contents(memory.format(3), "x/y")
+    assert text == '  reg [1:0] ram [1:0];\n  initial $readmemh("x/y/ram.hex", ram);\n'
+    assert files == {"ram.hex": "3\n0\n"}
+    with pytest.raises(ValueError, match="two memories named ram"):
+        move_contents(2 * memory.format(3), "x")
