@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Const, Module, Mux, Signal
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value
 from amaranth.lib import data, memory, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import BLOCK, ROWS, EngineConfig, Field
 from .layouts import CodeWordLayout
 from .shape_contents import SMALLEST, TINY, shape_contents
-from .shape_table import FOLDED
 
 __all__ = ["ROM_LATENCY", "ShapeRom"]
 
-ROM_LATENCY = 3
+ROM_LATENCY = 2
 """Cycles that a word takes through the ROM."""
 
 
@@ -26,7 +25,7 @@ class ShapeRom(wiring.Component):
     which the logic after the memories does. A size over 8 gives the left and the right fraction of
     four lines, of which the lower half is the upper one turned.
 
-    **Latency**: 3 cycles, of every word. **Throughput**: one word a cycle; a compact word of a size
+    **Latency**: 2 cycles, of every word. **Throughput**: one word a cycle; a compact word of a size
     over 8 takes two. What gives nothing leaves no gap if its follower waits: a size that the ROM
     does not hold, a fraction without pixels, or one right of every image.
 
@@ -53,6 +52,7 @@ class ShapeRom(wiring.Component):
 
     def __init__(self, config: EngineConfig, layout: data.StructLayout | None = None):
         self.config = config
+        self.full = config.largest_shape > BLOCK
         self.layout = CodeWordLayout(config) if layout is None else layout
         super().__init__(
             {"i": In(stream.Signature(self.layout)), "o": Out(stream.Signature(self.layout))}
@@ -61,28 +61,39 @@ class ShapeRom(wiring.Component):
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
-        config = self.config
-        full = config.largest_shape > BLOCK
-        contents = shape_contents(config)
+        contents = shape_contents(self.config)
         m.submodules.numbers = numbers = _rom(contents.numbers, contents.number_bits)
         m.submodules.shapes = shapes = _rom(contents.shapes, contents.shape_bits)
         number, shape = numbers.read_port(), shapes.read_port()
 
-        scans = self.i.payload.scans.as_value()
-
-        def take(field: Field):
-            return scans[field.lsb - config.scans.lsb :][: field.width]
-
         # A stage moves on if the one after it does, or if it holds nothing.
+        gone = Signal()
         valid = Signal(ROM_LATENCY)
         moves = Signal(ROM_LATENCY)
         m.d.comb += [
-            moves[2].eq(~valid[2] | self.o.ready),
-            moves[1].eq(~valid[1] | moves[2]),
+            moves[1].eq(~valid[1] | gone | self.o.ready),
             moves[0].eq(~valid[0] | moves[1]),
+            number.en.eq(moves[0]),
+            shape.en.eq(moves[1]),
+            self.o.valid.eq(valid[1] & ~gone),
         ]
+        with m.If(moves[0]):
+            m.d.sync += valid[0].eq(self.i.valid)
+        with m.If(moves[1]):
+            m.d.sync += valid[1].eq(valid[0])
+        found = self._ask(m, moves[0], number.addr)
+        shown = self._find(m, moves[1], found, number.data, shape.addr)
+        m.d.comb += gone.eq(self._show(m, shown, shape.data))
+        return m
 
-        # What is asked for.
+    def _ask(self, m: Module, moves, address) -> _Stage:
+        """Look the number up; return what is kept of the word meanwhile."""
+        config = self.config
+        word = self.i.payload
+
+        def take(field: Field):
+            return word.scans.as_value()[field.lsb - config.scans.lsb :][: field.width]
+
         size = take(config.compact_size)
         level_x, level_y = take(config.compact_level_x), take(config.compact_level_y)
         part = take(config.compact_part)
@@ -91,113 +102,106 @@ class ShapeRom(wiring.Component):
         mirror = Signal()  # left to right
         turn = Signal()  # and top to bottom: the lower half of a size over 8
         right = Signal()  # the second fraction of four lines
-        row = Signal(range(len(contents.numbers) // FOLDED**2))
+        beyond = Signal()  # it begins right of every image
         low = Cat(
             Mux(size[2], size[0], ~size[3]), size[1] & size[2], ~size[2]
-        )  # 4..8 as 0..4, and 5
+        )  # 4..8: 0..4; else 5
+        row = Value.cast(low)
         m.d.comb += [
-            compact.eq(
-                ~self.i.payload.mode & take(config.compact_set) & ~take(config.compact_clear)
-            ),
+            compact.eq(~word.mode & take(config.compact_set) & ~take(config.compact_clear)),
             mirror.eq(level_x[5] ^ level_y[5] ^ turn),
-            row.eq(low),
+            self.i.ready.eq(moves & (~large | right)),
         ]
-        if full:
+        kept = _Stage(self.layout)
+        with m.If(moves):
+            m.d.sync += [
+                kept.word.eq(word),
+                kept.compact.eq(compact),
+                kept.unknown.eq(compact & (~_held(size, self.full) | beyond)),
+                kept.mirrored.eq(compact & mirror),
+                kept.turned.eq(turn),
+                # 0: a number by itself; 1..3: the first to third of three.
+                kept.kind.eq(Mux(size[2:].any(), 0, Mux(size[1], Cat(size[0], Const(1, 1)), 1))),
+            ]
+            with m.If(compact):
+                m.d.sync += kept.word.scans.as_value().eq(0)
+        if self.full:
+            further = Signal(len(word.x) - 2)
             m.d.comb += [
                 large.eq(compact & (size[4] | (size[3] & size[:3].any()))),
                 turn.eq(large & part[1]),
+                further.eq(word.x[3:] + right),
+                beyond.eq(further[-1]),
             ]
-            with m.If(large):
-                m.d.comb += row.eq(Cat(right ^ mirror, part[0] ^ part[1], size[:3]))
-            with m.Else():
-                m.d.comb += row.eq(Cat(low, Const(0, 2), Const(1, 1)))
-        m.d.comb += [
-            number.en.eq(moves[0]),
-            number.addr.eq(Cat(_fold(level_y), _fold(level_x), row)),
-            self.i.ready.eq(moves[0] & (~large | right)),
-        ]
-
-        # The number comes; the rest waits.
-        beyond = Signal()
-        word = Signal(self.layout, reset_less=True)
-        asked = Signal(reset_less=True)
-        dropped = Signal(reset_less=True)
-        mirrored = Signal(reset_less=True)
-        turned = Signal(reset_less=True)
-        kind = Signal(
-            2, reset_less=True
-        )  # 0: a number by itself; 1..3: the first to third of three
-        with m.If(moves[0]):
-            m.d.sync += [
-                valid[0].eq(self.i.valid),
-                word.eq(self.i.payload),
-                asked.eq(compact),
-                dropped.eq(compact & (~_held(size, full) | beyond)),
-                mirrored.eq(compact & mirror),
-                turned.eq(turn),
-                kind.eq(Mux(size[2:].any(), 0, Mux(size[1], Cat(size[0], Const(1, 1)), 1))),
-            ]
-            with m.If(compact):
-                m.d.sync += word.scans.as_value().eq(0)
-            if full:
-                eighths = self.i.payload.x[3:]
-                further = Signal(len(eighths) + 1)
-                m.d.comb += [
-                    further.eq(eighths + right),
-                    beyond.eq(further[-1]),
-                ]
-                m.d.sync += [word.mode.eq(self.i.payload.mode | large), word.x[3:].eq(further)]
+            with m.If(moves):
+                m.d.sync += [kept.word.mode.eq(word.mode | large), kept.word.x[3:].eq(further)]
                 with m.If(self.i.valid):
                     m.d.sync += right.eq(large & ~right)
+            upper = Cat(right ^ mirror, part[0] ^ part[1], size[:3], Const(0, 1))
+            row = Mux(large, upper, Cat(low, Const(0, 2), Const(1, 1)))
+        m.d.comb += address.eq(Cat(_fold(level_y), _fold(level_x), row))
+        return kept
 
-        # The shape comes; its place is 0, which is empty of bits, for a word that has its own.
-        threes = [number.data[TINY * n :][:TINY] for n in range(SMALLEST - 1)]
-        place = Signal(contents.number_bits)
-        with m.If(asked):
-            with m.Switch(kind):
-                m.d.comb += place.eq(number.data)
+    def _find(self, m: Module, moves, found: _Stage, numbers, address) -> _Stage:
+        """Look the shape up; its place is 0, all of whose bits are, for a word with its own."""
+        threes = [numbers[TINY * n :][:TINY] for n in range(SMALLEST - 1)]
+        place = Signal(len(numbers))
+        with m.If(found.compact):
+            with m.Switch(found.kind):
+                m.d.comb += place.eq(numbers)
                 for which, three in enumerate(threes, start=1):
                     with m.Case(which):
                         m.d.comb += place.eq(three)
-        m.d.comb += [shape.en.eq(moves[1]), shape.addr.eq(place)]
-        late = {
-            name: Signal(1, reset_less=True, name=f"late_{name}")
-            for name in ("dropped", "mirrored", "turned")
-        }
-        late_word = Signal(self.layout, reset_less=True)
-        with m.If(moves[1]):
+        m.d.comb += address.eq(place)
+        kept = _Stage(self.layout)
+        with m.If(moves):
             m.d.sync += [
-                valid[1].eq(valid[0]),
-                late_word.eq(word),
-                late["dropped"].eq(dropped),
-                late["mirrored"].eq(mirrored),
-                late["turned"].eq(turned),
+                kept.word.eq(found.word),
+                kept.unknown.eq(found.unknown),
+                kept.mirrored.eq(found.mirrored),
+                kept.turned.eq(found.turned),
             ]
+        return kept
 
-        # It is mirrored and turned.
-        result = Signal(self.layout, reset_less=True)
-        rows = [shape.data[6 * k :][:6] for k in range(ROWS)]
-        empty = shape.data[6 * ROWS :]
-        nothing = empty.all() if full else Const(0)
-        with m.If(moves[2]):
-            m.d.sync += [
-                valid[2].eq(valid[1] & ~late["dropped"] & ~nothing),
-                result.eq(late_word),
+    def _show(self, m: Module, shown: _Stage, shape):
+        """Offer the word with its rows, mirrored and turned; return whether it gives nothing."""
+        rows = [shape[6 * k :][:6] for k in range(ROWS)]
+        empty = shape[6 * ROWS :]
+        m.d.comb += self.o.payload.eq(shown.word)
+        for k in range(ROWS):
+            pixels, without = rows[k], empty[k]
+            if self.full:
+                pixels = Mux(shown.turned, rows[ROWS - 1 - k], pixels)
+                without = Mux(shown.turned, empty[ROWS - 1 - k], without)
+            # Column c goes to 7 - c, and so do the ends change places; an empty row stays.
+            mirrored = Signal(name=f"mirrored_{k}")
+            m.d.comb += [
+                mirrored.eq(shown.mirrored & ~without),
+                self.o.payload.scans[k]
+                .as_value()
+                .eq(
+                    shown.word.scans[k].as_value()
+                    | Mux(mirrored, ~Cat(pixels[3:], pixels[:3]), pixels)
+                ),
             ]
-            for k in range(ROWS):
-                pixels, without = rows[k], empty[k]
-                if full:
-                    pixels = Mux(late["turned"], rows[ROWS - 1 - k], pixels)
-                    without = Mux(late["turned"], empty[ROWS - 1 - k], without)
-                # Column c goes to 7 - c, and so do the ends change places.
-                pixels = Mux(late["mirrored"], ~Cat(pixels[3:], pixels[:3]), pixels)
-                own = late_word.scans[k].as_value()
-                with m.If(without):
-                    m.d.sync += result.scans[k].as_value().eq(1)
-                with m.Else():
-                    m.d.sync += result.scans[k].as_value().eq(own | pixels)
-        m.d.comb += [self.o.valid.eq(valid[2]), self.o.payload.eq(result)]
-        return m
+        return shown.unknown | (empty.all() if self.full else 0)
+
+
+class _Stage:
+    """What a stage keeps of a word while a memory is read.
+
+    ``word``, its scans 0 if it was compact; ``unknown``: it gives nothing; ``kind``: where its
+    number stands in a word of numbers; ``mirrored`` and ``turned``: what is to be done with the
+    shape.
+    """
+
+    def __init__(self, layout: data.StructLayout):
+        self.word = Signal(layout, reset_less=True)
+        self.compact = Signal(reset_less=True)
+        self.unknown = Signal(reset_less=True)
+        self.mirrored = Signal(reset_less=True)
+        self.turned = Signal(reset_less=True)
+        self.kind = Signal(2, reset_less=True)
 
 
 def _rom(contents: list[int], bits: int) -> memory.Memory:

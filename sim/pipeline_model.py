@@ -56,7 +56,7 @@ LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
 COLUMN = PAPER.first(0).mask
 MARK_SET, MARK_CLEAR = PAPER.compact_set.lsb, PAPER.compact_clear.lsb
 
-ROM_STAGES = 3
+ROM_STAGES = 2
 """Stages of the shape ROM, where there is one."""
 
 
@@ -149,7 +149,7 @@ class Front(NamedTuple):
     state
         See ``FOLLOWING`` and what follows: shape (3,).
     rom, rom_tops
-        As ``held`` and ``tops``, of the shape ROM, which lies before them: shape (3,).
+        As ``held`` and ``tops``, of the shape ROM, which lies before them: shape (2,).
     """
 
     held: Any
@@ -215,9 +215,11 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
 
 @nb.njit(cache=True)
 def _advance_rom(words: Any, front: Front) -> None:
-    """Let the words in the shape ROM move on; what gives nothing leaves before the last stage."""
+    """Let the words in the shape ROM move on; what gives nothing leaves its end by itself."""
     held, tops, rom, rom_tops = front.held, front.tops, front.rom, front.rom_tops
     last = ROM_STAGES - 1
+    if rom[last] != EMPTY and _is_compact(words[rom[last]]):
+        rom[last] = EMPTY
     if held[FIRST_STAGE] == EMPTY:
         held[FIRST_STAGE], tops[FIRST_STAGE] = rom[last], rom_tops[last]
         rom[last] = EMPTY
@@ -225,8 +227,6 @@ def _advance_rom(words: Any, front: Front) -> None:
         if rom[stage] == EMPTY:
             rom[stage], rom_tops[stage] = rom[stage - 1], rom_tops[stage - 1]
             rom[stage - 1] = EMPTY
-    if rom[last] != EMPTY and _is_compact(words[rom[last]]):
-        rom[last] = EMPTY
 
 
 @nb.njit(cache=True, inline="always")
