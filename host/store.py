@@ -113,7 +113,10 @@ def load_frame(path: str | Path) -> Frame:
 
 
 def describe_frame(frame: Frame) -> dict[str, Any]:
-    """Return what is in a frame: size, preset, word counts by kind and the ranges they span."""
+    """Return what is in a frame: size, preset, word counts by kind and the ranges they span.
+
+    Compact words count as symmetric ones too, of which they are a kind.
+    """
     config = frame.config
     words = frame.codewords
     mode = words >> np.uint64(config.mode.lsb) & np.uint64(1)
@@ -132,6 +135,7 @@ def describe_frame(frame: Frame) -> dict[str, Any]:
         "codewords": len(words),
         "control_words": int(control.sum()),
         "symmetric_words": int((~control & (mode == 0)).sum()),
+        "compact_words": int(_are_compact(drawn, config).sum()),
         "fraction_words": int((~control & (mode == 1)).sum()),
         "materials": int(np.count_nonzero(frame.tables.diffuse.any(axis=1))),
         "x_range": span("x"),
@@ -176,6 +180,14 @@ def _are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDA
         ends = words >> np.uint64(last.lsb) & np.uint64(last.mask)
         control &= begins > ends
     return control
+
+
+def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
+    """Return which words are compact: none for an engine without a shape ROM."""
+    if config.shapes == "none":
+        return np.zeros(len(words), np.bool_)
+    mask = 1 << config.mode.lsb | 1 << config.compact_set.lsb | 1 << config.compact_clear.lsb
+    return words & np.uint64(mask) == np.uint64(1 << config.compact_set.lsb)
 
 
 def _is_end(word: int, config: EngineConfig) -> bool:

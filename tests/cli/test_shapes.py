@@ -55,6 +55,8 @@ def test_another_quality_or_a_skip_of_the_hidden_is_refused(run, folder, cloud):
 def test_a_frame_of_compact_words_is_played_from_disk(run, folder, cloud):
     common = (cloud, "--size", "64x48", "--shapes", "rom")
     assert run("encode", *common, "-o", "ball.frame").exit_code == 0
+    facts = json.loads(run("info", "ball.frame", "--json").stdout)
+    assert 0 < facts["compact_words"] <= facts["symmetric_words"]
     assert run("play", "ball.frame", "-o", "played.png").exit_code == 0
     assert run("render", *common, "-o", "rendered.png").exit_code == 0
     assert np.array_equal(pixels(folder / "played.png"), pixels(folder / "rendered.png"))
