@@ -1,0 +1,57 @@
+"""A short queue of beats between two that do not always keep the same pace."""
+
+from amaranth.hdl import Module
+from amaranth.lib import stream, wiring
+from amaranth.lib.fifo import SyncFIFOBuffered
+from amaranth.lib.wiring import In, Out
+
+from .format import EngineConfig
+from .layouts import RasterLayout
+
+__all__ = ["Queue"]
+
+
+class Queue(wiring.Component):
+    """Holds beats until they are taken, in order.
+
+    No path leads through it: what it offers stands in a register, and whether it takes hangs on how
+    full it is alone. So any number of them in a row are as fast as one.
+
+    **Latency**: 2 cycles. **Throughput**: a beat a cycle.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    depth
+        Beats in its memory, at least 2 (with 1, a beat passes in every other cycle); one more
+        stands on the way out. A memory of 16 or 32 lies in LUTs.
+
+    Members
+    -------
+    i : In(stream of RasterLayout)
+        Beats that come.
+    o : Out(stream of RasterLayout)
+        The same beats.
+    """
+
+    def __init__(self, config: EngineConfig, depth: int):
+        self.config = config
+        self.depth = depth
+        beats = stream.Signature(RasterLayout(config))
+        super().__init__({"i": In(beats), "o": Out(beats)})
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        width = RasterLayout(self.config).size
+        m.submodules.fifo = fifo = SyncFIFOBuffered(width=width, depth=self.depth + 1)
+        m.d.comb += [
+            fifo.w_data.eq(self.i.payload),
+            fifo.w_en.eq(self.i.valid),
+            self.i.ready.eq(fifo.w_rdy),
+            self.o.payload.eq(fifo.r_data),
+            self.o.valid.eq(fifo.r_rdy),
+            fifo.r_en.eq(self.o.ready),
+        ]
+        return m
