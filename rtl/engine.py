@@ -43,6 +43,8 @@ class Engine(wiring.Component):
     ----------
     config
         Widths and sizes; see :class:`EngineConfig`.
+    load
+        Whether frames start from the raster on ``initial``; None: the control register says.
 
     Members
     -------
@@ -70,8 +72,9 @@ class Engine(wiring.Component):
         bits = lane_address_bits if self.config.lanes else bank_address_bits
         return 1 << bits(self.config)
 
-    def __init__(self, config: EngineConfig = PAPER):
+    def __init__(self, config: EngineConfig = PAPER, *, load: bool | None = None):
         self.config = config
+        self.load = load
         super().__init__(
             {
                 "codewords": In(stream.Signature(CodeWordLayout(config))),
@@ -130,7 +133,7 @@ class Engine(wiring.Component):
             decoder.last_line.eq(registers.last_line),
             window.last_column.eq(registers.last_column),
             window.last_line.eq(registers.last_line),
-            window.load.eq(registers.load),
+            window.load.eq(registers.load if self.load is None else self.load),
             window.active.eq(sequencer.open | draining),
         ]
         return m
