@@ -6,7 +6,7 @@ import json
 import math
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
@@ -21,7 +21,21 @@ from ..raster import Raster
 from . import simulator
 from .simulator import Build, SimulationError
 
-__all__ = ["Job", "Outcome", "build_engine", "play", "simulate_frame", "table_writes"]
+__all__ = [
+    "STREAMS",
+    "Job",
+    "Outcome",
+    "build_engine",
+    "check_report",
+    "pictures",
+    "play",
+    "read_hex",
+    "scaled_rates",
+    "simulate_frame",
+    "table_writes",
+    "without_tools",
+    "write_hex",
+]
 
 STREAMS = ("codeword", "table", "initial", "raster")
 
@@ -118,7 +132,7 @@ def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Bui
     """Build the player around the engine's Verilog, or find it built."""
     from ...rtl.verilog import generate
 
-    sources = {"splatline.v": _without_tools(generate(config)[0])}
+    sources = {"splatline.v": without_tools(generate(config)[0])}
     for name in ("stream_source.v", "stream_sink.v", "stream_check.v", "frame_player.v"):
         sources[name] = resources.files(__package__).joinpath(name).read_text()
     parameters = {"TABLE_BITS": config.table_address.end, "RASTER_BITS": config.raster_end.end}
@@ -168,9 +182,9 @@ def play(
         reports = json.loads((folder / "outcomes.json").read_text())
         outcomes = []
         for index, job in enumerate(jobs):
-            _check(index, reports[index] if index < len(reports) else None)
+            check_report(index, reports[index] if index < len(reports) else None)
             beats = read_hex(folder / f"{index}.raster", config.raster_end.end)
-            rasters = _pictures(index, beats, job.frames)
+            rasters = pictures(index, beats, job.frames)
             outcomes.append(
                 Outcome(rasters[0], beats, reports[index]["cycles"], seconds, *rasters[1:])
             )
@@ -255,7 +269,7 @@ def _table_writes(job: Job) -> npt.NDArray[np.uint64]:
     )
 
 
-def _pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]) -> list[Raster]:
+def pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]) -> list[Raster]:
     """Return the pictures of a job's frames; raise if the beats are not theirs."""
     limb, shift = divmod(frames[0].config.raster_end.lsb, 64)
     ends = np.flatnonzero(beats[:, limb] >> np.uint64(shift) & np.uint64(1)) + 1
@@ -273,13 +287,7 @@ def _pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]
 
 def _describe(job: Job) -> dict[str, object]:
     """Return what the bench inside the simulator needs to know of a job."""
-    unknown = set(job.rates) - set(STREAMS)
-    if unknown:
-        raise ValueError(f"no streams named {sorted(unknown)}; there are {STREAMS}")
-    rates = {name: job.rates.get(name, 1.0) for name in STREAMS}
-    slowest = min(rates.values())
-    if not slowest > 0.0:
-        raise ValueError("a rate of 0 would never end")
+    scaled, slowest = scaled_rates(job.rates)
     # A code word takes four cycles at the most, a word of the image five with loading and flush.
     work = 20_000 + sum(
         4 * len(frame.codewords) + 2 * frame.width * frame.height + 20 * frame.height
@@ -290,7 +298,7 @@ def _describe(job: Job) -> dict[str, object]:
         "tables_first": writes,
         "frames": len(job.frames),
         "seed": job.seed,
-        "rates": {name: max(0, round(256 * rate) - 1) for name, rate in rates.items()},
+        "rates": scaled,
         "most_cycles": int(4 * work / max(slowest, 1 / 256)),
     }
     if job.reset_after is not None:
@@ -298,7 +306,25 @@ def _describe(job: Job) -> dict[str, object]:
     return description
 
 
-def _check(index: int, report: dict[str, int] | None) -> None:
+def scaled_rates(rates: Mapping[str, float]) -> tuple[dict[str, int], float]:
+    """Return the streams' rates as the player takes them, 0..255, and the slowest as it is.
+
+    Raises
+    ------
+    ValueError
+        If there is no such stream, or a rate is 0.
+    """
+    unknown = set(rates) - set(STREAMS)
+    if unknown:
+        raise ValueError(f"no streams named {sorted(unknown)}; there are {STREAMS}")
+    every = {name: rates.get(name, 1.0) for name in STREAMS}
+    slowest = min(every.values())
+    if not slowest > 0.0:
+        raise ValueError("a rate of 0 would never end")
+    return {name: max(0, round(256 * rate) - 1) for name, rate in every.items()}, slowest
+
+
+def check_report(index: int, report: dict[str, int] | None) -> None:
     """Raise if a frame did not end or a port broke the rules."""
     if report is None or not report["finished"]:
         raise SimulationError(f"frame {index} did not end")
@@ -308,6 +334,6 @@ def _check(index: int, report: dict[str, int] | None) -> None:
         raise SimulationError(f"frame {index}: beats outside the frame in {report['stray']} cycles")
 
 
-def _without_tools(text: str) -> str:
+def without_tools(text: str) -> str:
     """Drop comments, which carry versions: only the circuit decides whether to build anew."""
     return "\n".join(line for line in text.splitlines() if not line.startswith(("//", "/*")))

@@ -1,0 +1,170 @@
+"""Chains of engines against golden's composite of the parts, bit for bit."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+from random_frames import frame_of, nonsense, random_raster, random_tables, shapes
+from stalls import Stalled
+
+from splatline.host.deal import METHODS
+from splatline.rtl.chain import LINKS, check_chain
+from splatline.rtl.chain_verilog import generate_chain
+from splatline.rtl.format import PAPER
+from splatline.sim import golden
+from splatline.sim.cosim.chains import ChainJob, play_chain, wrap
+
+SMALL = PAPER.replace(
+    name="chained", x_bits=7, line_bits=7, material_bits=4, intensity_bits=8, depth_bits=12,
+    colour_shift=11, pixels_per_word=2, window_lines=8,
+)  # fmt: skip
+"""A small engine, which builds fast."""
+
+ENGINES = 3
+RATES = [
+    {},
+    {"codeword": 0.3},
+    {"raster": 0.15},
+    {"codeword": 0.7, "raster": 0.6, "initial": 0.3, "table": 0.3},
+]
+
+
+def stalled_chain(link, config=SMALL, engines=ENGINES):
+    """A chain in which every link stalls at random."""
+    seeds = iter(range(1, 100))
+
+    def around(kind, part):
+        return Stalled(part, next(seeds)) if kind in ("queue", "merger") else part
+
+    text, _ = generate_chain(config, engines, link, around=around, queue=2)
+    return wrap(text, config, engines)
+
+
+def check(jobs, **options):
+    """Play the jobs in one run and compare every picture; return the outcomes."""
+    outcomes = play_chain(jobs, **options)
+    for number, (job, outcome) in enumerate(zip(jobs, outcomes, strict=True)):
+        for raster, expected in zip(outcome.rasters, job.pictures(), strict=True):
+            assert raster.mismatches(expected) == 0, number
+    return outcomes
+
+
+def dealt_unevenly(frame, rng):
+    """Parts of which all but one have no elements, and parts without any."""
+    nothing = dataclasses.replace(frame, codewords=frame.codewords[-1:])
+    for place in range(ENGINES):
+        yield [frame if n == place else nothing for n in range(ENGINES)]
+    yield [nothing] * ENGINES
+    yield [shapes(rng, 40, frame.width, frame.height, config=SMALL)] + [nothing] * (ENGINES - 1)
+
+
+def jobs_of(rng):
+    """Every way of dealing, uneven ones, initial rasters, frames behind each other, resets."""
+    jobs = []
+    for seed, rates in enumerate(RATES):
+        frame = shapes(rng, 150, 50, 40, config=SMALL)
+        any_bits = nonsense(rng, 200, 33, 37, config=SMALL)
+        options = {"rates": rates, "seed": seed}
+        jobs += [
+            ChainJob.dealt(frame, engines=ENGINES, method=method, **options) for method in METHODS
+        ]
+        jobs.append(ChainJob.dealt(any_bits, engines=ENGINES, **options))
+        for parts in dealt_unevenly(shapes(rng, 60, 50, 40, config=SMALL), rng):
+            tables = parts[0].tables
+            parts = [dataclasses.replace(part, tables=tables) for part in parts]
+            jobs.append(ChainJob(frames=[parts], **options))
+        for share in (0.05, 0.6):
+            initial = random_raster(rng, 50, 40, share, SMALL)
+            jobs.append(ChainJob.dealt(frame, engines=ENGINES, initial=initial, **options))
+        jobs.append(following(rng, seed, {**rates, "table": 1.0}))
+        jobs.append(ChainJob.dealt(frame, engines=ENGINES, reset_after=97 * (seed + 2), **options))
+    return jobs
+
+
+def following(rng, seed, rates):
+    """Frames that differ in tables and size, some without an element, each pressing on the last."""
+    frames = [
+        shapes(rng, 90, 50, 40, config=SMALL),
+        frame_of([], 20, 20, config=SMALL),
+        shapes(rng, 60, 21, 50, config=SMALL),
+        shapes(rng, 30, 64, 30, config=SMALL),
+    ]
+    initial = random_raster(rng, 50, 40, 0.3, SMALL) if seed % 2 else None
+    return ChainJob.dealt(*frames, engines=ENGINES, initial=initial, rates=rates, seed=seed)
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_every_picture_is_golden_s_under_stalls_on_every_link(link):
+    check(jobs_of(np.random.default_rng(1)), built=stalled_chain(link))
+
+
+def test_frames_behind_each_other_without_new_tables():
+    """Engines that are done go on with the next frame, and the picture stays whole."""
+    rng = np.random.default_rng(2)
+    tables = random_tables(rng, SMALL)
+    frames = [
+        dataclasses.replace(shapes(rng, count, 50, 40, config=SMALL), tables=tables)
+        for count in (200, 5, 90, 200)
+    ]
+    jobs = [
+        ChainJob.dealt(
+            *frames, engines=ENGINES, method="lines", write_tables="first", rates=rates, seed=seed
+        )
+        for seed, rates in enumerate(RATES)
+    ]
+    outcomes = check(jobs, link="merge")
+    # The first waits for the memories to be cleared.
+    times = check([jobs[0]] * 2, link="merge")[1].times
+    assert len(times) == len(frames)
+    for before, after in itertools.pairwise(times):
+        for closed, opened in zip(before.closed, after.opened, strict=True):
+            assert closed < opened < closed + 200
+    assert any(
+        min(after.opened) < before.end_beat
+        for outcome in outcomes
+        for before, after in itertools.pairwise(outcome.times)
+    ), "an engine begins the next frame while the picture of this one still leaves"
+
+
+def test_where_depths_differ_a_chain_draws_what_one_engine_draws():
+    """Against golden's picture of the whole stream, which knows no parts."""
+    rng = np.random.default_rng(3)
+    frame = shapes(rng, 400, 60, 50, config=SMALL)
+    fields = golden.decode(frame.codewords, SMALL)
+    words = frame.codewords & ~np.uint64(SMALL.z.mask << SMALL.z.lsb)
+    words |= rng.permutation(SMALL.z.mask)[: len(words)].astype(np.uint64) << np.uint64(SMALL.z.lsb)
+    words[fields["control"]] = frame.codewords[fields["control"]]
+    frame = dataclasses.replace(frame, codewords=words)
+    jobs = [ChainJob.dealt(frame, engines=ENGINES, method=method) for method in METHODS]
+    expected = golden.render(frame)
+    for outcome in check(jobs, link="merge"):
+        assert outcome.rasters[0].mismatches(expected) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((0, "merge"), "1 to 64 engines, not 0"),
+        ((65, "merge"), "1 to 64 engines, not 65"),
+        ((2.0, "load"), "not 2.0"),
+        ((2, "glue"), "one of merge, load, not 'glue'"),
+        ((2, "load", 1), "at least 2 beats, not 1"),
+    ],
+)
+def test_what_is_no_chain_is_said(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        check_chain(*arguments)
+
+
+def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
+    text, description = generate_chain(SMALL, 4, "merge", "top")
+    modules = [line for line in text.splitlines() if line.startswith("module ")]
+    names = ["top_first(", "top_engine(", "top_queue(", "top_merger(", "top("]
+    assert all(sum(name in line for line in modules) == 1 for name in names)
+    ports = {port["name"]: port for port in description["ports"]}
+    assert "engine 3" in ports["codewords_3__payload"]["meaning"]
+    assert ports["codewords_3__payload"]["width"] == 64
+    assert ports["raster__payload"]["direction"] == "output"
+    assert (description["engines"], description["link"]) == (4, "merge")
+    assert description["latency"]["codeword_to_memory_cycles"] == 4
