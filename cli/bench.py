@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from .bench_chain import chain
 from .bench_configurations import configurations
 from .bench_engine import engine
 from .bench_host import host
@@ -26,6 +27,7 @@ def bench() -> None:
     \b
     Examples:
       splatline bench accuracy                  every quality and preset against the reference
+      splatline bench chain                     several engines, in their Verilog
       splatline bench configurations            other windows, words, widths and depths
       splatline bench engine                    cycles beside the fewest that the memory allows
       splatline bench host                      rates of every stage, beside other renderers
@@ -106,5 +108,5 @@ def accuracy(
     click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
 
 
-for _command in (configurations, engine, host, stability):
+for _command in (chain, configurations, engine, host, stability):
     bench.add_command(_command)

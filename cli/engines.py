@@ -92,7 +92,16 @@ def background_option(command: _Command) -> _Command:
     )(command)
 
 
-def draw(frame: Frame, engine: str, stages: Stages, *, stall: float, seed: int) -> Drawing:
+def draw(
+    frame: Frame,
+    engine: str,
+    stages: Stages,
+    *,
+    stall: float,
+    seed: int,
+    engines: int | None = None,
+    link: str = "merge",
+) -> Drawing:
     """Draw a frame.
 
     Parameters
@@ -105,6 +114,8 @@ def draw(frame: Frame, engine: str, stages: Stages, *, stall: float, seed: int) 
         Where the times go: ``golden``, ``rtl_build``, ``rtl_run``.
     stall, seed
         Back-pressure in the simulation of the Verilog.
+    engines, link
+        The frame is dealt to a chain of so many engines; None: one engine draws it.
 
     Raises
     ------
@@ -115,14 +126,39 @@ def draw(frame: Frame, engine: str, stages: Stages, *, stall: float, seed: int) 
     """
     from ..sim import golden
 
+    parts = [frame]
+    if engines is not None:
+        from ..host.deal import deal
+
+        parts = deal(frame, engines)
     with stages.stage("golden", "Drawing with the golden renderer"):
-        picture = golden.render(frame)
+        picture = golden.render(parts[0])
+        for part in parts[1:]:
+            picture = golden.render(part, picture)
     if engine == "golden":
         return Drawing(picture)
     with stages.stage("", "Simulating the Verilog (built first, if it is new)"):
-        run = _simulate(frame, stall, seed)
+        if engines is None:
+            run = _simulate(frame, stall, seed)
+        else:
+            run = _simulate_chain(parts, link, stall, seed)
     stages.seconds.update({f"rtl_{name}": value for name, value in run.seconds.items()})
     return Drawing(picture, run.raster, run.cycles)
+
+
+def _simulate_chain(parts: list[Frame], link: str, stall: float, seed: int) -> Outcome:
+    """Run the Verilog of a chain, as :func:`_simulate` runs an engine's."""
+    try:
+        from ..sim.cosim.chains import simulate_parts
+        from ..sim.cosim.simulator import SimulationError
+    except ModuleNotFoundError as error:
+        raise _not_installed(error) from error
+    try:
+        return simulate_parts(parts, link=link, stall=stall, seed=seed)
+    except ModuleNotFoundError as error:
+        raise _not_installed(error) from error
+    except SimulationError as error:
+        raise ToolFailure(str(error)) from error
 
 
 def _simulate(frame: Frame, stall: float, seed: int) -> Outcome:

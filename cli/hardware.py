@@ -9,6 +9,7 @@ import click
 
 from ..host.errors import InputError
 from ..rtl.format import EngineConfig
+from .chain_options import chain_options
 from .errors import ToolFailure
 from .outputs import check_files, check_folder, require_suffix, write_json, write_text
 from .parameters import PRESET
@@ -43,8 +44,16 @@ TOP = click.option(
     help="Put what the shape ROM holds into files of this folder, which the Verilog reads with"
     " $readmemh by this very path; for presets with a ROM.",
 )
-def verilog(preset: EngineConfig, output: Path | None, top: str, contents: Path | None) -> None:
-    """Write an engine's Verilog, and a JSON sidecar of the same name.
+@chain_options
+def verilog(
+    preset: EngineConfig,
+    output: Path | None,
+    top: str,
+    contents: Path | None,
+    engines: int | None,
+    link: str,
+) -> None:
+    """Write the Verilog of an engine or a chain, and a JSON sidecar of the same name.
 
     The sidecar has the ports with their widths and meaning, the configuration, the latency and the
     versions of the tools.
@@ -55,9 +64,13 @@ def verilog(preset: EngineConfig, output: Path | None, top: str, contents: Path 
       splatline verilog --preset paper -o engine.v        engine.v and engine.json
       splatline verilog --top pins -o top.v               for an FPGA of its own
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
+      splatline verilog --engines 8 -o chain.v            eight engines that share a picture
     """  # noqa: D301  (click reads the backspace as "do not wrap")
+    if engines is not None and top == "pins":
+        raise click.UsageError("a chain has whole streams: give --engines or --top pins, not both")
     if output is None:
-        output = Path(f"splatline_{preset.name}.v")
+        chained = "" if engines is None else f"_x{engines}"
+        output = Path(f"splatline_{preset.name}{chained}.v")
     require_suffix(output, ".v")
     sidecar = output.with_suffix(".json")
     check_files((output, sidecar))
@@ -65,12 +78,18 @@ def verilog(preset: EngineConfig, output: Path | None, top: str, contents: Path 
     if contents is not None and preset.shapes == "none":
         raise InputError(f"preset {preset.name} has no shape ROM whose contents could be written")
     with Stages().stage("", f"Writing the Verilog of {preset.name}"):
-        if top == "pins":
-            from ..rtl.pins import generate_pins as generate
+        if engines is not None:
+            from ..rtl.chain_verilog import generate_chain
+
+            text, description = generate_chain(preset, engines, link)
+        elif top == "pins":
+            from ..rtl.pins import generate_pins
+
+            text, description = generate_pins(preset)
         else:
             from ..rtl.verilog import generate
 
-        text, description = generate(preset)
+            text, description = generate(preset)
     if contents is not None:
         from ..rtl.memory_files import move_contents
 

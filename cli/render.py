@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .chain_options import chain_options
 from .engines import Drawing, background_option, draw, engine_options, fail_mismatch
 from .outputs import check_files, check_folder, require_suffix, write_json
 from .progress import Stages
@@ -32,6 +33,7 @@ _Colour = tuple[float, float, float]
     help="The picture.",
 )
 @engine_options
+@chain_options
 @background_option
 @click.option(
     "--depth", type=click.Path(path_type=Path), metavar="PNG", help="Write the depth as a picture."
@@ -55,6 +57,8 @@ def render(
     engine: str,
     stall: float,
     seed: int,
+    engines: int | None,
+    link: str,
     background: _Colour | None,
     depth: Path | None,
     reference: bool,
@@ -71,6 +75,7 @@ def render(
       splatline render scan.ply -o scan.png --orbit 30,20
       splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
       splatline render --scene knot --engine rtl           simulate the Verilog, compare
+      splatline render --engine rtl --engines 4            the same with a chain of four
       splatline render scan.ply --reference --stats scan.json
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if output is None and out_dir is None:
@@ -83,7 +88,7 @@ def render(
 
     stages = Stages()
     shot = prepare(subject, stages)
-    drawing = draw(shot.frame, engine, stages, stall=stall, seed=seed)
+    drawing = draw(shot.frame, engine, stages, stall=stall, seed=seed, engines=engines, link=link)
     if background is None:
         from ..sim.figure import BACKGROUND
 
@@ -101,6 +106,7 @@ def render(
         **drawing_statistics(
             shot.frame, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),
+        **({} if engines is None else {"engines": engines, "link": link}),
         **quality,
     }
     files = _write(drawing, exact, background, numbers, output, depth, stats, out_dir)

@@ -21,6 +21,8 @@ from ..beats import to_beats
 from ..raster import Raster
 from . import simulator
 from .frames import (
+    STREAMS,
+    Outcome,
     check_report,
     pictures,
     read_hex,
@@ -31,7 +33,16 @@ from .frames import (
 )
 from .simulator import Build
 
-__all__ = ["ChainJob", "ChainOutcome", "Times", "build_chain", "compose", "play_chain", "wrap"]
+__all__ = [
+    "ChainJob",
+    "ChainOutcome",
+    "Times",
+    "build_chain",
+    "compose",
+    "play_chain",
+    "simulate_parts",
+    "wrap",
+]
 
 PLAYER = ("stream_source.v", "stream_sink.v", "stream_check.v", "chain_player.v")
 
@@ -218,6 +229,31 @@ def play_chain(
             times = _times(folder / f"{index}.events", len(job.frames), engines)
             outcomes.append(ChainOutcome(rasters, beats, reports[index]["cycles"], times, seconds))
     return outcomes
+
+
+def simulate_parts(
+    parts: Sequence[Frame], *, link: str = "merge", stall: float = 0.0, seed: int = 1
+) -> Outcome:
+    """Draw one frame, dealt to engines, with the generated Verilog of their chain.
+
+    Parameters
+    ----------
+    parts
+        What each engine draws.
+    link
+        Of the chain.
+    stall, seed
+        As of :func:`.frames.simulate_frame`.
+
+    Raises
+    ------
+    SimulationError
+        If the simulator fails or the chain breaks a rule of its contract.
+    """
+    rates = dict.fromkeys(STREAMS, 1.0 - stall)
+    job = ChainJob(frames=[parts], rates=rates, seed=seed)
+    outcome = play_chain([job], link=link)[0]
+    return Outcome(outcome.rasters[0], outcome.beats, outcome.cycles, outcome.seconds)
 
 
 def _write(folder: Path, index: int, job: ChainJob, config: EngineConfig) -> dict[str, object]:

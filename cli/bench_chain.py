@@ -1,0 +1,117 @@
+"""``splatline bench chain``: what several engines gain, measured in their Verilog."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..rtl.format import PRESETS, EngineConfig
+from .bench_chain_runs import Plan, measure
+from .bench_options import folder_option, scenes_option
+from .bench_subjects import check_names
+from .errors import ToolFailure
+from .outputs import check_folder, lines_of_json, write_text
+from .parameters import PRESET, SIZE
+from .progress import Counter
+from .statistics import tool_versions
+
+__all__ = ["chain"]
+
+CLOCK_MHZ = 101.4
+"""What ``splatline pnr`` reaches for the preset ``paper``."""
+
+MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide"))
+
+
+@click.command()
+@click.argument("clouds", nargs=-1, type=click.Path(path_type=Path), metavar="[CLOUD ...]")
+@scenes_option
+@click.option("--size", type=SIZE, metavar="WxH", default="512x512", help="Size of the image.")
+@click.option(
+    "--elements", type=click.IntRange(100), default=400_000, help="Of a frame, about as many."
+)
+@click.option(
+    "--engines",
+    multiple=True,
+    type=click.IntRange(1, 64),
+    default=(1, 2, 4, 8),
+    show_default="1, 2, 4, 8",
+    help="Engines in the chain; may be given several times. 1 is what the others are measured by.",
+)
+@click.option(
+    "--link",
+    "links",
+    multiple=True,
+    type=click.Choice(["merge", "load"]),
+    default=("merge", "load"),
+    show_default="merge, load",
+    help="How pictures go from engine to engine.",
+)
+@click.option(
+    "--preset",
+    "presets",
+    multiple=True,
+    type=PRESET,
+    default=MEASURED_PRESETS,
+    show_default=", ".join(config.name for config in MEASURED_PRESETS),
+    help="Engine; may be given several times.",
+)
+@click.option(
+    "--clock",
+    type=click.FloatRange(1, 1000),
+    default=CLOCK_MHZ,
+    help="Clock rate for the times, MHz; the default is routed (splatline pnr).",
+)
+@folder_option("chain.json and chain.md")
+def chain(
+    clouds: tuple[Path, ...],
+    scenes: tuple[str, ...],
+    size: tuple[int, int],
+    elements: int,
+    engines: tuple[int, ...],
+    links: tuple[str, ...],
+    presets: tuple[EngineConfig, ...],
+    clock: float,
+    out_dir: Path,
+) -> None:
+    """Measure chains of engines: cycles, latency and frames a second, in Verilator.
+
+    The built-in scenes and any CLOUDs, sampled so that about as many elements are drawn as asked
+    for: as they are seen, and so near that they fill the image. Every picture is compared with
+    golden's. Each chain is built once, in a minute or two; all of it takes half an hour.
+
+    \b
+    Examples:
+      splatline bench chain
+      splatline bench chain --scene knot --engines 1 --engines 8 --link merge --preset paper
+      splatline bench chain scan.ply --clock 80 --out-dir build/bench
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+    from ..host.scenes import SCENES
+    from ..sim.cosim.simulator import SimulationError
+
+    engines = tuple(sorted({1, *engines}))
+    plan = Plan(scenes or tuple(SCENES), clouds, size, elements, presets, links, engines)
+    check_names(plan.scenes, clouds)
+    check_folder(out_dir)
+    with Counter(plan.total()) as counter:
+        try:
+            runs = list(measure(plan, counter.advance))
+        except SimulationError as error:
+            raise ToolFailure(str(error)) from error
+    from .bench_chain_page import page, rate
+
+    report = {
+        "size": list(size),
+        "clock_mhz": clock,
+        "versions": tool_versions("rtl"),
+        "runs": rate(runs, clock),
+    }
+    text = page(report)
+    out_dir.mkdir(parents=True, exist_ok=True)
+    write_text(out_dir / "chain.json", lines_of_json(report))
+    write_text(out_dir / "chain.md", text)
+    click.echo(text)
+    wrong = sum(run["mismatched_pixels"] for run in runs)
+    if wrong:
+        raise ToolFailure(f"{wrong:,} pixels of the chains' pictures differ from golden's")
