@@ -66,6 +66,8 @@ class ChainJob:
         Cycles after which the chain is reset and the frames started anew.
     write_tables
         ``every``: all tables before every frame; ``first``: before the first alone; ``none``.
+    most_cycles
+        After so many the job counts as stuck; more than enough if not given.
     """
 
     frames: Sequence[Sequence[Frame]]
@@ -74,6 +76,7 @@ class ChainJob:
     seed: int = 1
     reset_after: int | None = None
     write_tables: str = "every"
+    most_cycles: int | None = None
 
     @classmethod
     def dealt(
@@ -290,7 +293,7 @@ def _write(folder: Path, index: int, job: ChainJob, config: EngineConfig) -> dic
         "frames": len(job.frames),
         "seed": job.seed,
         "rates": rates,
-        "most_cycles": int(4 * work / max(slowest, 1 / 256)),
+        "most_cycles": job.most_cycles or int(4 * work / max(slowest, 1 / 256)),
     }
     if job.reset_after is not None:
         description["reset_after"] = job.reset_after

@@ -67,7 +67,7 @@ async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
 
 async def watch(dut: Any, job: dict[str, Any]) -> dict[str, Any]:
     """Wait for the end of the frame, and a little for what must not follow it."""
-    tick = 20_000
+    tick = min(20_000, job["most_cycles"])
     waited = 0
     while not int(dut.finished.value) and waited < job["most_cycles"]:
         await First(RisingEdge(dut.finished), ClockCycles(dut.clk, tick))
