@@ -1,0 +1,93 @@
+"""What a chain takes beside its engines, and how fast that can be clocked.
+
+Prints LUTs, flip-flops and block RAMs of a merger and of a queue on the Virtex-II, and the clock
+rate of a merger between its queues, routed on the ECP5 of ``splatline pnr``. Takes some minutes.
+
+    .venv/bin/python docs/measure_chain.py
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+from amaranth.hdl import Module
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from splatline.rtl.chain import QUEUE
+from splatline.rtl.format import PAPER, EngineConfig
+from splatline.rtl.layouts import RasterLayout
+from splatline.rtl.merger import Merger
+from splatline.rtl.netlist import RUN_YOSYS, run_tool
+from splatline.rtl.pins import BEAT_PIECE, Gatherer, Splitter
+from splatline.rtl.pnr import CONSTRAINTS, OPTIONS, RUN_NEXTPNR, SYNTHESIS, read_report
+from splatline.rtl.queue import Queue
+from splatline.rtl.synth import count_component
+from splatline.rtl.verilog import convert
+
+SEEDS = (1, 2, 3, 4)
+
+
+class Link(wiring.Component):
+    """A merger with the queues before it, each stream in pieces as on an engine's pins."""
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        piece = stream.Signature(BEAT_PIECE)
+        super().__init__({"before": In(piece), "own": In(piece), "o": Out(piece)})
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        bits = RasterLayout(self.config).size
+        m.submodules.merger = merger = Merger(self.config)
+        m.submodules.splitter = splitter = Splitter(bits, BEAT_PIECE)
+
+        def link(source, sink):
+            m.d.comb += [
+                sink.payload.eq(source.payload),
+                sink.valid.eq(source.valid),
+                source.ready.eq(sink.ready),
+            ]
+
+        for name in ("before", "own"):
+            gatherer, queue = Gatherer(bits, BEAT_PIECE), Queue(self.config, QUEUE)
+            m.submodules[f"{name}_gatherer"], m.submodules[f"{name}_queue"] = gatherer, queue
+            link(getattr(self, name), gatherer.i)
+            link(gatherer.o, queue.i)
+            link(queue.o, getattr(merger, name))
+        link(merger.o, splitter.i)
+        link(splitter.o, self.o)
+        return m
+
+
+def route(component: wiring.Component) -> dict[int, float]:
+    """Return the clock rate in MHz by the placer's seed."""
+    rates = {}
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        folder = Path(scratch)
+        (folder / "top.v").write_text(convert(component, "top"))
+        (folder / "top.lpf").write_text(CONSTRAINTS.read_text())
+        script = f"read_verilog top.v; {SYNTHESIS} -top top -json top.json"
+        run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
+        for seed in SEEDS:
+            files = ["--json", "top.json", "--lpf", "top.lpf", "--report", "report.json"]
+            arguments = ["-q", *OPTIONS, *files, "--seed", str(seed), "--timing-allow-fail"]
+            run_tool("nextpnr", RUN_NEXTPNR, arguments, folder)
+            rates[seed] = read_report(json.loads((folder / "report.json").read_text()))["fmax_mhz"]
+    return rates
+
+
+def main() -> None:
+    """Print what there is to know."""
+    for name, component in (("merger", Merger(PAPER)), ("queue", Queue(PAPER, QUEUE))):
+        counts = count_component(component)
+        print(name, ", ".join(f"{kind} {count:,}" for kind, count in counts.items()), flush=True)
+    rates = route(Link(PAPER))
+    print("routed on the ECP5, MHz by seed:", ", ".join(f"{n}: {r:.1f}" for n, r in rates.items()))
+
+
+if __name__ == "__main__":
+    main()
