@@ -4,6 +4,7 @@ PYTHON ?= python3
 SCENE ?= terrain
 SCANS ?=
 PRESET ?= paper
+PROOFS ?=
 
 VENV := .venv
 READY := $(VENV)/.ready
@@ -14,7 +15,7 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render bench test lint verilog synth clean distclean tools
+.PHONY: help setup render bench test formal lint verilog synth clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -23,6 +24,7 @@ help:
 	@echo 'make bench      error against run time, cycles, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
+	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=bank: some)'
 	@echo 'make lint       style and types: ruff, mypy'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
 	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'
@@ -70,6 +72,9 @@ bench: setup
 
 test: setup
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)
+
+formal: setup
+	@PYTHONPATH=tests/rtl $(VENV)/bin/python tests/formal/prove_all.py $(PROOFS)
 
 # mypy does not follow the import hook of an editable install whose packages live outside a folder
 # named splatline, so it gets that folder, made of links.

@@ -1,0 +1,114 @@
+"""The decoder against the contract, for every element, size of image, line and column."""
+
+from amaranth.hdl import Signal
+from properties import Properties, any_constant, covers
+from prove import Fault, Proof
+
+from splatline.rtl.decoder import Decoder, SpanDecoder
+from splatline.rtl.format import PRESETS
+from splatline.rtl.layouts import GeometryLayout
+
+__all__ = ["PROOFS"]
+
+
+class DecoderProperties(Properties):
+    """One row of a block and one column, whichever: the spans have the pixel if the contract has.
+
+    A span may reach past the right border in an image's last word, and nowhere else.
+    """
+
+    def __init__(self, config):
+        self.config = config
+
+    def describe(self, m):
+        """Add the decoder and its properties."""
+        config = self.config
+        m.submodules.dut = dut = Decoder(config)
+        last_column = any_constant(m, config.x_bits, "last_column")
+        last_line = any_constant(m, config.line_bits, "last_line")
+        self.free(m, dut, last_column=last_column, last_line=last_line)
+        self.given(m, "input_steady", self.steady(m, dut.i, "i"))
+        self.given(m, "top", dut.i.payload.top >= -4)
+
+        element = Signal(GeometryLayout(config))
+        with m.If(dut.i.valid & dut.i.ready):
+            m.d.sync += element.eq(dut.i.payload)
+
+        row = any_constant(m, 3, "row")
+        column = any_constant(m, config.x_bits + 1, "column")
+        footprint = dut.o.payload
+        line = Signal(range(-4, 2 * config.max_height + 8))
+        residue, word = Signal(2), Signal(config.x_bits + 1)
+        m.d.comb += [line.eq(element.top + row), residue.eq(line[:2])]
+        # The first four lines of the block are the upper ones, and each residue has one of them.
+        span = Signal.like(footprint.upper[0])
+        for number in range(4):
+            with m.If(residue == number):
+                with m.If(row < 4):
+                    m.d.comb += span.eq(footprint.upper[number])
+                with m.Else():
+                    m.d.comb += span.eq(footprint.lower[number])
+        distance = Signal(range(-(4 << config.x_bits), 4 << config.x_bits))
+        spanned = Signal()
+        m.d.comb += [
+            word.eq(column >> 2),
+            distance.eq(column - 4 * footprint.word),
+            spanned.eq(
+                (distance >= 0)
+                & (distance < 12)
+                & (span.words.bit_select(distance[2:4], 1))
+                & (span.first <= distance)
+                & (distance <= span.last)
+            ),
+        ]
+        covered = Signal()
+        m.d.comb += covered.eq(covers(element, row, column) & (line >= 0) & (line <= last_line))
+        with m.If(dut.o.valid):
+            self.always(m, "same", ~(column <= last_column) | (spanned == covered))
+            self.always(m, "border", (column >> 2 <= last_column >> 2) | ~spanned)
+            self.always(m, "rows", (line >= 0) & (line <= last_line) | ~span.words.any())
+            group = Signal(2)
+            for number in range(4):
+                with m.If(residue == number):
+                    m.d.comb += group.eq(footprint.upper_group[number])
+            self.always(m, "group", (group + row[2])[:2] == line[2:4])
+            self.always(
+                m,
+                "rest",
+                (footprint.z == element.z)
+                & (footprint.top == element.top)
+                & (footprint.end == element.end),
+            )
+        # The colour unit's colour stands still while the decoder does.
+        shade = Signal.like(dut.shade)
+        waits = Signal()
+        m.d.sync += [shade.eq(dut.shade), waits.eq(dut.o.valid & ~dut.o.ready)]
+        self.given(m, "shade_steady", ~waits | (shade == dut.shade))
+        self.always(m, "output_steady", self.steady(m, dut.o, "o"))
+
+
+PROOFS = [
+    Proof(
+        name="decoder: spans",
+        shows="a pixel is spanned if and only if the contract covers it",
+        build=lambda: DecoderProperties(PRESETS["wide"]),
+        depth=5,
+        endless=True,
+        faults=(
+            Fault("a row too many", Decoder, r"near >= k \+ 4", "near >= k + 3", "_rows"),
+            Fault(
+                "not turned",
+                Decoder,
+                r"first\.eq\(~turned\.last\)",
+                "first.eq(~turned.first)",
+                "_rows",
+            ),
+            Fault(
+                "right border", Decoder, r"words_left >= word", "words_left + 1 >= word", "_deal"
+            ),
+            Fault("top border", Decoder, r">= 8 - k", ">= 7 - k", "_rows"),
+            Fault("last word", SpanDecoder, r"last\[2:\] >= word", "last[2:] > word"),
+            Fault("not held", Decoder, r"~valid \| self\.o\.ready", "1"),
+        ),
+    )
+]

@@ -1,0 +1,163 @@
+"""What properties are made of: a component with free inputs, its streams' rules, its memories."""
+
+from amaranth.asserts import AnyConst, AnySeq, Initial
+from amaranth.hdl import (
+    Assert,
+    Assume,
+    Cat,
+    Const,
+    Elaboratable,
+    Fragment,
+    Module,
+    ResetSignal,
+    Signal,
+    Value,
+)
+from amaranth.lib.wiring import Out
+
+__all__ = ["OneWord", "Properties", "any_constant", "any_value", "covers"]
+
+
+def any_value(m, shape, name):
+    """Return a signal that has any value in any cycle."""
+    signal = Signal(shape, name=name)
+    m.d.comb += Value.cast(signal).eq(AnySeq(len(Value.cast(signal))))
+    return signal
+
+
+def any_constant(m, shape, name):
+    """Return a signal that has any value, and keeps it."""
+    signal = Signal(shape, name=name)
+    m.d.comb += Value.cast(signal).eq(AnyConst(len(Value.cast(signal))))
+    return signal
+
+
+def covers(element, row, column):
+    """Return whether an element has a pixel in a row of its block and a column of the image.
+
+    This is the contract's text: rows 0..3 as given, row 7 - k as row k turned, or empty.
+    """
+    found = 0
+    for number in range(8):
+        scan = element.scans[min(number, 7 - number)]
+        if number < 4:
+            first, last, there = scan.first, scan.last, 1
+        else:
+            first, last, there = 7 - scan.last, 7 - scan.first, element.mode == 0
+        across = (first <= column - element.x) & (column - element.x <= last)
+        found = found | ((row == number) & there & across)
+    return found & ~element.end
+
+
+class OneWord:
+    """Block RAMs of which one word is kept; any other one reads as anything.
+
+    So does a word that is read in the cycle in which it is written, as a block RAM may do. It has
+    at the start what it likes. What holds with such memories holds with those of any size.
+
+    This is a platform: :class:`amaranth.lib.memory.Memory` asks ``get_memory`` for what it is.
+    Memories of LUTs stay what they are.
+
+    Parameters
+    ----------
+    address
+        A signal: which word of each memory is kept. If a memory's addresses have more bits, then
+        a word for each value of those.
+
+    Attributes
+    ----------
+    words
+        The words that are kept, of each memory in the order in which they were built.
+    """
+
+    def __init__(self, address):
+        self.address = address
+        self.words = []
+
+    def get_memory(self, memory):
+        """Build the model of a memory with one port to read and one to write."""
+        if memory.attrs.get("ram_style") != "block":
+            return memory.elaborate(None)
+        (read,), (write,) = memory.read_ports, memory.write_ports
+        m = Module()
+        low, width = len(self.address), len(Value.cast(read.data))
+        data = Signal(width, reset_less=True)
+        words = [
+            Signal(width, name=f"word_{part}", reset_less=True)
+            for part in range(memory.depth >> low)
+        ]
+        self.words.append(words)
+        garbage = any_value(m, width, "garbage")
+        m.d.comb += Value.cast(read.data).eq(data)
+        with m.If(read.en):
+            m.d.sync += data.eq(garbage)
+        for part, word in enumerate(words):
+            mine = Cat(self.address, Const(part, len(read.addr) - low))
+            written = Signal(name=f"written_{part}")
+            m.d.comb += written.eq(write.en & (write.addr == mine))
+            with m.If(written):
+                m.d.sync += word.eq(Value.cast(write.data))
+            with m.If(read.en & (read.addr == mine) & ~written):
+                m.d.sync += data.eq(word)
+        return m
+
+
+class Properties(Elaboratable):
+    """A component, what is assumed of its inputs and what is asserted of its outputs.
+
+    It starts in any state, registers and memories alike, and is reset for one cycle.
+
+    Members
+    -------
+    memories
+        The platform that says what memories are; ``None``: what they are.
+    """
+
+    memories = None
+
+    def elaborate(self, platform):
+        """Build the properties."""
+        m = Module()
+        m.d.comb += Assume(ResetSignal() == Initial())
+        self.describe(m)
+        return m
+
+    def describe(self, m):
+        """Add the component and all that is said of it."""
+        raise NotImplementedError
+
+    def add(self, m, component, name="dut"):
+        """Add a component now, so that what its memories keep is known."""
+        m.submodules[name] = Fragment.get(component, self.memories)
+
+    def always(self, m, name, condition):
+        """Assert that something holds in every cycle after the reset."""
+        holds = Signal(name=f"holds_{name}")
+        m.d.comb += holds.eq(condition)
+        m.d.comb += Assert(holds | ResetSignal())
+
+    def given(self, m, name, condition):
+        """Assume something in every cycle after the reset."""
+        given = Signal(name=f"given_{name}")
+        m.d.comb += given.eq(condition)
+        m.d.comb += Assume(given | ResetSignal())
+
+    def free(self, m, component, **values):
+        """Give every input of a component any value, or the one that is named here."""
+        for path, member, value in component.signature.flatten(component):
+            name = "_".join(map(str, path))
+            if member.flow is not Out and values.get(path[0], True) is not None:
+                source = values.get(name, values.get(path[0]))
+                if source is None:
+                    source = any_value(m, member.shape, f"any_{name}")
+                m.d.comb += Value.cast(value).eq(Value.cast(source))
+
+    def steady(self, m, stream, name):
+        """Return whether a stream keeps its word: what is offered stays until it is taken."""
+        waiting = Signal(name=f"{name}_waiting")
+        before = Signal(len(Value.cast(stream.payload)), name=f"{name}_before")
+        m.d.sync += [
+            waiting.eq(stream.valid & ~stream.ready),
+            before.eq(Value.cast(stream.payload)),
+        ]
+        return ~waiting | (stream.valid & (Value.cast(stream.payload) == before))

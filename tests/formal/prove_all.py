@@ -1,0 +1,88 @@
+"""Every proof of the hardware, with its planted faults: a line each.
+
+PYTHONPATH=tests/rtl python tests/formal/prove_all.py                  as ``make formal`` does
+PYTHONPATH=tests/rtl python tests/formal/prove_all.py bank --keep DIR  those with bank in the name
+"""
+
+import argparse
+import importlib
+import os
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from prove import Proof, run
+
+__all__ = ["all_proofs", "main"]
+
+
+def all_proofs() -> list[Proof]:
+    """Return the proofs of every file here that is called ``*_proof.py``."""
+    names = sorted(path.stem for path in Path(__file__).parent.glob("*_proof.py"))
+    return [proof for name in names for proof in importlib.import_module(name).PROOFS]
+
+
+def main() -> int:
+    """Prove; return 1 if a proof does not hold or a fault is not found."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("words", nargs="*", help="run the proofs with one of these in their name")
+    parser.add_argument("--no-faults", action="store_true", help="leave the planted faults out")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="keep RTLIL, logs and traces")
+    parser.add_argument("--list", action="store_true", help="say what there is, as Markdown")
+    options = parser.parse_args()
+    proofs = [
+        proof
+        for proof in all_proofs()
+        if not options.words or any(word in proof.name for word in options.words)
+    ]
+    if not proofs:
+        parser.error(f"no proof has {' or '.join(options.words)} in its name")
+    if options.list:
+        print("| proof | shows | extent | solver | planted faults |\n|---|---|---|---|---:|")
+        for proof in proofs:
+            print(f"| {proof.name} | {proof.shows} | {proof.extent} | {proof.solver} | "
+                  f"{len(proof.faults)} |")  # fmt: skip
+        return 0
+
+    begin = time.monotonic()
+    wrong = []
+
+    def job(proof, fault):
+        folder = None
+        if options.keep:
+            folder = options.keep / "_".join(f"{proof.name} {fault.name if fault else ''}".split())
+        return run(proof, fault, folder)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        plans = [
+            (
+                proof,
+                pool.submit(job, proof, None),
+                [
+                    (fault, pool.submit(job, proof, fault))
+                    for fault in (() if options.no_faults else proof.faults)
+                ],
+            )
+            for proof in proofs
+        ]
+        for proof, whole, broken in plans:
+            outcome = whole.result()
+            found = [fault.name for fault, future in broken if future.result().status == "fails"]
+            missed = [fault.name for fault, _ in broken if fault.name not in found]
+            line = f"{proof.name:32} {outcome.status:8} {proof.extent:22} {outcome.seconds:6.1f} s"
+            if broken:
+                line += f"   {len(found)} of {len(broken)} faults found"
+            print(f"{line}\n    {proof.shows}", flush=True)
+            wrong += [f"{proof.name} {outcome.status}"] * (outcome.status != "holds")
+            wrong += [f"{proof.name} does not find: {name}" for name in missed]
+    for text in wrong:
+        print(text, file=sys.stderr)
+    print(f"{len(proofs)} proofs in {time.monotonic() - begin:.0f} s")
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
