@@ -211,6 +211,11 @@ REWRITTEN_COLLISIONS = {
         ")",
         "tiles_while_the_raster_waits",
     ),
+    "a word leaves where a tile stood still": (
+        r"& ~\(stopped & drawn\)",
+        "",
+        "a_line_that_leaves_behind_a_tile_that_stood_still",
+    ),
 }
 BENCHES = {
     Tiler: (Tiler, test_tiler),

@@ -135,6 +135,37 @@ async def tiles_in_the_place_of_what_left(dut):
 
 
 @cocotb.test()
+async def a_line_that_leaves_behind_a_tile_that_stood_still(dut):
+    """While all stands still a line leaves, and the marks of the next are taken.
+
+    A tile drew into that line in the cycle before, and is still being written when its word is the
+    first to go. ``tests/formal`` found this.
+    """
+    bench = Bench(dut, (1.0, 1.0, 1.0), 9)
+    await bench.reset()
+    for _ in range(520):  # until the lanes have been cleared
+        await bench.bench.step(bench.drive)
+    drive = bench.drive
+
+    def hold():
+        """Take nothing for as long as two lines take to leave."""
+        bench.raster.rate = float(bench.bench.cycles > begin + 80)
+        drive()
+
+    bench.drive = hold
+    for count in range(20):
+        frame = Painter(512, 20)
+        # In the last stretch of marks, behind which no other is taken while the word leaves.
+        frame.element(0, 504, {0: (0, 7)}, 100, 1)
+        for k in range(count):
+            frame.element(1, 4 + 4 * (k % 3), {0: (0, 3)}, 200 - k, k)
+        frame.element(1, 0, {0: (0, 3)}, 50, 2)
+        frame.element(12, 0, {0: (0, 3)}, 50, 3)
+        begin = bench.bench.cycles
+        await bench.play(frame)
+
+
+@cocotb.test()
 async def words_right_behind_what_leaves(dut):
     """An initial raster of one word a line or two, which enter where others are just cleared."""
     for seed, rate in enumerate((1.0, 0.5, 0.2)):
@@ -211,7 +242,12 @@ def test_lane_window_in_the_quickest_simulator():
 
 
 @pytest.mark.parametrize(
-    "test", ["tiles_while_the_raster_waits", "tiles_in_the_place_of_what_left"]
+    "test",
+    [
+        "tiles_while_the_raster_waits",
+        "tiles_in_the_place_of_what_left",
+        "a_line_that_leaves_behind_a_tile_that_stood_still",
+    ],
 )
 def test_no_pixel_counts_that_is_read_while_it_is_written(test):
     run_bench(PAPER, LaneWindow, __file__, test=test, edit=collide)
