@@ -63,6 +63,8 @@ class OneWord:
     address
         A signal: which word of each memory is kept. If a memory's addresses have more bits, then
         a word for each value of those.
+    init
+        What those words are after the reset; anything unless it is given.
 
     Attributes
     ----------
@@ -70,8 +72,9 @@ class OneWord:
         The words that are kept, of each memory in the order in which they were built.
     """
 
-    def __init__(self, address):
+    def __init__(self, address, init=None):
         self.address = address
+        self.init = init
         self.words = []
 
     def get_memory(self, memory):
@@ -83,7 +86,7 @@ class OneWord:
         low, width = len(self.address), len(Value.cast(read.data))
         data = Signal(width, reset_less=True)
         words = [
-            Signal(width, name=f"word_{part}", reset_less=True)
+            Signal(width, name=f"word_{part}", init=self.init or 0, reset_less=self.init is None)
             for part in range(memory.depth >> low)
         ]
         self.words.append(words)
@@ -152,12 +155,13 @@ class Properties(Elaboratable):
                     source = any_value(m, member.shape, f"any_{name}")
                 m.d.comb += Value.cast(value).eq(Value.cast(source))
 
-    def steady(self, m, stream, name):
-        """Return whether a stream keeps its word: what is offered stays until it is taken."""
+    def steady(self, m, stream, name, payload=None):
+        """Return whether a stream keeps its word: what is offered stays until it is taken.
+
+        ``payload`` is what of it has to stay, if not all.
+        """
+        now = Value.cast(stream.payload if payload is None else payload)
         waiting = Signal(name=f"{name}_waiting")
-        before = Signal(len(Value.cast(stream.payload)), name=f"{name}_before")
-        m.d.sync += [
-            waiting.eq(stream.valid & ~stream.ready),
-            before.eq(Value.cast(stream.payload)),
-        ]
-        return ~waiting | (stream.valid & (Value.cast(stream.payload) == before))
+        before = Signal(len(now), name=f"{name}_before")
+        m.d.sync += [waiting.eq(stream.valid & ~stream.ready), before.eq(now)]
+        return ~waiting | (stream.valid & (now == before))

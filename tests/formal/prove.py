@@ -34,6 +34,9 @@ STATUS = {0: "holds", 2: "fails", 4: "unknown"}
 """What sby's exit codes mean; all others are errors."""
 
 
+FAULT_DEPTH = 12
+"""Cycles in which a fault in an endless proof has to show."""
+
 ELABORATION = threading.Lock()
 """Held while a component is built: a fault is planted in what all threads share."""
 
@@ -65,10 +68,13 @@ class Proof:
         Cycles that are unrolled, the reset's included.
     endless
         The proof is by induction and holds for ever; else for ``depth`` cycles from a reset.
-    solver
-        ``boolector`` or ``z3``.
+    engine
+        What sby calls it: ``smtbmc boolector``, ``smtbmc z3``, or ``abc bmc3``, which is by far the
+        quickest where many cycles are unrolled.
     faults
         What it must find.
+    changes
+        What is rewritten for the proof itself, faults or not: what it takes for granted.
     slow
         Left to ``make formal``, as it takes too long for ``make test``.
     """
@@ -78,8 +84,9 @@ class Proof:
     build: Callable
     depth: int
     endless: bool = False
-    solver: str = "boolector"
+    engine: str = "smtbmc boolector"
     faults: tuple[Fault, ...] = ()
+    changes: tuple[Fault, ...] = ()
     slow: bool = False
 
     @property
@@ -100,18 +107,20 @@ class Outcome:
 def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     """Write a proof, with a fault or without, as ``proof.sby`` and ``proof.il``."""
     with ELABORATION, pytest.MonkeyPatch.context() as patch:
-        if fault:
-            rewrite(patch, fault.part, fault.method, fault.pattern, fault.replacement)
+        for change in (*proof.changes, *([fault] if fault else [])):
+            rewrite(patch, change.part, change.method, change.pattern, change.replacement)
         properties = proof.build()
         text = rtlil.convert(properties, platform=properties.memories, ports=[], emit_src=False)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "proof.il").write_text(text)
     # An inductive proof that is broken fails from the reset already, which is all that a fault is
     # to show. Registers start with anything: only what a reset sets is known.
-    mode = "prove" if proof.endless and not fault else "bmc"
+    mode, depth = ("prove" if proof.endless else "bmc"), proof.depth
+    if proof.endless and fault:
+        mode, depth = "bmc", max(depth, FAULT_DEPTH)
     (folder / "proof.sby").write_text(
-        f"[options]\nmode {mode}\ndepth {proof.depth}\n"
-        f"[engines]\nsmtbmc {proof.solver}\n"
+        f"[options]\nmode {mode}\ndepth {depth}\naigsmt boolector\n"
+        f"[engines]\n{proof.engine}\n"
         "[script]\nread_rtlil proof.il\nhierarchy -top top\nflatten\n"
         "setattr -unset init w:*\nprep -top top\nmemory_map -formal\nopt -full\n"
         "[files]\nproof.il\n"
@@ -127,6 +136,9 @@ def check(folder: Path) -> Outcome:
         link = tools / name
         link.unlink(missing_ok=True)
         link.symlink_to(Path(sys.executable).parent / installed)
+    abc = tools / "yosys-abc"
+    abc.write_text(f'#!/bin/sh\nexec {sys.executable} {Path(__file__).parent}/abc_tool.py "$@"\n')
+    abc.chmod(0o755)
     begin = time.monotonic()
     result = subprocess.run(
         [Path(sys.executable).parent / "yowasp-sby", "-f", "proof.sby"],

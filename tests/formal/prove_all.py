@@ -7,6 +7,7 @@ PYTHONPATH=tests/rtl python tests/formal/prove_all.py bank --keep DIR  those wit
 import argparse
 import importlib
 import os
+import re
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -14,13 +15,23 @@ from pathlib import Path
 
 from prove import Proof, run
 
-__all__ = ["all_proofs", "main"]
+__all__ = ["all_proofs", "main", "table"]
 
 
 def all_proofs() -> list[Proof]:
     """Return the proofs of every file here that is called ``*_proof.py``."""
     names = sorted(path.stem for path in Path(__file__).parent.glob("*_proof.py"))
     return [proof for name in names for proof in importlib.import_module(name).PROOFS]
+
+
+def table(proofs: list[Proof]) -> str:
+    """Return what there is as Markdown."""
+    rows = [
+        f"| {proof.name} | {proof.shows} | {proof.extent} | {proof.engine} | {len(proof.faults)} |"
+        for proof in proofs
+    ]
+    head = "| proof | shows | extent | engine | planted faults |\n|---|---|---|---|---:|"
+    return "\n".join([head, *rows]) + "\n"
 
 
 def main() -> int:
@@ -41,10 +52,7 @@ def main() -> int:
     if not proofs:
         parser.error(f"no proof has {' or '.join(options.words)} in its name")
     if options.list:
-        print("| proof | shows | extent | solver | planted faults |\n|---|---|---|---|---:|")
-        for proof in proofs:
-            print(f"| {proof.name} | {proof.shows} | {proof.extent} | {proof.solver} | "
-                  f"{len(proof.faults)} |")  # fmt: skip
+        print(table(proofs), end="")
         return 0
 
     begin = time.monotonic()
@@ -53,7 +61,9 @@ def main() -> int:
     def job(proof, fault):
         folder = None
         if options.keep:
-            folder = options.keep / "_".join(f"{proof.name} {fault.name if fault else ''}".split())
+            folder = options.keep / re.sub(
+                r"\W+", "_", f"{proof.name} {fault.name if fault else ''}"
+            )
         return run(proof, fault, folder)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -1,8 +1,10 @@
 """The quick proofs hold, and each finds its planted faults; ``make formal`` runs the others too."""
 
+from pathlib import Path
+
 import pytest
 from prove import run
-from prove_all import all_proofs
+from prove_all import all_proofs, table
 
 QUICK = [proof for proof in all_proofs() if not proof.slow]
 
@@ -28,3 +30,8 @@ def test_a_planted_fault_is_found(proof, fault):
 
 def test_every_proof_has_a_planted_fault():
     assert all(proof.faults for proof in all_proofs())
+
+
+def test_the_page_lists_every_proof():
+    page = Path(__file__).parents[2] / "docs" / "formal.md"
+    assert table(all_proofs()) in page.read_text()

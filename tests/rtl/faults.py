@@ -1,6 +1,7 @@
 """Ways to break a circuit on purpose: in its Verilog, or in the source of a component."""
 
 import inspect
+import linecache
 import re
 import textwrap
 
@@ -29,10 +30,15 @@ def fault(module, signal, value):
 
 
 def rewrite(monkeypatch, part, method, pattern, replacement):
-    """Break a component where it is written, for what has no name in the Verilog."""
+    """Break a component where it is written, for what has no name in the Verilog.
+
+    What is broken can be broken again in another place.
+    """
     source = textwrap.dedent(inspect.getsource(getattr(part, method)))
     broken, count = re.subn(pattern, replacement, source)
     assert count == 1, f"{part.__name__}.{method} has {count} places to break"
     scope = dict(vars(inspect.getmodule(part)))
-    exec(broken, scope)
+    name = f"<{part.__name__}.{method} with {replacement!r}>"
+    linecache.cache[name] = len(broken), None, broken.splitlines(keepends=True), name
+    exec(compile(broken, name, "exec"), scope)
     monkeypatch.setattr(part, method, scope[method])

@@ -1,0 +1,314 @@
+"""The window of lanes: its lines never mix, and no pixel is lost or invented."""
+
+from amaranth.hdl import Cat, Const, Mux, Signal, signed
+from amaranth.lib import data
+from properties import OneWord, Properties, any_constant
+from prove import Fault, Proof
+
+from splatline.rtl.format import EngineConfig
+from splatline.rtl.lane import Lane
+from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.loader import Loader
+from splatline.rtl.marks import Marks
+from splatline.rtl.walker import Walker
+
+__all__ = ["PROOFS"]
+
+
+class Narrow(EngineConfig):
+    """An engine whose code word need not have 64 bits: only its window is looked at."""
+
+    def __post_init__(self):
+        """Check nothing."""
+
+
+TINY = Narrow(
+    lanes=True,
+    window_lines=8,
+    pixels_per_word=2,
+    x_bits=3,
+    line_bits=4,
+    depth_bits=2,
+    channel_bits=1,
+)
+"""Four words of two pixels a line, eight lines in the window, an image of up to sixteen."""
+
+
+class LaneWindowProperties(Properties):
+    """Any one pixel of any one place in the window, followed from line to line.
+
+    Of the tiles only what :class:`TileLayout` says is assumed, which ``tiler_proof`` proves. A
+    colour says what depth it belongs to, so that they cannot part.
+
+    Parameters
+    ----------
+    load
+        1: frames start from an initial raster; 0: they do not.
+    ordered
+        The initial raster comes in order. If not, what is out of order may be dropped.
+    """
+
+    def __init__(self, config, load, ordered=True):
+        self.config = config
+        self.load = load
+        self.ordered = ordered
+
+    def describe(self, m):
+        """Add the window and its properties."""
+        config = self.config
+        self.slot = slot = any_constant(m, config.slot_bits, "slot")
+        self.word = any_constant(m, config.word_bits, "word")
+        self.number = any_constant(m, config.pixel_bits, "number")
+        self.last_column = any_constant(m, config.x_bits, "last_column")
+        self.last_line = any_constant(m, config.line_bits, "last_line")
+        self.last_word = self.last_column[config.pixel_bits :]
+        address = Signal(config.group_bits + config.word_bits)
+        m.d.comb += address.eq(Cat(self.word, slot[2:]))
+        self.memories = OneWord(address, init=-1)  # the background
+        self.dut = dut = LaneWindow(config)
+        self.add(m, dut)
+        self.free(
+            m,
+            dut,
+            last_column=self.last_column,
+            last_line=self.last_line,
+            load=Signal(init=self.load, reset_less=True, name="load"),
+            shade=dut.i.payload.z,
+        )
+        # The line that has the place at the moment.
+        self.line = line = Signal(config.line_bits + 2)
+        place = Signal(config.slot_bits)
+        m.d.comb += [place.eq(slot - dut.oldest), line.eq(dut.oldest + place)]
+        drawn = self._tiles(m)
+        loaded = self._initial(m)
+        self._follow(m, drawn, loaded)
+
+    def _tiles(self, m):
+        """Assume of the tiles what they are; return whether one draws the pixel now."""
+        config, dut = self.config, self.dut
+        tile = dut.i.payload
+        taken = dut.i.valid & dut.i.ready
+        top = Signal.like(tile.top, name="top_before", init=-4)
+        opened, ended = Signal(), Signal()
+        lowest = (1 << len(tile.top) - 1) - 1
+        m.d.sync += [top.eq(tile.top), opened.eq(dut.active), ended.eq(dut.finished)]
+        with m.If(dut.finished):
+            m.d.sync += [top.eq(-4), opened.eq(0)]
+        self.given(m, "tiles_steady", self.steady(m, dut.i, "i"))
+        self.given(m, "sorted", (tile.top >= top) & (~ended | (tile.top == -4)))
+        self.given(m, "end_top", ~dut.i.valid | ~tile.end | (tile.top == lowest))
+        self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
+        self.given(m, "words", tile.words[1] == (tile.words[0] + 1)[: config.word_bits])
+        for row in range(4):
+            # The line of the window that the tile's row is.
+            place = Signal(config.slot_bits, name=f"place_{row}")
+            line = Signal(signed(config.line_bits + 3), name=f"line_{row}")
+            m.d.comb += [
+                place.eq(Cat(tile.group[row], 0) * 4 + row - dut.oldest),
+                line.eq(dut.oldest + place),
+            ]
+            masked = dut.i.valid & tile.mask[row].any()
+            own = (line >= tile.top) & (line < tile.top + 8) & (line <= self.last_line)
+            self.given(m, f"row_{row}", ~masked | (own & ~tile.end))
+        for column in range(config.pixels_per_word):
+            masked = dut.i.valid & Cat(tile.mask[row][column] for row in range(4)).any()
+            word = Mux(tile.next[column], tile.words[1], tile.words[0])
+            self.given(m, f"column_{column}", ~masked | (word <= self.last_word))
+        # So the window may not move past a tile that waits.
+        self.always(m, "waits", ~dut.i.valid | tile.end | (tile.top < 0) | (dut.oldest <= tile.top))
+
+        def mine(row):
+            """Return whether the tile draws the pixel, if that is in a row of lanes."""
+            in_second = tile.next.bit_select(self.number, 1)
+            word = Mux(in_second, tile.words[1], tile.words[0])
+            return (
+                (self.slot == Cat(Const(row, 2), tile.group[row]))
+                & tile.mask[row].bit_select(self.number, 1)
+                & (word == self.word)
+            )
+
+        draws = Signal()
+        m.d.comb += draws.eq(dut.i.valid & ~tile.end & Cat(mine(row) for row in range(4)).any())
+        drew = Signal()
+        m.d.sync += drew.eq(taken & draws)
+        self.given(m, "meets", ~(drew & draws) | tile.meets)
+        return taken & draws
+
+    def _initial(self, m):
+        """Assume of the initial raster what it is; return whether the pixel is loaded now."""
+        config, dut = self.config, self.dut
+        initial, beat = dut.initial, dut.initial.payload
+        self.given(m, "initial_steady", self.steady(m, initial, "initial"))
+        for n in range(config.pixels_per_word):
+            colour = beat.pixels.colour[n]
+            self.given(m, f"colour_{n}", colour == beat.pixels.depth[n])
+        if self.ordered:
+            place, last = Signal(config.line_bits + config.word_bits + 1), Signal(16)
+            m.d.comb += place.eq(Cat(beat.word, beat.line) + 1)
+            with m.If(initial.valid & initial.ready):
+                m.d.sync += last.eq(place)
+            with m.If(dut.finished):
+                m.d.sync += last.eq(0)
+            self.given(m, "initial_order", ~initial.valid | beat.end | (place > last))
+        loaded = Signal()
+        m.d.comb += loaded.eq(
+            initial.valid
+            & initial.ready
+            & ~beat.end
+            & (beat.line == self.line)
+            & (beat.word == self.word)
+            & (beat.line <= self.last_line)
+            & (beat.word <= self.last_word)
+        )
+        return loaded
+
+    def _follow(self, m, drawn, loaded):
+        """Assert that the pixel leaves with its line as it was drawn, or not at all."""
+        config, dut = self.config, self.dut
+        background = config.background_depth
+        raster, beat = dut.raster, dut.raster.payload
+        width = config.depth_bits
+        taken = raster.valid & raster.ready
+        inside = Signal()
+        m.d.comb += inside.eq(Cat(self.number, self.word) <= self.last_column)
+
+        # What was drawn on the line that has the place, and whether that has left already.
+        line_before, over = Signal.like(self.line), Signal()
+        due_before, gone_before = Signal(width, init=background), Signal()
+        due, gone = Signal(width), Signal()
+        new = Signal(width)
+        passed = Signal()
+        again = Signal()  # it was loaded once more, and has to leave once more
+        m.d.comb += [
+            # The line that has the place is another: the one before is on its way out, or empty.
+            passed.eq((self.line != line_before) | over),
+            due.eq(Mux(passed, background, due_before)),
+            gone.eq(~passed & gone_before),
+            new.eq(Mux(drawn, dut.i.payload.z, dut.initial.payload.pixels.depth[self.number])),
+        ]
+        m.d.sync += [line_before.eq(self.line), over.eq(dut.finished), due_before.eq(due)]
+        with m.If((drawn | loaded) & inside & (new < due)):
+            m.d.sync += due_before.eq(new)
+        if self.ordered:
+            self.always(m, "not_drawn_after", ~(gone & (drawn | loaded)))
+        else:
+            with m.If(gone & loaded & inside & (new != background)):
+                m.d.comb += again.eq(1)
+
+        # Of lines that lost their place, those that are still to leave.
+        pixel = data.StructLayout({"line": len(self.line), "depth": width})
+        kept = [Signal(pixel, name=f"kept_{n}") for n in range(2)]
+        queue = [Signal(pixel, name=f"queue_{n}") for n in range(2)]
+        length_before, length = Signal(2), Signal(2)
+        pushed = Signal()
+        m.d.comb += [
+            pushed.eq(passed & (due_before != background) & ~gone_before),
+            length.eq(length_before + pushed),
+        ]
+        for n in range(2):
+            with m.If(pushed & (length_before == n)):
+                m.d.comb += [queue[n].line.eq(line_before), queue[n].depth.eq(due_before)]
+            with m.Else():
+                m.d.comb += queue[n].eq(kept[n])
+        self.always(m, "room", length <= 2)
+
+        mine, first, second = Signal(), Signal(), Signal()
+        depth = Signal(width)
+        m.d.comb += [
+            depth.eq(beat.pixels.depth[self.number]),
+            mine.eq(
+                raster.valid
+                & ~beat.end
+                & (beat.line[: config.slot_bits] == self.slot)
+                & (beat.word == self.word)
+            ),
+            first.eq(mine & (length != 0) & (beat.line == queue[0].line)),
+            second.eq(mine & ~first & (beat.line == self.line) & ~gone),
+        ]
+        m.d.sync += [kept[n].eq(queue[n]) for n in range(2)]
+        m.d.sync += [
+            length_before.eq(length),
+            gone_before.eq((gone & ~again) | (second & raster.ready)),
+        ]
+        with m.If(first & raster.ready):
+            m.d.sync += [kept[0].eq(queue[1]), length_before.eq(length - 1)]
+        due_now = Mux(first, queue[0].depth, Mux(second, due, background))
+        self.always(m, "pixel", ~mine | (depth == due_now))
+        colour = Mux(depth == background, 0, depth)
+        self.always(m, "colour", ~mine | (beat.pixels.colour[self.number] == colour))
+        waited = Signal(3)
+        with m.If((length == 0) | (first & raster.ready)):
+            m.d.sync += waited.eq(0)
+        with m.Elif(raster.ready & ~waited.all()):
+            m.d.sync += waited.eq(waited + 1)
+        self.always(m, "leaves", waited < 3)
+        left = length - (first & raster.ready)
+        self.always(m, "complete", ~dut.finished | (left == 0))
+        with m.If(dut.finished):
+            self.always(m, "empty", (due == background) | gone | (second & raster.ready))
+
+        # The stream as such.
+        place = Signal(config.word_bits + config.line_bits + 1)
+        last = Signal.like(place)
+        ended = Signal()
+        m.d.comb += place.eq(Cat(beat.word, beat.line) + 1)
+        with m.If(taken):
+            m.d.sync += last.eq(Mux(beat.end, 0, place))
+        with m.If(dut.finished):
+            m.d.sync += ended.eq(1)
+        with m.Elif(taken & beat.end):
+            m.d.sync += ended.eq(0)
+        shown = Cat(depth != background for depth in beat.pixels.depth).any()
+        self.always(m, "steady", self.steady(m, raster, "raster"))
+        self.always(m, "end", ~raster.valid | (beat.end == ended))
+        self.always(m, "order", ~raster.valid | beat.end | ((place > last) & shown))
+
+
+SWEPT = Fault("the sweep's last cycle", LaneWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)")
+"""The lanes have been cleared but for their last pixel."""
+
+
+def plan(name, shows, load, depth, *faults, ordered=True):
+    """Return a proof of the window."""
+    return Proof(
+        name=name,
+        shows=shows,
+        build=lambda: LaneWindowProperties(TINY, load, ordered),
+        depth=depth,
+        engine="abc bmc3",
+        changes=(SWEPT,),
+        faults=faults,
+        slow=True,
+    )
+
+
+PROOFS = [
+    plan(
+        "lane window",
+        "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
+        0,
+        18,
+        Fault("no conflict", LaneWindow, r"\(drawn & tile\.meets\)", "(0)"),
+        Fault("drawn while marks are taken", LaneWindow, r"loaded & ~walker\.taking", "loaded"),
+        Fault("a word leaves where a tile stood still", LaneWindow, r"& ~\(stopped & drawn\)", ""),
+        Fault("lanes not kept for a tile", LaneWindow, r"& ~\(line & busy\)\.any\(\)", ""),
+        Fault("a line left too early", Walker, r"left\.eq\(~asking & ", "left.eq("),
+        Fault("marks taken too early", Walker, r"walking & ~pairs\.any\(\)", "walking"),
+        Fault("marks forget", Marks, r"read\.data \| bit", "bit"),
+        Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
+    ),
+    plan(
+        "lane window, initial raster",
+        "the same for frames that start from an initial raster",
+        1,
+        14,
+        Fault("a load meets what is cleared", LaneWindow, r" & ~drawn & ~cleared", " & ~drawn"),
+        Fault("a load taken too early", LaneWindow, r"ready\.eq\(loaded", "ready.eq(loading"),
+        Fault(
+            "loaded while marks are taken", LaneWindow, r"sweeping & ~walker\.taking", "sweeping"
+        ),
+        Fault(
+            "loaded beyond the window", Loader, r"waiting & ~drop & in_window", "waiting & ~drop"
+        ),
+    ),
+]

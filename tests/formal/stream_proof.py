@@ -1,0 +1,200 @@
+"""What is offered on a stream stays until it is taken, on every stream that a component drives."""
+
+from amaranth.hdl import Cat, Signal, Value
+from amaranth.lib.wiring import Out
+from properties import OneWord, Properties, any_constant
+from prove import Fault, Proof
+
+from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.emitter import Emitter
+from splatline.rtl.engine import Engine
+from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.lane_emitter import LaneEmitter
+from splatline.rtl.loader import Loader
+from splatline.rtl.pins import Gatherer, Splitter
+from splatline.rtl.sequencer import Sequencer
+from splatline.rtl.tiler import Tiler
+from splatline.rtl.walker import Walker
+
+__all__ = ["PROOFS"]
+
+WIDE = PRESETS["wide"]
+DEEP_COLOUR = PRESETS["rgb24"]
+TINY = PAPER.replace(
+    window_lines=8,
+    x_bits=4,
+    line_bits=5,
+    depth_bits=8,
+    intensity_bits=9,
+    material_bits=9,
+    channel_bits=1,
+)
+
+
+def streams(component):
+    """Return the streams of a component by name: those that it takes, and those that it drives."""
+    members = component.signature.members.items()
+    found = {name: m for name, m in members if m.is_signature and "valid" in m.signature.members}
+    taken = [name for name, member in found.items() if member.flow is not Out]
+    return taken, [name for name in found if name not in taken]
+
+
+class StreamProperties(Properties):
+    """The rules of all streams of a component, given those of the streams that it takes.
+
+    Parameters
+    ----------
+    component
+        Makes the component.
+    given
+        ``given(properties, m, component)`` adds what its other inputs keep to; optional.
+    """
+
+    def __init__(self, component, given=None):
+        self.component = component
+        self.more = given
+
+    def describe(self, m):
+        """Add the component and the rules."""
+        self.memories = OneWord(Signal(1))
+        m.submodules.dut = dut = self.component()
+        steady = ("last_column", "last_line", "last_word", "load", "enable")
+        constants = {
+            name: any_constant(m, dut.signature.members[name].shape, name)
+            for name in steady
+            if name in dut.signature.members
+        }
+        self.free(m, dut, **constants)
+        taken, driven = streams(dut)
+        for name in taken:
+            self.given(m, name, self.steady(m, getattr(dut, name), name))
+        for name in driven:
+            stream = getattr(dut, name)
+            payload = Value.cast(stream.payload)
+            if isinstance(dut, Engine) and dut.config.lanes:
+                # A table write may change the meaningless fields of an end beat that waits.
+                end = stream.payload.end
+                payload = Cat(end, payload & ~end.replicate(len(payload)))
+            self.always(m, name, self.steady(m, stream, name, payload))
+        if self.more:
+            self.more(self, m, dut)
+
+
+def admitted(properties, m, dut):
+    """A frame that may open while its first word waits still may in the next cycle."""
+    waited = Signal()
+    m.d.sync += waited.eq(dut.admit & dut.o.valid & ~dut.o.ready)
+    properties.given(m, "admit", ~waited | dut.admit)
+
+
+def window_stays(properties, m, dut):
+    """The window does not move past a word that is offered, and its frame goes on."""
+    oldest = Signal.like(dut.oldest)
+    m.d.sync += oldest.eq(dut.oldest)
+    properties.given(
+        m,
+        "oldest",
+        ~dut.o.valid | ((oldest <= dut.oldest) & (dut.oldest <= dut.i.payload.line)),
+    )
+    properties.given(m, "active", ~dut.o.valid | (dut.active & ~dut.restart))
+
+
+def not_over(properties, m, dut):
+    """A frame ends when nothing is asked for any more."""
+    properties.given(m, "restart", ~dut.restart | (dut.clean & ~dut.flush.valid))
+
+
+def while_running(properties, m, dut):
+    """Nothing is requested while all stands still."""
+    properties.given(m, "flush", ~dut.flush | dut.running)
+
+
+def plan(name, component, *faults, given=None, depth=4, endless=True, **options):
+    """Return the proof of a component's streams."""
+    return Proof(
+        name=f"streams: {name}",
+        shows="what is offered stays, unchanged, until it is taken",
+        build=lambda: StreamProperties(component, given),
+        depth=depth,
+        endless=endless,
+        faults=faults,
+        **options,
+    )
+
+
+PROOFS = [
+    plan(
+        "sequencer",
+        lambda: Sequencer(PAPER),
+        Fault("counted too early", Sequencer, r"valid & self\.i\.ready\)", "valid)"),
+        given=admitted,
+    ),
+    plan(
+        "loader",
+        lambda: Loader(PAPER),
+        Fault("offered every other cycle", Loader, r"offered\.eq\(", "offered.eq(~offered & "),
+        given=window_stays,
+    ),
+    plan(
+        "walker",
+        lambda: Walker(PAPER),
+        Fault("next word unasked", Walker, r"If\(asked\)", "If(asking)"),
+        given=not_over,
+        depth=10,
+        endless=False,
+    ),
+    plan(
+        "bank walker",
+        lambda: BankWalker(WIDE),
+        Fault("next word unasked", BankWalker, r"& self\.flush\.ready\)", ")"),
+        given=not_over,
+    ),
+    plan(
+        "emitter",
+        lambda: Emitter(WIDE),
+        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        given=while_running,
+    ),
+    plan(
+        "emitter, further planes",
+        lambda: Emitter(DEEP_COLOUR),
+        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        given=while_running,
+    ),
+    plan(
+        "lane emitter",
+        lambda: LaneEmitter(PAPER),
+        Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
+        given=while_running,
+    ),
+    plan(
+        "tiler",
+        lambda: Tiler(PAPER),
+        Fault("taken too early", Tiler, r"step\.eq\(~valid \| self\.o\.ready\)", "step.eq(1)"),
+    ),
+    plan(
+        "gatherer",
+        lambda: Gatherer(64, 16),
+        Fault("not held", Gatherer, r"valid & ~full\)", "valid)"),
+    ),
+    plan(
+        "splitter",
+        lambda: Splitter(90, 18),
+        Fault("not held", Splitter, r"room\.eq\(.*\)", "room.eq(1)"),
+    ),
+    plan(
+        "engine with lanes",
+        lambda: Engine(TINY),
+        Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
+        depth=14,
+        endless=False,
+        engine="abc bmc3",
+        slow=True,
+    ),
+    plan(
+        "engine with banks",
+        lambda: Engine(WIDE),
+        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        slow=True,
+    ),
+]

@@ -1,0 +1,126 @@
+"""The tiler against the contract: an element's tiles have its pixels, each once."""
+
+from amaranth.hdl import Cat, Const, Mux, Signal
+from properties import Properties, any_constant, covers
+from prove import Fault, Proof
+
+from splatline.rtl.format import PAPER
+from splatline.rtl.tiler import Tiler
+
+__all__ = ["PROOFS"]
+
+
+class TilerProperties(Properties):
+    """Any one pixel of any one place in the window: the elements that cover it, in order.
+
+    Every element that has the pixel by the contract puts its depth into a queue, and every tile
+    that draws it must take out that depth: so it is drawn as often as it is to be, and not more.
+    """
+
+    def __init__(self, config):
+        self.config = config
+
+    def describe(self, m):
+        """Add the tiler and its properties."""
+        config = self.config
+        m.submodules.dut = dut = Tiler(config)
+        last_column = any_constant(m, config.x_bits, "last_column")
+        last_line = any_constant(m, config.line_bits, "last_line")
+        slot = any_constant(m, config.slot_bits, "slot")
+        column = any_constant(m, config.x_bits, "column")
+        self.free(m, dut, last_column=last_column, last_line=last_line)
+        element, tile = dut.i.payload, dut.o.payload
+        taken, given = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
+        lowest = (1 << len(element.top) - 1) - 1
+
+        # Elements are sorted, and after the end of a frame comes nothing until it is out.
+        top = Signal.like(element.top, name="last_top", init=-4)
+        ended = Signal()
+        with m.If(taken):
+            m.d.sync += [top.eq(element.top), ended.eq(element.end)]
+        with m.If(given & tile.end):
+            m.d.sync += [top.eq(-4), ended.eq(0)]
+        oldest = Signal.like(dut.oldest)
+        m.d.sync += oldest.eq(Mux(given & tile.end, 0, dut.oldest))
+        self.given(m, "steady", self.steady(m, dut.i, "i"))
+        self.given(m, "sorted", ~dut.i.valid | (element.top >= top))
+        self.given(m, "end_top", ~dut.i.valid | ~element.end | (element.top == lowest))
+        self.given(m, "one_frame", ~(dut.i.valid & ended))
+        # The window moves on, no further than the elements, and starts anew with the frame.
+        self.given(m, "oldest", dut.oldest >= oldest)
+        self.given(m, "not_past", (dut.oldest == 0) | (dut.oldest <= tile.top))
+
+        # The line of the element's block that has the place, if there is one.
+        row = Signal(config.slot_bits)
+        line = Signal.like(element.top)
+        m.d.comb += [row.eq(slot - element.top), line.eq(element.top + row)]
+        wanted = Signal()
+        m.d.comb += wanted.eq(
+            taken
+            & (row < 8)
+            & covers(element, row, column)
+            & (line >= 0)
+            & (line <= last_line)
+            & (column[config.pixel_bits :] <= last_column[config.pixel_bits :])
+        )
+        number = column[: config.pixel_bits]
+        hits = []
+        for q in range(4):
+            in_second = tile.next.bit_select(number, 1)
+            word = Mux(in_second, tile.words[1], tile.words[0])
+            hits.append(
+                (Cat(Const(q, 2), tile.group[q]) == slot)
+                & tile.mask[q].bit_select(number, 1)
+                & (word == column[config.pixel_bits :])
+            )
+        draws, drawn = Signal(), Signal()
+        m.d.comb += [
+            draws.eq(dut.o.valid & Cat(hits).any()),
+            drawn.eq(draws & dut.o.ready),
+        ]
+
+        # Up to two elements are inside, and one may be taken in the cycle that gives another.
+        queue = [Signal(config.z.width, name=f"queue_{n}") for n in range(3)]
+        length = Signal(2)
+        with m.If(drawn):
+            m.d.sync += [queue[0].eq(queue[1]), queue[1].eq(queue[2])]
+        for n in range(3):
+            with m.If(wanted & (length - drawn == n)):
+                m.d.sync += queue[n].eq(element.z)
+        m.d.sync += length.eq(length + wanted - drawn)
+        self.always(m, "room", length < 3)
+        self.always(m, "drawn", ~draws | ((length != 0) & (tile.z == queue[0])))
+        self.always(m, "complete", ~(dut.o.valid & tile.end) | (length == 0))
+        place = Signal(config.slot_bits)
+        distance = Signal.like(element.top)
+        m.d.comb += [
+            place.eq(slot - dut.oldest),
+            distance.eq(dut.oldest + place - tile.top),
+        ]
+        self.always(m, "in_window", ~draws | ((distance >= 0) & (distance < 8)))
+        drew = Signal()
+        m.d.sync += drew.eq(drawn)
+        self.always(m, "meets", ~(drew & draws) | tile.meets)
+        self.always(m, "output_steady", self.steady(m, dut.o, "o"))
+
+
+WORDS = [PAPER, PAPER.replace(pixels_per_word=2), PAPER.replace(pixels_per_word=8, window_lines=8)]
+
+PROOFS = [
+    Proof(
+        name=f"tiler: pixels, words of {config.pixels_per_word}",
+        shows="an element's tiles have the contract's pixels, each once, in order, in the window",
+        build=lambda config=config: TilerProperties(config),
+        depth=7,
+        engine="abc bmc3",
+        slow=True,
+        faults=(
+            Fault("a line misplaced", Tiler, r"past\.eq\(top\[:2\] > i\)", "past.eq(0)", "_lines"),
+            Fault("right border", Tiler, r"words_left >= k", "words_left + 1 >= k", "_columns"),
+            Fault("a tile lost", Tiler, r"left\.eq\(rest\)", "left.eq(0)"),
+            Fault("not turned", Tiler, r"\[::-1\]", "", "_turn"),
+            Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & "),
+        ),
+    )
+    for config in WORDS
+]
