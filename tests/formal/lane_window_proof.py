@@ -9,7 +9,6 @@ from splatline.rtl.format import EngineConfig
 from splatline.rtl.lane import Lane
 from splatline.rtl.lane_window import LaneWindow
 from splatline.rtl.loader import Loader
-from splatline.rtl.marks import Marks
 from splatline.rtl.walker import Walker
 
 __all__ = ["PROOFS"]
@@ -293,8 +292,6 @@ PROOFS = [
         Fault("a word leaves where a tile stood still", LaneWindow, r"& ~\(stopped & drawn\)", ""),
         Fault("lanes not kept for a tile", LaneWindow, r"& ~\(line & busy\)\.any\(\)", ""),
         Fault("a line left too early", Walker, r"left\.eq\(~asking & ", "left.eq("),
-        Fault("marks taken too early", Walker, r"walking & ~pairs\.any\(\)", "walking"),
-        Fault("marks forget", Marks, r"read\.data \| bit", "bit"),
         Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
     ),
     plan(
@@ -302,11 +299,7 @@ PROOFS = [
         "the same for frames that start from an initial raster",
         1,
         14,
-        Fault("a load meets what is cleared", LaneWindow, r" & ~drawn & ~cleared", " & ~drawn"),
         Fault("a load taken too early", LaneWindow, r"ready\.eq\(loaded", "ready.eq(loading"),
-        Fault(
-            "loaded while marks are taken", LaneWindow, r"sweeping & ~walker\.taking", "sweeping"
-        ),
         Fault(
             "loaded beyond the window", Loader, r"waiting & ~drop & in_window", "waiting & ~drop"
         ),

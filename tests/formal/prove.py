@@ -30,9 +30,15 @@ TOOLS = {
 }
 """What ``sby`` calls its tools, and what PyPI's are called."""
 
-STATUS = {0: "holds", 2: "fails", 4: "unknown"}
+STATUS = {0: "holds", 2: "fails", 4: "unknown", 8: "too slow"}
 """What sby's exit codes mean; all others are errors."""
 
+
+SCRATCH = Path(__file__).parents[2] / "build" / "formal"
+"""Where proofs are run: YoWASP's tools see a /tmp of their own, and nothing of the real one."""
+
+TIMEOUT = 900
+"""Seconds after which a proof is given up; the longest takes a minute by itself."""
 
 FAULT_DEPTH = 12
 """Cycles in which a fault in an endless proof has to show."""
@@ -97,7 +103,7 @@ class Proof:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a proof: ``holds``, ``fails`` (with a trace) or ``unknown``."""
+    """What became of a proof: ``holds``, ``fails`` (with a trace), ``unknown`` or ``too slow``."""
 
     status: str
     seconds: float
@@ -119,7 +125,7 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     if proof.endless and fault:
         mode, depth = "bmc", max(depth, FAULT_DEPTH)
     (folder / "proof.sby").write_text(
-        f"[options]\nmode {mode}\ndepth {depth}\naigsmt boolector\n"
+        f"[options]\nmode {mode}\ndepth {depth}\ntimeout {TIMEOUT}\naigsmt boolector\n"
         f"[engines]\n{proof.engine}\n"
         "[script]\nread_rtlil proof.il\nhierarchy -top top\nflatten\n"
         "setattr -unset init w:*\nprep -top top\nmemory_map -formal\nopt -full\n"
@@ -159,5 +165,6 @@ def run(proof: Proof, fault: Fault | None = None, folder: Path | None = None) ->
     if folder is not None:
         write(proof, folder, fault)
         return check(folder)
-    with tempfile.TemporaryDirectory() as temporary:
+    SCRATCH.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=SCRATCH) as temporary:
         return run(proof, fault, Path(temporary))
