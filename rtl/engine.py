@@ -31,7 +31,7 @@ class Engine(wiring.Component):
     A frame opens with its first code word and closes with its end beat on ``raster``. Between
     frames, table writes go before the next frame's first code word.
 
-    **Latency**: 3 cycles from a code word to its pixels, 4 with lanes, and 2 more with a shape ROM;
+    **Latency**: 3 cycles from a code word to its pixels, 4 with lanes, and 3 more with a shape ROM;
     a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
     **Throughput**: with lanes a cycle a tile of 4 x 4 pixels, so 1 to 4 a code word; with banks 1
     to 3 a code word; one more where two follow each other into the same pixel or word of memory.

@@ -12,7 +12,7 @@ from .shape_contents import SMALLEST, TINY, shape_contents
 
 __all__ = ["ROM_LATENCY", "ShapeRom"]
 
-ROM_LATENCY = 2
+ROM_LATENCY = 3
 """Cycles that a word takes through the ROM."""
 
 
@@ -25,7 +25,7 @@ class ShapeRom(wiring.Component):
     which the logic after the memories does. A size over 8 gives the left and the right fraction of
     four lines, of which the lower half is the upper one turned.
 
-    **Latency**: 2 cycles, of every word. **Throughput**: one word a cycle; a compact word of a size
+    **Latency**: 3 cycles, of every word. **Throughput**: one word a cycle; a compact word of a size
     over 8 takes two. What gives nothing leaves no gap if its follower waits: a size that the ROM
     does not hold, a fraction without pixels, or one right of every image.
 
@@ -70,19 +70,22 @@ class ShapeRom(wiring.Component):
         gone = Signal()
         valid = Signal(ROM_LATENCY)
         moves = Signal(ROM_LATENCY)
+        place = Signal(contents.number_bits, reset_less=True)
         m.d.comb += [
-            moves[1].eq(~valid[1] | gone | self.o.ready),
+            moves[2].eq(~valid[2] | gone | self.o.ready),
+            moves[1].eq(~valid[1] | moves[2]),
             moves[0].eq(~valid[0] | moves[1]),
             number.en.eq(moves[0]),
-            shape.en.eq(moves[1]),
-            self.o.valid.eq(valid[1] & ~gone),
+            shape.en.eq(moves[2]),
+            shape.addr.eq(place),
+            self.o.valid.eq(valid[2] & ~gone),
         ]
-        with m.If(moves[0]):
-            m.d.sync += valid[0].eq(self.i.valid)
-        with m.If(moves[1]):
-            m.d.sync += valid[1].eq(valid[0])
-        found = self._ask(m, moves[0], number.addr)
-        shown = self._find(m, moves[1], found, number.data, shape.addr)
+        for stage in range(ROM_LATENCY):
+            with m.If(moves[stage]):
+                m.d.sync += valid[stage].eq(valid[stage - 1] if stage else self.i.valid)
+        asked = self._ask(m, moves[0], number.addr)
+        found = self._find(m, moves[1], asked, number.data, place)
+        shown = self._keep(m, moves[2], found)
         m.d.comb += gone.eq(self._show(m, shown, shape.data))
         return m
 
@@ -103,9 +106,8 @@ class ShapeRom(wiring.Component):
         turn = Signal()  # and top to bottom: the lower half of a size over 8
         right = Signal()  # the second fraction of four lines
         beyond = Signal()  # it begins right of every image
-        low = Cat(
-            Mux(size[2], size[0], ~size[3]), size[1] & size[2], ~size[2]
-        )  # 4..8: 0..4; else 5
+        # 4..8 as 0..4, and the smaller sizes as 5.
+        low = Cat(Mux(size[2], size[0], ~size[3]), size[1] & size[2], ~size[2])
         row = Value.cast(low)
         m.d.comb += [
             compact.eq(~word.mode & take(config.compact_set) & ~take(config.compact_clear)),
@@ -142,24 +144,28 @@ class ShapeRom(wiring.Component):
         m.d.comb += address.eq(Cat(_fold(level_y), _fold(level_x), row))
         return kept
 
-    def _find(self, m: Module, moves, found: _Stage, numbers, address) -> _Stage:
-        """Look the shape up; its place is 0, all of whose bits are, for a word with its own."""
+    def _find(self, m: Module, moves, found: _Stage, numbers, place) -> _Stage:
+        """Pick the shape's place; it is 0, all of whose bits are, for a word with its own rows."""
         threes = [numbers[TINY * n :][:TINY] for n in range(SMALLEST - 1)]
-        place = Signal(len(numbers))
-        with m.If(found.compact):
-            with m.Switch(found.kind):
-                m.d.comb += place.eq(numbers)
-                for which, three in enumerate(threes, start=1):
-                    with m.Case(which):
-                        m.d.comb += place.eq(three)
-        m.d.comb += address.eq(place)
+        with m.If(moves):
+            m.d.sync += place.eq(0)
+            with m.If(found.compact):
+                with m.Switch(found.kind):
+                    m.d.sync += place.eq(numbers)
+                    for which, three in enumerate(threes, start=1):
+                        with m.Case(which):
+                            m.d.sync += place.eq(three)
+        return self._keep(m, moves, found)
+
+    def _keep(self, m: Module, moves, stage: _Stage) -> _Stage:
+        """Return the stage after one, with what ``_show`` needs."""
         kept = _Stage(self.layout)
         with m.If(moves):
             m.d.sync += [
-                kept.word.eq(found.word),
-                kept.unknown.eq(found.unknown),
-                kept.mirrored.eq(found.mirrored),
-                kept.turned.eq(found.turned),
+                kept.word.eq(stage.word),
+                kept.unknown.eq(stage.unknown),
+                kept.mirrored.eq(stage.mirrored),
+                kept.turned.eq(stage.turned),
             ]
         return kept
 

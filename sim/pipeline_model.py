@@ -56,7 +56,7 @@ LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
 COLUMN = PAPER.first(0).mask
 MARK_SET, MARK_CLEAR = PAPER.compact_set.lsb, PAPER.compact_clear.lsb
 
-ROM_STAGES = 2
+ROM_STAGES = 3
 """Stages of the shape ROM, where there is one."""
 
 
@@ -149,7 +149,7 @@ class Front(NamedTuple):
     state
         See ``FOLLOWING`` and what follows: shape (3,).
     rom, rom_tops
-        As ``held`` and ``tops``, of the shape ROM, which lies before them: shape (2,).
+        As ``held`` and ``tops``, of the shape ROM, which lies before them: shape (3,).
     """
 
     held: Any

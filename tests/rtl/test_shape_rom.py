@@ -52,7 +52,7 @@ def test_every_entry_is_the_host_s_and_words_pass_in_order_under_stalls(config, 
 
 
 def test_what_a_word_costs(tmp_path):
-    """A cycle each, two of a size over 8, and two from in to out.
+    """A cycle each, two of a size over 8, and three from in to out.
 
     The first is taken in its last cycle, which is where the count begins.
     """
