@@ -1,0 +1,106 @@
+"""Packets become frames: whatever a packet holds, the engine sees one that ends once."""
+
+from __future__ import annotations
+
+from amaranth.hdl import Module, Mux, Signal
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .axi_stream import PacketLayout
+
+__all__ = ["StreamGuard"]
+
+
+class StreamGuard(wiring.Component):
+    """Makes one frame of each packet.
+
+    A frame has an end of its own (the end word; the end beat), and a packet has TLAST. They should
+    come together. If TLAST comes first, an end is put in behind it. If the end comes first, what
+    follows up to TLAST is dropped. A word not all of whose bytes are kept is dropped; its TLAST
+    counts. So every packet becomes one frame, and the next packet the next.
+
+    **Latency**: 0; 1 more for the first word of a packet. **Throughput**: a word a cycle, but for
+    the cycle in which a packet opens and the one that puts in an end.
+
+    Parameters
+    ----------
+    shape
+        Shape of a word.
+    end
+        The word that is put in.
+    ends
+        Function of a word: whether it is a frame's end.
+
+    Members
+    -------
+    i : In(stream of PacketLayout)
+        The packets.
+    o : Out(stream of shape)
+        The frames.
+    admit : In(1)
+        A packet may open.
+    cut : In(1)
+        End the frame as soon as the word that is offered has been taken, and drop the rest of its
+        packet. Where none is open, an end alone is sent.
+    forget : In(1)
+        The rest of a packet is no longer waited for: the next word opens one.
+    open : Out(1)
+        A frame has begun, and its end has not been taken.
+    dropping : Out(1)
+        The rest of a packet is being dropped.
+    early, late, partial : Out(1)
+        TLAST came before the end; the end came without it; a word was dropped. For a cycle each.
+    """
+
+    def __init__(self, shape, end, ends):
+        self.shape, self.end, self.ends = shape, end, ends
+        super().__init__(
+            {
+                "i": In(stream.Signature(PacketLayout(shape))),
+                "o": Out(stream.Signature(shape)),
+                **dict.fromkeys(("admit", "cut", "forget"), In(1)),
+                **dict.fromkeys(("open", "dropping", "early", "late", "partial"), Out(1)),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        word = self.i.payload
+        is_open, insert, drop, cutting = Signal(), Signal(), Signal(), Signal()
+        passing, taken, dropped = Signal(), Signal(), Signal()
+        ended, cut = Signal(), Signal()
+        m.d.comb += [
+            cut.eq(self.cut | cutting),
+            passing.eq(self.i.valid & is_open & ~insert),
+            ended.eq(word.whole & self.ends(word.data)),
+            self.o.valid.eq(insert | (passing & word.whole)),
+            # Apart from the chain below, whose conditions hang on `o.ready`.
+            self.o.payload.eq(Mux(insert, self.end, word.data)),
+            self.i.ready.eq((drop & ~insert) | (passing & (self.o.ready | ~word.whole))),
+            taken.eq(passing & self.i.ready),
+            dropped.eq(self.i.valid & drop & ~insert),
+            self.early.eq(taken & word.last & ~ended),
+            self.late.eq(taken & ended & ~word.last),
+            self.partial.eq(taken & ~word.whole),
+            self.open.eq(is_open | insert),
+            self.dropping.eq(drop),
+        ]
+        m.d.sync += cutting.eq(cut & ~insert)
+        with m.If(insert):
+            with m.If(self.o.ready):
+                m.d.sync += [insert.eq(0), is_open.eq(0)]
+        with m.Elif(taken):
+            m.d.sync += [
+                is_open.eq(~ended),
+                insert.eq((word.last | cut) & ~ended),
+                drop.eq((ended | cut) & ~word.last),
+                cutting.eq(0),
+            ]
+        with m.Elif(cut & ~passing):
+            m.d.sync += [insert.eq(1), drop.eq(drop | is_open), cutting.eq(0)]
+        with m.Elif(~is_open & ~drop):
+            m.d.sync += is_open.eq(self.i.valid & self.admit)
+        with m.If((dropped & word.last) | self.forget):
+            m.d.sync += drop.eq(0)
+        return m
