@@ -110,7 +110,9 @@ class AxiLiteFront(wiring.Component):
         """Build the circuit."""
         m = Module()
         bus = self.bus
-        addressed, given, answered = Signal(), Signal(), Signal()
+        addressed = Signal()
+        given = Signal()
+        answered = Signal()
         write = Signal(self.write.shape(), reset_less=True)
         write_response = Signal(2, reset_less=True)
         m.d.comb += [
@@ -135,7 +137,8 @@ class AxiLiteFront(wiring.Component):
                 write_response.eq(self.write_response),
             ]
 
-        asked, told = Signal(), Signal()
+        asked = Signal()
+        told = Signal()
         address = Signal(len(self.read), reset_less=True)
         read_data = Signal(32, reset_less=True)
         read_response = Signal(2, reset_less=True)

@@ -156,9 +156,15 @@ class RegisterFile(wiring.Component):
     def _write(self, m, front, values):
         """Do a write, or refuse it; return why by the fields of ERROR."""
         valid, address, payload = front.write_valid, front.write.address, front.write.data
-        known, writable, between, table = Signal(), Signal(), Signal(), Signal()
+        known = Signal()
+        writable = Signal()
+        between = Signal()
+        table = Signal()
         extra = Signal(32)  # bits that the register does not have
-        whole, right, refused, commit = Signal(), Signal(), Signal(), Signal()
+        whole = Signal()
+        right = Signal()
+        refused = Signal()
+        commit = Signal()
         table_write = self.tables.payload
         window = self.registers.materials
         held = Signal(32 * (window.words - 1), reset_less=True)
@@ -229,7 +235,8 @@ class RegisterFile(wiring.Component):
 
     def _read(self, m, front, values):
         """Answer a read; return what was wrong with it by the fields of ERROR."""
-        known, allowed = Signal(), Signal()
+        known = Signal(name="read_known")
+        allowed = Signal(name="read_allowed")
         _, place, in_window, in_registers = self._split(front.read)
         with m.If(in_window):
             m.d.comb += known.eq(place < self.registers.materials.words)

@@ -63,7 +63,8 @@ class RegisterSlice(wiring.Component):
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
-        valid, spare = Signal(), Signal()
+        valid = Signal()
+        spare = Signal()
         offered = Signal(self.shape, reset_less=True)
         waiting = Signal(self.shape, reset_less=True)
         m.d.comb += [

@@ -123,11 +123,15 @@ class AxiTop(wiring.Component):
         abort = pulses.control_abort
 
         # A frame is open in the guard, and then in the engine, of which it may have both.
-        word_taken = codewords.o.valid & codewords.o.ready
-        end_taken = engine.raster.valid & engine.raster.ready & engine.raster.payload.end
-        drawing, loading, aborting = Signal(), Signal(), Signal()
+        word_taken = Signal()
+        end_taken = Signal()
+        drawing = Signal()
+        loading = Signal()  # the end of the initial raster is still to come
+        aborting = Signal()
         busy = Signal()
         m.d.comb += [
+            word_taken.eq(codewords.o.valid & codewords.o.ready),
+            end_taken.eq(engine.raster.valid & engine.raster.ready & engine.raster.payload.end),
             busy.eq(codewords.open | drawing),
             registers.busy.eq(busy),
             # A table write that is offered goes first, as it does in the engine.

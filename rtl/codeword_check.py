@@ -76,7 +76,9 @@ class CodeWordCheck(wiring.Component):
         m = Module()
         config = self.config
         # A register first: that a word is taken is known late in the cycle.
-        taken, control, end = Signal(), Signal(), Signal()
+        taken = Signal()
+        control = Signal()
+        end = Signal()
         x = Signal(config.x_bits, reset_less=True)
         m.d.sync += [
             taken.eq(self.taken),

@@ -67,9 +67,15 @@ class StreamGuard(wiring.Component):
         """Build the circuit."""
         m = Module()
         word = self.i.payload
-        is_open, insert, drop, cutting = Signal(), Signal(), Signal(), Signal()
-        passing, taken, dropped = Signal(), Signal(), Signal()
-        ended, cut = Signal(), Signal()
+        is_open = Signal()
+        insert = Signal()  # the end is offered
+        drop = Signal()
+        cutting = Signal()  # a cut waits for the word that is offered
+        passing = Signal()
+        taken = Signal()
+        dropped = Signal()
+        ended = Signal()
+        cut = Signal()
         m.d.comb += [
             cut.eq(self.cut | cutting),
             passing.eq(self.i.valid & is_open & ~insert),
