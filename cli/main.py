@@ -15,6 +15,7 @@ from .errors import ToolFailure
 from .frames import encode, info, play
 from .hardware import synth, verilog
 from .pnr import netlist, pnr
+from .registers import registers
 from .render import render
 
 __all__ = ["main"]
@@ -100,5 +101,5 @@ def main() -> None:
     """  # noqa: D301  (click reads the backspace as "do not wrap")
 
 
-for _command in (render, encode, play, info, verilog, synth, netlist, pnr, bench):
+for _command in (render, encode, play, info, verilog, registers, synth, netlist, pnr, bench):
     main.add_command(_command)

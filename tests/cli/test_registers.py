@@ -1,0 +1,34 @@
+import json
+
+import pytest
+
+
+def test_the_page_is_printed(run, folder):
+    result = run("registers")
+    assert result.exit_code == 0, result.stderr
+    assert "| `0x18` | **ERROR**" in result.stdout
+    assert not list(folder.iterdir())
+
+
+def test_all_three_are_written(run, folder):
+    result = run(
+        *("registers", "--preset", "rgb24", "--c-header", "splatline.h"),
+        *("--json", "map.json", "--markdown", "map.md"),
+    )
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.endswith("registers of rgb24: splatline.h, map.json, map.md\n")
+    assert "#define SPLATLINE_MATERIAL_WORDS 2u" in (folder / "splatline.h").read_text()
+    assert json.loads((folder / "map.json").read_text())["preset"] == "rgb24"
+    assert "Preset `rgb24`" in (folder / "map.md").read_text()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("--c-header", "map.c"), ("--json", "map.yaml"), ("--markdown", "absent/map.md")],
+)
+def test_a_file_that_cannot_be_written_is_refused(run, folder, arguments):
+    result = run("registers", *arguments)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("splatline: ")
+    assert result.stderr.count("\n") == 1
+    assert not list(folder.iterdir())

@@ -1,0 +1,122 @@
+import dataclasses
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from splatline.rtl.axi_registers import RegisterFile
+from splatline.rtl.format import PAPER, PRESETS, EngineConfig
+from splatline.rtl.register_map import PARAMETERS, raster_stream_bytes, register_map
+from splatline.rtl.register_texts import c_header, json_map, markdown
+from splatline.rtl.variants import VARIANTS
+
+CONFIGS = {config.name: config for config in (*PRESETS.values(), *VARIANTS)}
+WIDEST = EngineConfig(
+    name="widest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
+    channel_bits=8, coefficient_bits=12, colour_shift=13,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST], ids=lambda config: config.name)
+def test_nothing_overlaps_and_all_lies_within(config):
+    registers = register_map(config)
+    taken = set()
+    for register in registers.registers:
+        assert register.offset % 4 == 0
+        assert register.offset not in taken
+        taken.add(register.offset)
+        bits = 0
+        for field in register.fields:
+            assert bits & field.mask == 0
+            bits |= field.mask
+            assert field.reset <= field.place.mask
+            assert field.meaning
+        assert bits < 1 << 32
+    window = registers.materials
+    assert max(taken) < window.offset
+    assert window.stride >= 4 * window.words
+    assert window.offset + window.entries * window.stride <= 1 << registers.address_bits
+    assert window.bits == 6 * config.coefficient_bits == config.table_data.width
+    assert [bin(mask).count("1") for mask in window.writable] == [
+        min(32, window.bits - 32 * word) for word in range(window.words)
+    ]
+
+
+@pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
+def test_a_beat_is_whole_limbs(config):
+    size = raster_stream_bytes(config)
+    assert size & (size - 1) == 0
+    assert size >= 8
+    assert config.raster_end.end <= 8 * size < 2 * max(config.raster_end.end, 33)
+
+
+def test_the_config_registers_hold_every_parameter_of_the_engine():
+    named = {name for widths in PARAMETERS for name in widths}
+    assert named == {field.name for field in dataclasses.fields(EngineConfig)} - {"name"}
+
+
+def test_the_page_in_docs_is_that_of_the_paper_preset():
+    """``splatline registers --markdown docs/registers.md`` makes it."""
+    page = Path(__file__).parents[2] / "docs" / "registers.md"
+    assert page.read_text() == markdown(register_map(PAPER))
+
+
+@pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST], ids=lambda c: c.name)
+def test_the_c_header_compiles_alone_and_says_the_same(config, tmp_path):
+    """Every number of the map, printed by a program that has the header twice."""
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    assert compiler, "building the simulator needs one too"
+    registers = register_map(config)
+    expected, names = [], []
+    for register in registers.registers:
+        names.append(f"{register.name}_OFFSET")
+        expected.append(register.offset)
+        for field in register.fields:
+            names += [f"{register.name}_{field.name}_{what}" for what in ("SHIFT", "MASK")]
+            expected += [field.place.lsb, field.mask]
+    window = registers.materials
+    for what in ("OFFSET", "ENTRIES", "STRIDE", "WORDS"):
+        names.append(f"MATERIAL_{what}")
+        expected.append(getattr(window, what.lower()))
+    for field in window.fields:
+        names += [f"MATERIAL_{field.name}_BIT", f"MATERIAL_{field.name}_WIDTH"]
+        expected += [field.place.lsb, field.place.width]
+    prints = "\n".join(f'printf("%u\\n", SPLATLINE_{name});' for name in names)
+    (tmp_path / "splatline.h").write_text(c_header(registers))
+    (tmp_path / "main.c").write_text(
+        '#include "splatline.h"\n#include "splatline.h"\n#include <stdio.h>\n'
+        f"int main(void) {{ {prints}\n"
+        'printf("%u %u\\n", SPLATLINE_GET(CONFIG_0_DEPTH_BITS, 0xffffffffu),'
+        " SPLATLINE_PUT(CONTROL_ABORT, 1u)); return 0; }\n"
+    )
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    subprocess.run(
+        [compiler, *flags, "main.c", "-o", "main"], cwd=tmp_path, check=True, capture_output=True
+    )
+    said = subprocess.run(
+        [tmp_path / "main"], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    assert [int(line) for line in said[:-1]] == expected
+    assert said[-1] == f"31 {1 << registers['CONTROL']['ABORT'].place.lsb}"
+
+
+def test_the_json_map_has_every_register_and_field():
+    registers = register_map(PAPER)
+    found = json.loads(json.dumps(json_map(registers)))
+    assert [row["name"] for row in found["registers"]] == [r.name for r in registers.registers]
+    (control,) = [row for row in found["registers"] if row["name"] == "CONTROL"]
+    assert control["offset"] == 0x10
+    assert [field["name"] for field in control["fields"]] == [
+        "HOLD", "QUIET", "ABORT", "RESYNC", "CLEAR",
+    ]  # fmt: skip
+    assert found["materials"]["entries"] == 128
+    assert found["streams"] == {"codeword_bytes": 8, "raster_bytes": 16}
+
+
+def test_registers_that_reach_too_far_are_refused():
+    registers = register_map(PAPER)
+    far = dataclasses.replace(registers.registers[-1], offset=0x80)
+    with pytest.raises(ValueError, match="must end below 0x80"):
+        RegisterFile(dataclasses.replace(registers, registers=(*registers.registers, far)))
