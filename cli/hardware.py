@@ -19,9 +19,9 @@ __all__ = ["synth", "verilog"]
 
 TOP = click.option(
     "--top",
-    type=click.Choice(["engine", "pins"]),
+    type=click.Choice(["engine", "pins", "axi"]),
     default="engine",
-    help="The engine with its whole streams, or narrow ones that fit the pins of a package.",
+    help="The engine with its whole streams, narrow ones that fit the pins of a package, or AXI.",
 )
 
 
@@ -56,18 +56,19 @@ def verilog(
     """Write the Verilog of an engine or a chain, and a JSON sidecar of the same name.
 
     The sidecar has the ports with their widths and meaning, the configuration, the latency and the
-    versions of the tools.
+    versions of the tools; with AXI the registers as well.
 
     \b
     Examples:
       splatline verilog
       splatline verilog --preset paper -o engine.v        engine.v and engine.json
       splatline verilog --top pins -o top.v               for an FPGA of its own
+      splatline verilog --top axi -o splatline_axi.v      for a block design
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
       splatline verilog --engines 8 -o chain.v            eight engines that share a picture
     """  # noqa: D301  (click reads the backspace as "do not wrap")
-    if engines is not None and top == "pins":
-        raise click.UsageError("a chain has whole streams: give --engines or --top pins, not both")
+    if engines is not None and top != "engine":
+        raise click.UsageError(f"a chain has whole streams: give --engines or --top {top}, not both")
     if output is None:
         chained = "" if engines is None else f"_x{engines}"
         output = Path(f"splatline_{preset.name}{chained}.v")
@@ -82,14 +83,10 @@ def verilog(
             from ..rtl.chain_verilog import generate_chain
 
             text, description = generate_chain(preset, engines, link)
-        elif top == "pins":
-            from ..rtl.pins import generate_pins
-
-            text, description = generate_pins(preset)
         else:
-            from ..rtl.verilog import generate
+            from ..rtl.tops import TOPS
 
-            text, description = generate(preset)
+            text, description = TOPS[top](preset, "splatline")
     if contents is not None:
         from ..rtl.memory_files import move_contents
 
@@ -131,6 +128,7 @@ def synth(
     Examples:
       splatline synth
       splatline synth --top pins                as it stands on the device's pins
+      splatline synth --top axi                 with its buses
       splatline synth --preset rgb24 --json synth.json --plot synth.png
       splatline synth --record                  after a change that is worth what it takes
     """  # noqa: D301
@@ -144,14 +142,14 @@ def synth(
         from ..rtl.synth import synthesise
 
         try:
-            result = synthesise(preset, pins=top == "pins")
+            result = synthesise(preset, top=top)
         except RuntimeError as error:
             raise ToolFailure(str(error)) from error
     from .report_synthesis import describe_excess, print_synthesis
 
     if record:
         counts = {kind: result[kind] for kind in result["device"] if kind != "name"}
-        budgets.record(budgets.budget_name(preset.name, pins=top == "pins"), counts)
+        budgets.record(budgets.budget_name(preset.name, top), counts)
         result |= {"budget": counts, "over_budget": {}}
     if report is not None:
         write_json(report, result)

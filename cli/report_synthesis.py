@@ -56,9 +56,9 @@ def _whole(report: Mapping[str, Any]) -> Table:
     from rich.table import Table
 
     device = report["device"]
-    pins = " with pins" if report["top"] == "pins" else ""
+    top = {"engine": "", "pins": " with pins"}.get(report["top"], f" with {report['top']}")
     table = Table(
-        title=f"Preset {report['preset']}{pins} on {device['name']}",
+        title=f"Preset {report['preset']}{top} on {device['name']}",
         title_justify="left",
         caption=report["command"],
         caption_justify="left",

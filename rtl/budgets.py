@@ -20,9 +20,9 @@ def read_budgets() -> dict[str, dict[str, int]]:
     return json.loads(BUDGETS.read_text()) if BUDGETS.exists() else {}
 
 
-def budget_name(preset: str, *, pins: bool = False) -> str:
-    """Return what a preset's budget is recorded as: by itself, or behind its pins."""
-    return f"{preset}, pins" if pins else preset
+def budget_name(preset: str, top: str = "engine") -> str:
+    """Return what a preset's budget is recorded as: by itself, or within another top module."""
+    return preset if top == "engine" else f"{preset}, {top}"
 
 
 def over_budget(counts: dict[str, int], budget: dict[str, int] | None) -> dict[str, int]:

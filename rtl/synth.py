@@ -15,8 +15,8 @@ from amaranth.lib import wiring
 from .budgets import budget_name, over_budget, read_budgets
 from .format import PAPER, EngineConfig
 from .levels import longest_path
-from .pins import generate_pins
-from .verilog import convert, generate
+from .tops import TOPS
+from .verilog import convert
 
 __all__ = ["DEVICE", "PAPER_TABLE_1", "count_component", "group_instances", "synthesise"]
 
@@ -59,7 +59,7 @@ LUT_MEMORIES = {
 MEMORY_CELLS = ("RAM16X", "RAM32X", "RAM64X", "RAM128X")
 
 
-def synthesise(config: EngineConfig = PAPER, *, pins: bool = False) -> dict:
+def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
     """Return what an engine takes of the XC2V250, as Yosys counts it.
 
     The whole is synthesised flat; the modules are counted in a second run that keeps the hierarchy,
@@ -69,13 +69,13 @@ def synthesise(config: EngineConfig = PAPER, *, pins: bool = False) -> dict:
     ----------
     config
         The engine's configuration.
-    pins
-        Count the engine behind narrow ports (:mod:`splatline.rtl.pins`), not by itself.
+    top
+        What to count: one of :data:`splatline.rtl.tops.TOPS`.
 
     Returns
     -------
     dict
-        ``preset``, ``top`` (``engine`` or ``pins``); ``lut4``, ``ff``, ``bram``, ``mult``;
+        ``preset``, ``top``; ``lut4``, ``ff``, ``bram``, ``mult``;
         ``device``, ``fits``; ``paper``, ``difference`` from it (``absolute``, ``percent``);
         ``budget``, None if none is recorded, and ``over_budget``; ``longest_path``, see
         ``levels.longest_path``;
@@ -88,7 +88,7 @@ def synthesise(config: EngineConfig = PAPER, *, pins: bool = False) -> dict:
         If Yosys fails, or leaves a cell that the device lacks.
     """
     name = "splatline"
-    text, _ = (generate_pins if pins else generate)(config, name)
+    text, _ = TOPS[top](config, name)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "engine.v").write_text(text)
@@ -97,10 +97,10 @@ def synthesise(config: EngineConfig = PAPER, *, pins: bool = False) -> dict:
         netlist = json.loads((folder / "netlist.json").read_text())
     counts = _count(cells)
     modules = {_instance(module, name): _count(found) for module, found in sorted(parts.items())}
-    budget = read_budgets().get(budget_name(config.name, pins=pins))
+    budget = read_budgets().get(budget_name(config.name, top))
     return {
         "preset": config.name,
-        "top": "pins" if pins else "engine",
+        "top": top,
         **counts,
         "fits": all(counts[kind] <= DEVICE[kind] for kind in counts),
         "device": DEVICE,

