@@ -139,7 +139,7 @@ class Driver:
                 f"an image of {width}x{height} pixels does not fit the engine's"
                 f" {config.max_width}x{config.max_height}"
             )
-        self._clear_errors()
+        self._clear("ERROR")
         entries, before = self._pack(tables), self._entries
         changed = (
             np.arange(len(entries))
@@ -186,8 +186,8 @@ class Driver:
         """
         if not len(codewords):
             raise InputError("a frame has at least its end word")
-        self._clear_errors()
-        self.set("IRQ_STATUS", FRAME_DONE=1)
+        self._clear("ERROR")
+        self._clear("IRQ_STATUS")
         self.set("START", LOAD=int(initial is not None))
         self._raise_errors("no frame can begin")
         beats = None if initial is None else self.widen(initial)
@@ -205,7 +205,7 @@ class Driver:
         """End the frame that is open, and take what is still coming of it."""
         self.set("CONTROL", QUIET=1, ABORT=1)
         self.device.receive()
-        self._clear_errors()
+        self._clear("ERROR")
 
     def counters(self) -> dict[str, int]:
         """Return the counters by name in small letters; each wraps at 2**32."""
@@ -221,15 +221,18 @@ class Driver:
         word = self.device.read32(register.offset)
         return [field.name for field in register.fields if word & field.mask]
 
-    def _clear_errors(self) -> None:
-        register = self.registers["ERROR"]
-        self.device.write32(register.offset, register.writable)
+    def _clear(self, name: str) -> None:
+        """Clear the bits of a register that are set, of those that a written 1 clears."""
+        register = self.registers[name]
+        word = self.device.read32(register.offset) & register.writable
+        if word:
+            self.device.write32(register.offset, word)
 
     def _raise_errors(self, what: str, beats: npt.NDArray[np.uint64] | None = None) -> None:
         """Raise if a bit of ERROR is set, and clear it."""
         names = self.errors()
         if names:
-            self._clear_errors()
+            self._clear("ERROR")
             register = self.registers["ERROR"]
             reasons = "; ".join(f"{name}: {register[name].meaning}" for name in names)
             raise EngineError(f"{what}: {reasons}", names, beats)
