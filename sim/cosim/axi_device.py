@@ -36,12 +36,13 @@ START_SECONDS = 120.0
 _SERVE = "import sys; from splatline.sim.cosim.axi_device import serve; serve(sys.argv[1])"
 
 
-def build_axi(config: EngineConfig = PAPER) -> Build:
+def build_axi(config: EngineConfig = PAPER, simulator_name: str = "verilator") -> Build:
     """Build the simulator of an engine on its buses, or find it built."""
     from ...rtl.axi_top import AxiTop
     from ...rtl.verilog import convert
 
-    return simulator.build({"splatline.v": convert(AxiTop(config), "splatline")}, "splatline")
+    text = convert(AxiTop(config), "splatline")
+    return simulator.build({"splatline.v": text}, "splatline", simulator=simulator_name)
 
 
 class SimulatedDevice:
@@ -130,6 +131,7 @@ class SimulatedDevice:
                     raise EOFError
             return self._line.recv()
         except (EOFError, OSError) as error:
+            _end(self._process)  # so that its log is whole
             raise SimulationError(f"the simulator stopped\n{self._tail()}") from error
 
     def close(self) -> None:

@@ -398,6 +398,21 @@ def tables_written_in_mid_frame(device):
     right(device)
 
 
+@case(BUS)
+def nothing_passes_within_a_cycle(device):
+    """Inputs turned over between two edges move no output, in whatever state of a frame."""
+    engine, frame = setup(device, 21)
+    start, beats = initial_of(frame, 8)
+    engine.set("START", LOAD=1)
+    device.command("stall", 0.3, 8)
+    device.send(frame.codewords, engine.widen(beats))
+    assert device.command("turn_over", 600) == []
+    drawn = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
+    picture = from_beats(drawn, WIDTH, HEIGHT, engine.config)
+    assert picture.mismatches(golden.render(frame, start)) == 0
+    right(device)
+
+
 def abort(device, frame, *, dropping=()):
     """End the frame that is open; the part of it that came is part of the picture."""
     engine = Driver(device)

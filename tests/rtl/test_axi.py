@@ -11,7 +11,9 @@ from splatline.rtl.format import PAPER
 from splatline.rtl.register_map import register_map
 from splatline.sim import golden
 from splatline.sim.beats import from_beats
-from splatline.sim.cosim.axi_device import SimulatedDevice
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.axi_device import SimulatedDevice, build_axi
+from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.driver import Engine
 
 
@@ -41,6 +43,21 @@ def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
         assert picture.mismatches(golden.render(frame, start)) == 0
         assert picture.drawn.mean() > 0.2
     assert engine.counters()["frames"] == 3
+
+
+def test_an_engine_with_wider_beats_and_longer_materials():
+    """Beats of 32 bytes, and materials of three words; its driver knows no preset like it."""
+    config = PAPER.replace(pixels_per_word=8, coefficient_bits=12, colour_shift=15)
+    frame = clean(config, 1, 30)
+    start = random_raster(np.random.default_rng(1), WIDTH, HEIGHT, 0.02, config)
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    with SimulatedDevice(config, built=build_axi(config, quickest)) as device:
+        engine = Engine(device)
+        assert engine.config == config
+        assert engine.registers.materials.words == 3
+        picture = draw_scene(engine, frame, start)
+        assert picture.mismatches(golden.render(frame, start)) == 0
+        assert device.command("rules") == []
 
 
 def test_frames_that_press_behind_each_other(device):
@@ -172,3 +189,13 @@ def test_interrupts(device):
     assert interrupt(device) == 1
     engine.set("ERROR", FRAME_ENDED_EARLY=1)
     assert interrupt(device) == 0
+
+
+def test_a_simulator_that_stops_is_told_with_its_log():
+    with SimulatedDevice(PAPER) as device, pytest.raises(SimulationError, match="no_such_method"):
+        device.command("no_such_method")
+
+
+def test_a_stall_that_would_never_end_is_refused():
+    with pytest.raises(ValueError, match="stall must be"):
+        SimulatedDevice(PAPER, stall=1.0)

@@ -1,0 +1,101 @@
+"""Planted faults in the guards, the register file and the top: the cases must notice them."""
+
+import functools
+
+import axi_cases
+import pytest
+from axi_cases import ABORTS, BUS, STREAMS
+from faults import fault, rewrite
+
+from splatline.host.device import DeviceTimeoutError
+from splatline.host.driver import EngineError
+from splatline.rtl.axi_registers import RegisterFile
+from splatline.rtl.axi_stream import RegisterSlice
+from splatline.rtl.axi_top import AxiTop
+from splatline.rtl.format import PAPER
+from splatline.rtl.stream_guard import StreamGuard
+from splatline.rtl.verilog import convert
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.axi_device import SimulatedDevice
+from splatline.sim.cosim.simulator import SimulationError
+
+NOTICED = (AssertionError, DeviceTimeoutError, EngineError, SimulationError, ValueError)
+
+SIGNALS = [
+    (STREAMS, "an_end_word_without_last", "codewords", "dropped", "1'h0", "never done dropping"),
+    (ABORTS, "in_the_middle_of_the_code_words", "codewords", "cut", "1'h0", "no end by an abort"),
+    (STREAMS, "an_element_in_the_last_column", "check", "x_outside", "element", "all is outside"),
+    (BUS, "writes_of_some_bytes", "registers", "whole", "1'h1", "strobes are not looked at"),
+    (BUS, "tables_written_in_mid_frame", None, "busy", "1'h0", "tables change in mid-frame"),
+]
+
+PARTS = [
+    (
+        *(STREAMS, "a_frame_that_ends_early", StreamGuard, "elaborate"),
+        *(r"\(word\.last \| cut\)", "cut", "no end is put in"),
+    ),
+    (
+        *(STREAMS, "partial_words", StreamGuard, "elaborate"),
+        *(r"\(passing & word\.whole\)", "passing", "partial words are drawn"),
+    ),
+    (
+        *(BUS, "nothing_at_an_address", RegisterFile, "_store"),
+        *(r" & ~bits\)", ")", "a bit of ERROR stays"),
+    ),
+    (
+        *(BUS, "bits_that_a_register_lacks", RegisterFile, "_write"),
+        *(r" & ~extra\.any\(\)\)", ")", "bits are not looked at"),
+    ),
+    (
+        *(BUS, "nothing_passes_within_a_cycle", AxiTop, "elaborate"),
+        *(r"irq\.eq\(irq\)", "irq.eq(irq ^ self.s_axi_ctrl_awprot[0])", "a path across the chip"),
+    ),
+    (
+        *(STREAMS, "any_packets_at_all", RegisterSlice, "elaborate"),
+        *(r"with m\.If\(~spare\)", "with m.If(1)", "the word that waits is lost"),
+    ),
+]
+
+
+@functools.cache
+def whole():
+    """The text of a right engine."""
+    return convert(AxiTop(PAPER), "splatline")
+
+
+def notices(table, name, text):
+    """Whether a case fails on an engine."""
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    built = simulator.build({"splatline.v": text}, "splatline", simulator=quickest)
+    with SimulatedDevice(PAPER, limit=2500, built=built) as device:
+        axi_cases.fresh(device)
+        device.command("stall", 0.3, 1)
+        try:
+            table[name](device)
+        except NOTICED:
+            return True
+        return device.command("rules") != []
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "part", "signal", "value"),
+    [pytest.param(*row[:5], id=row[5]) for row in SIGNALS],
+)
+def test_a_fault_in_a_signal_is_noticed(table, name, part, signal, value):
+    module = "splatline" if part is None else f"splatline.{part}"
+    assert notices(table, name, fault(module, signal, value)(whole()))
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "component", "method", "pattern", "replacement"),
+    [pytest.param(*row[:6], id=row[6]) for row in PARTS],
+)
+def test_a_fault_in_a_part_is_noticed(
+    monkeypatch, table, name, component, method, pattern, replacement
+):
+    rewrite(monkeypatch, component, method, pattern, replacement)
+    assert notices(table, name, convert(AxiTop(PAPER), "splatline"))
+
+
+def test_without_a_fault_nothing_is_noticed():
+    assert not notices(STREAMS, "partial_words", whole())
