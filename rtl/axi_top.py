@@ -35,7 +35,7 @@ class AxiTop(wiring.Component):
     - An initial raster is a packet of the same kind.
 
     Whatever else comes sets a bit of the register ERROR, and does no harm: :class:`StreamGuard` and
-    :class:`RegisterFile` say what becomes of it. CONTROL.ABORT ends each frame that has begun: an
+    :class:`RegisterFile` say what becomes of it. CONTROL.ABORT ends the frame that is open: an
     end is put in behind the words that were taken, an initial raster that is still waited for ends,
     the rest of both packets is dropped up to TLAST, and of the picture only the end beat still
     leaves. The engine is never reset for it, so its tables stay.
@@ -122,12 +122,14 @@ class AxiTop(wiring.Component):
         values, events, pulses = registers.values, registers.events, registers.pulses
         abort = pulses.control_abort
 
-        # A frame is open in the guard, and then in the engine, of which it may have both.
+        # A frame is open from its first code word in the guard to its end beat, one at a time: the
+        # engine would take the next while this one's end beat still waits.
         word_taken = Signal()
         end_taken = Signal()
         drawing = Signal()
         loading = Signal()  # the end of the initial raster is still to come
         aborting = Signal()
+        released = Signal()  # it is no longer waited for
         busy = Signal()
         m.d.comb += [
             word_taken.eq(codewords.o.valid & codewords.o.ready),
@@ -135,19 +137,21 @@ class AxiTop(wiring.Component):
             busy.eq(codewords.open | drawing),
             registers.busy.eq(busy),
             # A table write that is offered goes first, as it does in the engine.
-            codewords.admit.eq(~values.control_hold & ~registers.tables.valid),
+            codewords.admit.eq(~drawing & ~values.control_hold & ~registers.tables.valid),
             codewords.cut.eq(abort & codewords.open),
             codewords.forget.eq(pulses.control_resync),
             initial.admit.eq(1),
-            initial.cut.eq(abort & loading),
+            initial.cut.eq(aborting & loading & ~released),
             initial.forget.eq(pulses.control_resync),
         ]
         with m.If(end_taken):
-            m.d.sync += [drawing.eq(0), aborting.eq(0)]
+            m.d.sync += [drawing.eq(0), aborting.eq(0), released.eq(0)]
         with m.If(word_taken):
             m.d.sync += drawing.eq(1)
             with m.If(~drawing):
                 m.d.sync += loading.eq(values.start_load)
+        with m.If(initial.cut):
+            m.d.sync += released.eq(1)
         with m.If(initial.o.valid & initial.o.ready & initial.o.payload.end):
             m.d.sync += loading.eq(0)
         with m.If(abort & busy):

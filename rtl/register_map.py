@@ -132,7 +132,7 @@ def _control() -> Iterator[_Row]:
     control = [
         _field("HOLD", 1, Access.READ_WRITE, "no further frame begins: its code words wait"),
         _field("QUIET", 1, Access.READ_WRITE, "the bus answers OKAY where it would be an error"),
-        _field("ABORT", 1, Access.WRITE_ONLY, "ends every frame that has begun"),
+        _field("ABORT", 1, Access.WRITE_ONLY, "ends the frame that is open"),
         _field("RESYNC", 1, Access.WRITE_ONLY, "drops no more: what comes next is a new packet"),
         _field("CLEAR", 1, Access.WRITE_ONLY, "clears the counters"),
     ]

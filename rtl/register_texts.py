@@ -39,7 +39,7 @@ Tables, size and START are written between frames, then the packets are sent. FR
 the end beat. STATUS.BUSY is 0 by then, unless a further packet has begun. A host that sends ahead
 sets CONTROL.HOLD, waits for BUSY to fall, writes, and clears it.
 
-CONTROL.ABORT ends every frame that has begun: the rest of its packets is dropped up to TLAST, of
+CONTROL.ABORT ends the frame that is open: the rest of its packets is dropped up to TLAST, of
 its picture only the end beat still leaves, and the tables stay. If the rest of a packet will never
 come, because the host's DMA was reset, write RESYNC after it.
 

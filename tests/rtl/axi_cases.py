@@ -399,6 +399,32 @@ def tables_written_in_mid_frame(device):
 
 
 @case(BUS)
+def a_frame_is_open_behind_others_that_wait(device):
+    """End beats wait to be taken, and behind them a frame that has been read but not sent."""
+    engine, frame = setup(device, 22)
+    device.command("pause", "raster", True)
+    end = [end_word(engine.config)]
+    blocks = np.array([*(block(engine.config, 9 * n) for n in range(5)), *end], np.uint64)
+    for words in (end, end, end, blocks):
+        send(device, "codewords", words)
+    device.command("wait", 400)
+    device.command("pause", "raster", False)
+    device.command("wait", 5)
+    device.command("pause", "raster", True)
+    device.command("wait", 200)
+    assert engine.get("FRAMES") % 4 == 3
+    assert engine.get("STATUS", "BUSY")
+    refused(device, SLVERR, "BUS_BUSY", engine.registers["LAST_LINE"].offset, bytes_of(1))
+    device.command("pause", "raster", False)
+    for _ in range(3):
+        assert len(device.receive()) == 1
+    beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
+    expected = golden.render(dataclasses.replace(frame, codewords=blocks))
+    assert from_beats(beats, WIDTH, HEIGHT, engine.config).mismatches(expected) == 0
+    right(device)
+
+
+@case(BUS)
 def nothing_passes_within_a_cycle(device):
     """Inputs turned over between two edges move no output, in whatever state of a frame."""
     engine, frame = setup(device, 21)
@@ -476,6 +502,50 @@ def in_the_middle_of_an_initial_raster(device):
     abort(device, frame, dropping=["DROPPING_INITIAL"])
     engine, frame = setup(device, 33)
     assert engine.draw(frame.codewords, start).mismatches(golden.render(frame, start)) == 0
+    right(device)
+
+
+@case(ABORTS)
+def while_the_engine_clears_its_memory(device):
+    """And the initial raster will not come."""
+    device.command("reset")
+    engine = Driver(device)
+    frame = clean(engine.config, 37)
+    engine.set("START", LOAD=1)
+    device.send(frame.codewords)
+    device.command("wait", 20)
+    assert engine.get("WORDS") == 0
+    device.command("pause", "codewords", True)
+    assert engine.get("STATUS", "BUSY")
+    engine.set("CONTROL", QUIET=1, ABORT=1)
+    device.receive()
+    device.command("pause", "codewords", False)
+    device.command("wait", 500)
+    assert engine.errors() == ["ABORTED"]
+    engine.set("ERROR", ABORTED=1)
+    right(device)
+
+
+@case(ABORTS)
+def in_any_of_its_first_cycles(device):
+    """One that comes before the frame does nothing; then the frame waits for its initial raster."""
+    engine, frame = setup(device, 38)
+    aborted = []
+    for cycles in range(12):
+        engine.set("START", LOAD=1)
+        device.send(frame.codewords)
+        if cycles:
+            device.command("wait", cycles)
+        engine.set("CONTROL", QUIET=1, ABORT=1)
+        device.command("wait", 300)
+        aborted.append(not engine.get("STATUS", "BUSY"))
+        if not aborted[-1]:
+            engine.set("CONTROL", QUIET=1, ABORT=1)
+        beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
+        from_beats(beats, WIDTH, HEIGHT, engine.config)
+        assert engine.errors() == ["ABORTED"]
+        engine.set("ERROR", ABORTED=1)
+    assert len(set(aborted)) == 2, aborted
     right(device)
 
 

@@ -51,6 +51,14 @@ PARTS = [
         *(r"irq\.eq\(irq\)", "irq.eq(irq ^ self.s_axi_ctrl_awprot[0])", "a path across the chip"),
     ),
     (
+        *(BUS, "a_frame_is_open_behind_others_that_wait", AxiTop, "elaborate"),
+        *(r"~drawing & ~values", "~values", "two frames are open at once"),
+    ),
+    (
+        *(ABORTS, "in_any_of_its_first_cycles", AxiTop, "elaborate"),
+        *(r"aborting & loading & ~released", "abort & loading", "an abort that comes too soon"),
+    ),
+    (
         *(STREAMS, "any_packets_at_all", RegisterSlice, "elaborate"),
         *(r"with m\.If\(~spare\)", "with m.If(1)", "the word that waits is lost"),
     ),
@@ -69,7 +77,8 @@ def notices(table, name, text):
     built = simulator.build({"splatline.v": text}, "splatline", simulator=quickest)
     with SimulatedDevice(PAPER, limit=2500, built=built) as device:
         axi_cases.fresh(device)
-        device.command("stall", 0.3, 1)
+        if table is STREAMS:
+            device.command("stall", 0.3, 1)
         try:
             table[name](device)
         except NOTICED:
