@@ -447,6 +447,7 @@ def abort(device, frame, *, dropping=()):
     device.command("pause", "raster", False)
     beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
     from_beats(beats, WIDTH, HEIGHT, engine.config)  # inside the image and in order
+    device.command("wait", 200)  # a word is dropped a cycle
     for bit in ("DROPPING", "DROPPING_INITIAL"):
         assert engine.get("STATUS", bit) == (bit in dropping)
     assert not engine.get("STATUS", "BUSY")
@@ -543,6 +544,7 @@ def in_any_of_its_first_cycles(device):
             engine.set("CONTROL", QUIET=1, ABORT=1)
         beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
         from_beats(beats, WIDTH, HEIGHT, engine.config)
+        device.command("wait", 200)
         assert engine.errors() == ["ABORTED"]
         engine.set("ERROR", ABORTED=1)
     assert len(set(aborted)) == 2, aborted
