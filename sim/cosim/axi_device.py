@@ -8,6 +8,7 @@ and comes back answered.
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import json
 import socket
 import subprocess
@@ -23,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...host.device import BusError, DeviceTimeoutError
+from ...host.errors import InputError
 from ...rtl.format import PAPER, EngineConfig
 from ...rtl.register_map import raster_stream_bytes
 from . import simulator
@@ -64,7 +66,7 @@ class SimulatedDevice:
     Raises
     ------
     InputError
-        If the simulator is not installed.
+        If the simulator or cocotbext-axi is not installed.
     SimulationError
         If it cannot be built or started; from every method, if it stops.
     """
@@ -80,6 +82,10 @@ class SimulatedDevice:
     ) -> None:
         if not 0.0 <= stall < 1.0:
             raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
+        if importlib.util.find_spec("cocotbext") is None:
+            raise InputError(
+                "an engine on AXI is simulated with cocotbext-axi: pip install 'splatline[cosim]'"
+            )
         self.config = config
         self.limit = limit
         built = build_axi(config) if built is None else built

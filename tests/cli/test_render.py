@@ -3,6 +3,7 @@ import json
 import pytest
 from PIL import Image
 
+from splatline.cli import engines
 from splatline.cli.subject import DEFAULT_SCENE
 from splatline.host.scenes import SCENES
 from splatline.sim.cosim.simulator import SimulationError
@@ -93,6 +94,16 @@ def test_verilog_that_differs_from_golden_fails_but_shows_its_picture(run, folde
     assert result.stderr.splitlines()[-1].startswith("splatline: 2 pixels")
     assert json.loads((folder / "a.json").read_text())["mismatched_pixels"] == 2
     assert files(folder) == ["a.json", "ball.png"]
+
+
+def test_the_verilog_on_its_buses_is_compared_too(run, folder, cloud, verilog, monkeypatch):
+    monkeypatch.setattr(engines, "_simulate_on_buses", engines._simulate)
+    result = run("render", cloud, "--size", "32x32", "--engine", "axi", "--stall", "0.5",
+                 "--stats", "a.json")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert verilog[1] == [(0.5, 1)]
+    numbers = json.loads((folder / "a.json").read_text())
+    assert (numbers["engine"], numbers["stall"], numbers["cycles"]) == ("axi", 0.5, 4321)
 
 
 @pytest.mark.parametrize(

