@@ -8,14 +8,14 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .axi_lite import AxiLiteFront, AxiLiteSignature, Response
 from .layouts import TableWriteLayout
-from .registers import Access, BusField, BusRegister, RegisterMap
+from .registers import REGISTER_BYTES, Access, BusField, BusRegister, RegisterMap
 
 __all__ = ["EventsLayout", "LiveLayout", "PulsesLayout", "RegisterFile", "ValuesLayout"]
 
 FULL = 0xFFFF_FFFF
 
-REGISTERS_END = 7
-"""Address bits of the registers, which end below the 128th byte."""
+REGISTERS_END = (REGISTER_BYTES - 1).bit_length()
+"""Address bits of the registers."""
 
 
 class _FieldsLayout(data.StructLayout):
@@ -114,8 +114,6 @@ class RegisterFile(wiring.Component):
 
     def __init__(self, registers: RegisterMap):
         self.registers = registers
-        if registers.registers[-1].offset >= 1 << REGISTERS_END:
-            raise ValueError(f"the registers must end below {1 << REGISTERS_END:#x}")
         super().__init__(
             {
                 "bus": In(AxiLiteSignature(registers.address_bits)),

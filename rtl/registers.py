@@ -11,7 +11,17 @@ from enum import Enum
 
 from .format import EngineConfig, Field
 
-__all__ = ["Access", "BusField", "BusRegister", "MaterialWindow", "RegisterMap"]
+__all__ = [
+    "REGISTER_BYTES",
+    "Access",
+    "BusField",
+    "BusRegister",
+    "MaterialWindow",
+    "RegisterMap",
+]
+
+REGISTER_BYTES = 0x80
+"""Below it lie the registers of a map; a power of two."""
 
 
 class Access(Enum):
@@ -157,11 +167,22 @@ class RegisterMap:
         In the order of their offsets.
     materials
         The material table.
+
+    Raises
+    ------
+    ValueError
+        If a register lies too far up.
     """
 
     config: EngineConfig
     registers: tuple[BusRegister, ...]
     materials: MaterialWindow
+
+    def __post_init__(self) -> None:
+        """Check what the decoder of addresses relies on."""
+        last = max(register.offset for register in self.registers)
+        if last >= REGISTER_BYTES:
+            raise ValueError(f"a register at {last:#x}: they must lie below {REGISTER_BYTES:#x}")
 
     @property
     def address_bits(self) -> int:
