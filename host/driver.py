@@ -139,7 +139,7 @@ class Driver:
                 f"an image of {width}x{height} pixels does not fit the engine's"
                 f" {config.max_width}x{config.max_height}"
             )
-        self._clear("ERROR")
+        self.clear("ERROR")
         entries, before = self._pack(tables), self._entries
         changed = (
             np.arange(len(entries))
@@ -186,8 +186,8 @@ class Driver:
         """
         if not len(codewords):
             raise InputError("a frame has at least its end word")
-        self._clear("ERROR")
-        self._clear("IRQ_STATUS")
+        self.clear("ERROR")
+        self.clear("IRQ_STATUS")
         self.set("START", LOAD=int(initial is not None))
         self._raise_errors("no frame can begin")
         beats = None if initial is None else self.widen(initial)
@@ -205,7 +205,7 @@ class Driver:
         """End the frame that is open, and take what is still coming of it."""
         self.set("CONTROL", QUIET=1, ABORT=1)
         self.device.receive()
-        self._clear("ERROR")
+        self.clear("ERROR")
 
     def counters(self) -> dict[str, int]:
         """Return the counters by name in small letters; each wraps at 2**32."""
@@ -221,18 +221,25 @@ class Driver:
         word = self.device.read32(register.offset)
         return [field.name for field in register.fields if word & field.mask]
 
-    def _clear(self, name: str) -> None:
+    def clear(self, name: str) -> None:
         """Clear the bits of a register that are set, of those that a written 1 clears."""
         register = self.registers[name]
         word = self.device.read32(register.offset) & register.writable
         if word:
             self.device.write32(register.offset, word)
 
+    def widen(self, beats: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
+        """Return beats of a raster with as many limbs as the stream has: what a device is sent."""
+        place = self.registers["CONFIG_1"]["BEAT_BYTES"]
+        wide = np.zeros((len(beats), place.reset // 8), np.uint64)
+        wide[:, : beats.shape[1]] = beats
+        return wide
+
     def _raise_errors(self, what: str, beats: npt.NDArray[np.uint64] | None = None) -> None:
         """Raise if a bit of ERROR is set, and clear it."""
         names = self.errors()
         if names:
-            self._clear("ERROR")
+            self.clear("ERROR")
             register = self.registers["ERROR"]
             reasons = "; ".join(f"{name}: {register[name].meaning}" for name in names)
             raise EngineError(f"{what}: {reasons}", names, beats)
@@ -249,10 +256,3 @@ class Driver:
                 words[: len(table), word] |= bits & np.uint64(0xFFFF_FFFF)
                 words[: len(table), word + 1] |= bits >> np.uint64(32)
         return words[:, :-1].astype(np.uint32)
-
-    def widen(self, beats: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
-        """Return beats of a raster with as many limbs as the stream has: what a device is sent."""
-        place = self.registers["CONFIG_1"]["BEAT_BYTES"]
-        wide = np.zeros((len(beats), place.reset // 8), np.uint64)
-        wide[:, : beats.shape[1]] = beats
-        return wide

@@ -66,14 +66,14 @@ def send(device, name, words, keep=None):
 def play(device, words, *, keep=None, initial=None, initial_keep=None, size=(WIDTH, HEIGHT)):
     """The picture of a packet, and what ERROR says of it."""
     engine = Engine(device)
-    engine.set("ERROR", **{field.name: 1 for field in engine.registers["ERROR"].fields})
+    engine.clear("ERROR")
     engine.set("START", LOAD=int(initial is not None))
     if initial is not None:
         send(device, "initial", engine.widen(initial), initial_keep)
     send(device, "codewords", np.array(words, np.uint64), keep)
     beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
     names = engine.errors()
-    engine.set("ERROR", **{field.name: 1 for field in engine.registers["ERROR"].fields})
+    engine.clear("ERROR")
     return from_beats(beats, *size, engine.config), names
 
 
@@ -259,7 +259,7 @@ def any_packets_at_all(device):
         keep = np.where(rng.random((len(words), 1)) < 0.1, rng.integers(0, 2, (len(words), 8)), 1)
         sent.append((words, keep.astype(np.uint8)))
     sent = [(words, keep) for words, keep in sent if len(words)]
-    engine.set("ERROR", **{field.name: 1 for field in engine.registers["ERROR"].fields})
+    engine.clear("ERROR")
     for words, keep in sent:
         picture, names = play(device, words, keep=keep.tobytes())
         kept = words[keep.all(axis=1)]
@@ -452,7 +452,7 @@ def abort(device, frame, *, dropping=()):
         assert engine.get("STATUS", bit) == (bit in dropping)
     assert not engine.get("STATUS", "BUSY")
     assert "ABORTED" in engine.errors()
-    engine.set("ERROR", ABORTED=1)
+    engine.clear("ERROR")
     for stream in ("codewords", "initial"):
         device.command("pause", stream, False)
     device.command("wait", 2000)
@@ -524,6 +524,23 @@ def while_the_engine_clears_its_memory(device):
     device.command("wait", 500)
     assert engine.errors() == ["ABORTED"]
     engine.set("ERROR", ABORTED=1)
+    right(device)
+
+
+@case(ABORTS)
+def before_the_engine_has_a_word(device):
+    """All that came was dropped; the end is its first, and asks for an initial raster."""
+    engine, frame = setup(device, 39)
+    engine.set("START", LOAD=1)
+    engine.set("CONTROL", QUIET=1, CLEAR=1)
+    keep = np.ones((len(frame.codewords), 8), np.uint8)
+    keep[:60] = 0
+    send(device, "codewords", frame.codewords, keep.tobytes())
+    device.command("wait", 20)
+    device.command("pause", "codewords", True)
+    device.command("wait", 20)
+    assert engine.get("CYCLES") == 0
+    abort(device, frame, dropping=["DROPPING"])
     right(device)
 
 

@@ -55,7 +55,7 @@ PARTS = [
         *(r"~drawing & ~values", "~values", "two frames are open at once"),
     ),
     (
-        *(ABORTS, "in_any_of_its_first_cycles", AxiTop, "elaborate"),
+        *(ABORTS, "before_the_engine_has_a_word", AxiTop, "elaborate"),
         *(r"aborting & loading & ~released", "abort & loading", "an abort that comes too soon"),
     ),
     (
