@@ -68,7 +68,9 @@ def verilog(
       splatline verilog --engines 8 -o chain.v            eight engines that share a picture
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if engines is not None and top != "engine":
-        raise click.UsageError(f"a chain has whole streams: give --engines or --top {top}, not both")
+        raise click.UsageError(
+            f"a chain has whole streams: give --engines or --top {top}, not both"
+        )
     if output is None:
         chained = "" if engines is None else f"_x{engines}"
         output = Path(f"splatline_{preset.name}{chained}.v")

@@ -12,10 +12,10 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, PRESETS, EngineConfig
+from ..rtl.format import PAPER, PRESETS, SHAPES, EngineConfig
 from ..rtl.register_map import COUNTERS, IDENTITY, VERSION, register_map
 from ..rtl.registers import RegisterMap
-from ..rtl.variants import VARIANTS
+from ..rtl.variants import SHAPED, VARIANTS
 from .device import Device, DeviceTimeoutError
 from .errors import InputError
 from .frame import Tables
@@ -70,10 +70,11 @@ def read_config(device: Device) -> EngineConfig:
                 value = word >> field.place.lsb & field.place.mask
                 values[field.name.lower()] = bool(value) if field.place.width == 1 else value
     try:
+        values["shapes"] = list(SHAPES)[int(str(values["shapes"]))]
         config = PAPER.replace(**values)
-    except ValueError as error:
+    except (ValueError, IndexError) as error:
         raise InputError(f"the engine's configuration makes no sense: {error}") from error
-    for known in (*PRESETS.values(), *VARIANTS):
+    for known in (*PRESETS.values(), *VARIANTS, *SHAPED):
         if known == config.replace(name=known.name):
             return known
     return config

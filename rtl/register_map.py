@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from .format import EngineConfig, Field, Register
+from .format import SHAPES, EngineConfig, Field, Register
 from .registers import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
 __all__ = ["COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]
@@ -34,7 +34,7 @@ PARAMETERS = (
     },
     {
         "colour_shift": 5, "window_lines": 6, "pixels_per_word": 4, "colour_planes": 2,
-        "mark_words": 4,
+        "mark_words": 4, "shapes": 2,
     },
 )  # fmt: skip
 """Bits of each parameter of the configuration in CONFIG_0 and in CONFIG_1."""
@@ -118,13 +118,19 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
     yield "VERSION", "of this map", version, None
     for number, widths in enumerate(PARAMETERS):
         fields = [
-            _constant(name.upper(), width, int(getattr(config, name)), f"`{name}`")
+            _constant(name.upper(), width, _number(config, name), f"`{name}`")
             for name, width in widths.items()
         ]
         if number:
             stream = raster_stream_bytes(config)
             fields.append(_constant("BEAT_BYTES", 8, stream, "bytes of a beat of both rasters"))
         yield f"CONFIG_{number}", "the engine's parameters, see `EngineConfig`", fields, None
+
+
+def _number(config: EngineConfig, name: str) -> int:
+    """Return a parameter as a number: of ``shapes`` its place in ``SHAPES``."""
+    value = getattr(config, name)
+    return list(SHAPES).index(value) if name == "shapes" else int(value)
 
 
 def _control() -> Iterator[_Row]:

@@ -12,7 +12,7 @@ from splatline.host.errors import InputError
 from splatline.host.xdma import XdmaDevice
 from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.register_map import register_map
-from splatline.rtl.variants import VARIANTS
+from splatline.rtl.variants import SHAPED, VARIANTS
 from splatline.sim import golden
 from splatline.sim.driver import Engine
 
@@ -138,7 +138,9 @@ class Registers:
         return self.words[offset]
 
 
-@pytest.mark.parametrize("config", [*PRESETS.values(), *VARIANTS], ids=lambda config: config.name)
+@pytest.mark.parametrize(
+    "config", [*PRESETS.values(), *VARIANTS, *SHAPED], ids=lambda config: config.name
+)
 def test_an_engine_s_configuration_is_read_from_its_registers(config):
     assert read_config(Registers(config)) is config
     other = config.replace(coefficient_bits=config.coefficient_bits + 1)
