@@ -22,8 +22,13 @@ LINKS = ("merge", "load")
 
 MOST_ENGINES = 64
 
-QUEUE = 32
-"""Beats that wait behind an engine; what more and fewer cost is in ``docs/bench/chain.md``."""
+QUEUE = 256
+"""Beats that wait behind an engine. They lie in block RAM, of which more than a few take the same.
+
+An engine that is dealt columns waits for those left of it to end their line, and sends its own
+share of the line then: so the queue must hold some lines of that. With 32 beats two engines that
+have 31 words in a line take 1.8 times as long.
+"""
 
 Place = Callable[[str, Callable[[], wiring.Component]], wiring.Component]
 
@@ -64,7 +69,7 @@ class Chain(wiring.Component):
     link has emptied the link, so the merger before it can, or waits in turn. So of the engines that
     are not at the end of their frame one can always go on.
 
-    **Latency**: that of an engine, 2 cycles for its queue, and 2 for each merger (or queue, with
+    **Latency**: that of an engine, 3 cycles for its queue, and 2 for each merger (or queue, with
     ``load``) behind. **Throughput**: all engines' together, but a word of the raster a cycle.
 
     Parameters
