@@ -70,7 +70,8 @@ def route(component: wiring.Component) -> dict[int, float]:
         folder = Path(scratch)
         (folder / "top.v").write_text(convert(component, "top"))
         (folder / "top.lpf").write_text(CONSTRAINTS.read_text())
-        script = f"read_verilog top.v; {SYNTHESIS} -top top -json top.json"
+        # ABC9 of this Yosys stops without a word on one of the queues' lengths.
+        script = f"read_verilog top.v; {SYNTHESIS} -noabc9 -top top -json top.json"
         run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
         for seed in SEEDS:
             files = ["--json", "top.json", "--lpf", "top.lpf", "--report", "report.json"]
