@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from ..host.deal import DEFAULT_METHOD, METHODS
+from ..host.deal_methods import DEFAULT_METHOD, METHODS
 
 __all__ = ["TARGETS", "page", "rate"]
 

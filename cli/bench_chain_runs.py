@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..host.deal import DEFAULT_METHOD, METHODS
+from ..host.deal_methods import DEFAULT_METHOD, METHODS
 from .bench_subjects import Pose, poses
 
 if TYPE_CHECKING:

@@ -10,20 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.format import ROWS, EngineConfig
+from .deal_methods import DEFAULT_METHOD, METHODS
 from .errors import InputError
 from .frame import Frame
 from .order import advance_word, end_word
 
-__all__ = ["DEFAULT_METHOD", "METHODS", "deal"]
-
-METHODS = {
-    "columns": "each line's elements by their columns, cut into strips",
-    "elements": "one element after the other, round robin",
-    "lines": "whole lines, each to the engine that has the fewest elements so far",
-}
-"""Ways of dealing; what they cost is measured in ``docs/bench/chain.md``."""
-
-DEFAULT_METHOD = "columns"
+__all__ = ["deal"]
 
 
 def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame]:

@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ...host.deal import DEFAULT_METHOD, deal
+from ...host.deal import deal
+from ...host.deal_methods import DEFAULT_METHOD
 from ...host.frame import Frame
 from ...rtl.format import EngineConfig
 from .. import golden

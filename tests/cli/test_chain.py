@@ -7,7 +7,7 @@ import pytest
 
 from splatline.cli import engines
 from splatline.cli.bench_chain_page import rate
-from splatline.host.deal import METHODS
+from splatline.host.deal_methods import METHODS
 from splatline.sim.cosim import chains
 from splatline.sim.cosim.chains import ChainOutcome, Times, compose
 from splatline.sim.cosim.frames import Outcome

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from splatline.host.deal import METHODS, deal
+from splatline.host.deal import deal
+from splatline.host.deal_methods import METHODS
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word, end_word

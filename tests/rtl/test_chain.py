@@ -8,7 +8,7 @@ import pytest
 from random_frames import frame_of, nonsense, random_raster, random_tables, shapes
 from stalls import Stalled
 
-from splatline.host.deal import METHODS
+from splatline.host.deal_methods import METHODS
 from splatline.rtl.chain import LINKS, check_chain
 from splatline.rtl.chain_verilog import generate_chain
 from splatline.rtl.format import PAPER
