@@ -123,10 +123,13 @@ class Engine(wiring.Component):
             m.d.sync += draining.eq(0)
         with m.Elif(sequencer.o.valid & sequencer.o.ready & sequencer.o.payload.end):
             m.d.sync += draining.eq(1)
+        between = Signal()  # two frames
         registers = tables.registers
         m.d.comb += [
-            tables.idle.eq(~sequencer.open & ~draining),
-            sequencer.admit.eq(tables.idle & ~self.tables.valid),
+            between.eq(~sequencer.open & ~draining),
+            # A size that is written while the end beat waits would change the beat.
+            tables.idle.eq(between & ~(self.raster.valid & self.raster.payload.end)),
+            sequencer.admit.eq(between & ~self.tables.valid),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
             decoder.last_column.eq(registers.last_column),

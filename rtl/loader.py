@@ -15,7 +15,8 @@ class Loader(wiring.Component):
 
     A word goes to memory like an element of its pixels with their own depths and colours: the
     window is background where nothing was loaded, so the depth test lets all but background pass.
-    Words outside the image, and words of lines that have left, are dropped.
+    Words outside the image are dropped, and words of lines that have left or that lie above the
+    line of the word before: once a line was waited for, those before it may be on their way out.
 
     **Latency**: 1 cycle. **Throughput**: one word in two cycles, the first of which tells whether
     its line is in the window; or one a cycle that is dropped.
@@ -76,13 +77,18 @@ class Loader(wiring.Component):
         offered = Signal()
         beyond = Signal()  # one cycle ago a word waited whose line is yet to come
         ahead = Signal(signed(config.line_bits + 2))
+        before = Signal(config.line_bits)  # line of the last word that went in
         m.d.comb += [
             waiting.eq(self.i.valid & self.enable & self.active & ~ended),
             ahead.eq(beat.line - self.oldest),
             # Less than the window's lines.
             in_window.eq(ahead[-1] | ~ahead[config.slot_bits : -1].any()),
             drop.eq(
-                beat.end | (ahead < 0) | (beat.line > self.last_line) | (beat.word > self.last_word)
+                beat.end
+                | (ahead < 0)
+                | (beat.line < before)
+                | (beat.line > self.last_line)
+                | (beat.word > self.last_word)
             ),
             self.o.valid.eq(offered),
             self.o.payload.eq(beat),
@@ -96,6 +102,8 @@ class Loader(wiring.Component):
         ]
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
+        with m.If(self.o.valid & self.o.ready):
+            m.d.sync += before.eq(beat.line)
         with m.If(self.restart):
-            m.d.sync += ended.eq(0)
+            m.d.sync += [ended.eq(0), before.eq(0)]
         return m

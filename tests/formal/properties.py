@@ -155,12 +155,9 @@ class Properties(Elaboratable):
                     source = any_value(m, member.shape, f"any_{name}")
                 m.d.comb += Value.cast(value).eq(Value.cast(source))
 
-    def steady(self, m, stream, name, payload=None):
-        """Return whether a stream keeps its word: what is offered stays until it is taken.
-
-        ``payload`` is what of it has to stay, if not all.
-        """
-        now = Value.cast(stream.payload if payload is None else payload)
+    def steady(self, m, stream, name):
+        """Return whether a stream keeps its word: what is offered stays until it is taken."""
+        now = Value.cast(stream.payload)
         waiting = Signal(name=f"{name}_waiting")
         before = Signal(len(now), name=f"{name}_before")
         m.d.sync += [waiting.eq(stream.valid & ~stream.ready), before.eq(now)]
