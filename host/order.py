@@ -36,9 +36,10 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     Consecutive lines with words cost one control word, whatever lies between them, unless the gap
     is beyond what X holds.
 
-    A line's words come by their turns, which are as good as random: neighbours in a cloud tend to
-    be neighbours on the image, and an element that follows another into the same word of the
-    engine's memory costs it a cycle. Words of one turn keep their order.
+    An element that follows another into the same word of the engine's memory costs it a cycle. So a
+    line's words are sorted by their columns, and come in turn from the left half of them and from
+    the right one: two that follow each other are half the line's words apart. Words of one column
+    come by their turns, and of one turn in their order.
 
     Parameters
     ----------
@@ -67,6 +68,7 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     stream = np.empty(total + 1, np.uint64)
     _write_controls(stream, starts[used], gaps, steps, config)
     words, turns = np.empty(total, np.uint64), np.empty(total, np.uint8)
+    turned = np.empty(total, np.uint64)
     places = np.cumsum(counts) - counts  # of each line's words without control words
     before += places
     _by_line(
@@ -79,7 +81,8 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
         words,
         turns,
     )
-    _by_turn(words, turns, places, counts, starts, stream)
+    _by_turn(words, turns, places, counts, turned)
+    _by_column(turned, places, counts, starts, (config.x.lsb, config.x.mask), stream)
     stream[-1] = end_word(config)
     return stream, int(steps.sum()) + 1
 
@@ -128,17 +131,40 @@ def _by_line(
 
 
 @nb.njit(parallel=True, cache=True)
-def _by_turn(words: Any, turns: Any, places: Any, counts: Any, starts: Any, stream: Any) -> None:
-    """Sort each line's words by their turns, into the stream."""
+def _by_turn(words: Any, turns: Any, places: Any, counts: Any, turned: Any) -> None:
+    """Sort each line's words by their turns."""
     for line in nb.prange(len(counts)):
         if counts[line]:
             begin, end = places[line], places[line] + counts[line]
             following = np.zeros(TURNS + 1, np.int64)
             for i in range(begin, end):
                 following[turns[i] + 1] += 1
-            following[0] = starts[line]
+            following[0] = begin
             for turn in range(TURNS):
                 following[turn + 1] += following[turn]
             for i in range(begin, end):
-                stream[following[turns[i]]] = words[i]
+                turned[following[turns[i]]] = words[i]
                 following[turns[i]] += 1
+
+
+@nb.njit(parallel=True, cache=True)
+def _by_column(
+    turned: Any, places: Any, counts: Any, starts: Any, x: tuple[int, int], stream: Any
+) -> None:
+    """Sort each line's words by X, and deal the two halves of them by turns into the stream."""
+    lsb, mask = np.uint64(x[0]), np.uint64(x[1])
+    for line in nb.prange(len(counts)):
+        if counts[line]:
+            begin, end = places[line], places[line] + counts[line]
+            following = np.zeros(x[1] + 2, np.int64)
+            for i in range(begin, end):
+                following[(turned[i] >> lsb & mask) + np.uint64(1)] += 1
+            for column in range(x[1] + 1):
+                following[column + 1] += following[column]
+            half = (counts[line] + 1) // 2
+            for i in range(begin, end):
+                column = turned[i] >> lsb & mask
+                rank = following[column]
+                following[column] += 1
+                place = 2 * rank if rank < half else 2 * (rank - half) + 1
+                stream[starts[line] + place] = turned[i]

@@ -22,27 +22,36 @@ def in_chunks(words, lines, turns=None, cuts=()):
 
 
 @given(
-    st.lists(st.tuples(st.integers(0, 1027), st.integers(0, 255)), max_size=200).flatmap(
+    st.lists(
+        st.tuples(st.integers(0, 1027), st.sampled_from([0, 1, 7, 300, 511]), st.integers(0, 255)),
+        max_size=200,
+    ).flatmap(
         lambda keys: st.tuples(st.just(keys), st.lists(st.integers(0, len(keys)), max_size=5))
     )
 )
-def test_words_come_by_line_and_turn_and_else_in_their_order(keys_and_cuts):
+def test_words_come_by_line_and_from_both_halves_of_it_by_column_and_turn(keys_and_cuts):
     keys, cuts = keys_and_cuts
-    lines, turns = zip(*keys, strict=True) if keys else ((), ())
+    lines, columns, turns = zip(*keys, strict=True) if keys else ((), (), ())
     # Elements that no line of the test could mistake: MODE 0, and their number for a payload.
     words = np.arange(len(lines), dtype=np.uint64) << np.uint64(25)
+    words |= np.array(columns, np.uint64) << np.uint64(PAPER.x.lsb)
     stream, control_words = sort_by_line(in_chunks(words, lines, turns, cuts), PAPER)
     assert len(stream) == len(lines) + control_words
     fields = golden.decode(stream, PAPER)
     assert fields["end"].tolist() == [False] * (len(stream) - 1) + [True]
-    line, found = 0, []
+    line, found = 0, {}
     for word, field in zip(stream, fields, strict=True):
         if not field["control"]:
-            found.append((line, int(word) >> 25))
+            found.setdefault(line, []).append(int(word) >> 25 & 255)
         elif not field["end"]:
             line += int(field["x"])
-    ordered = sorted(range(len(lines)), key=lambda number: (lines[number], turns[number]))
-    assert found == [(lines[number], number) for number in ordered]
+    assert list(found) == sorted(set(lines))
+    for line, numbers in found.items():
+        ordered = sorted(
+            (number for number in range(len(lines)) if lines[number] == line),
+            key=lambda number: (columns[number], turns[number]),
+        )
+        assert numbers[::2] + numbers[1::2] == ordered
 
 
 def test_one_control_word_crosses_any_number_of_empty_lines_that_x_holds():
