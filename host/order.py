@@ -18,6 +18,9 @@ __all__ = ["advance_word", "end_word", "sort_by_line"]
 TURNS = 256
 """Values that a turn has."""
 
+STRIPS = 4
+"""Parts of a line that its words come from in turn."""
+
 
 def advance_word(lines: int, config: EngineConfig) -> int:
     """Return the control word that advances the engine's line."""
@@ -36,10 +39,11 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     Consecutive lines with words cost one control word, whatever lies between them, unless the gap
     is beyond what X holds.
 
-    An element that follows another into the same word of the engine's memory costs it a cycle. So a
-    line's words are sorted by their columns, and come in turn from the left half of them and from
-    the right one: two that follow each other are half the line's words apart. Words of one column
-    come by their turns, and of one turn in their order.
+    An element that follows another into the same word of the engine's memory costs it a cycle, and
+    with further colour planes one that follows it but one. So a line's words are sorted by their
+    columns, cut into four strips, and come from these in turn: two that follow each other are a
+    quarter of the line's words apart. Words of one column come by their turns, and of one turn in
+    their order.
 
     Parameters
     ----------
@@ -151,7 +155,7 @@ def _by_turn(words: Any, turns: Any, places: Any, counts: Any, turned: Any) -> N
 def _by_column(
     turned: Any, places: Any, counts: Any, starts: Any, x: tuple[int, int], stream: Any
 ) -> None:
-    """Sort each line's words by X, and deal the two halves of them by turns into the stream."""
+    """Sort each line's words by X, and put them into the stream from the strips in turn."""
     lsb, mask = np.uint64(x[0]), np.uint64(x[1])
     for line in nb.prange(len(counts)):
         if counts[line]:
@@ -161,10 +165,16 @@ def _by_column(
                 following[(turned[i] >> lsb & mask) + np.uint64(1)] += 1
             for column in range(x[1] + 1):
                 following[column + 1] += following[column]
-            half = (counts[line] + 1) // 2
+            # The first strips have a word more, if the words do not go into them evenly.
+            shortest, longer = divmod(counts[line], STRIPS)
+            head = longer * (shortest + 1)  # words of those
             for i in range(begin, end):
                 column = turned[i] >> lsb & mask
                 rank = following[column]
                 following[column] += 1
-                place = 2 * rank if rank < half else 2 * (rank - half) + 1
-                stream[starts[line] + place] = turned[i]
+                if rank < head:
+                    strip, place = divmod(rank, shortest + 1)
+                else:
+                    strip, place = divmod(rank - head, shortest)
+                    strip += longer
+                stream[starts[line] + STRIPS * place + strip] = turned[i]

@@ -29,7 +29,7 @@ def in_chunks(words, lines, turns=None, cuts=()):
         lambda keys: st.tuples(st.just(keys), st.lists(st.integers(0, len(keys)), max_size=5))
     )
 )
-def test_words_come_by_line_and_from_both_halves_of_it_by_column_and_turn(keys_and_cuts):
+def test_words_come_by_line_and_from_four_strips_of_it_by_column_and_turn(keys_and_cuts):
     keys, cuts = keys_and_cuts
     lines, columns, turns = zip(*keys, strict=True) if keys else ((), (), ())
     # Elements that no line of the test could mistake: MODE 0, and their number for a payload.
@@ -51,7 +51,7 @@ def test_words_come_by_line_and_from_both_halves_of_it_by_column_and_turn(keys_a
             (number for number in range(len(lines)) if lines[number] == line),
             key=lambda number: (columns[number], turns[number]),
         )
-        assert numbers[::2] + numbers[1::2] == ordered
+        assert [number for strip in range(4) for number in numbers[strip::4]] == ordered
 
 
 def test_one_control_word_crosses_any_number_of_empty_lines_that_x_holds():
