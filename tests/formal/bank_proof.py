@@ -77,7 +77,7 @@ class BankProperties(Properties):
             kept.colour.eq(colours.word_select(number, config.colour_bits)),
         ]
         due = PixelLayout(config)(Mux(used & stood, after, pixel))
-        self.always(m, "kept", ~known | (kept == due))
+        self.lemma(m, "kept", ~known | (kept == due))
 
 
 PROOFS = [

@@ -15,7 +15,7 @@ from amaranth.hdl import (
 )
 from amaranth.lib.wiring import Out
 
-__all__ = ["OneWord", "Properties", "any_constant", "any_value", "covers"]
+__all__ = ["OneWord", "Properties", "any_constant", "any_value", "covers", "parts"]
 
 
 def any_value(m, shape, name):
@@ -49,6 +49,12 @@ def covers(element, row, column):
     return found & ~element.end
 
 
+def parts(fragment, kind):
+    """Return the components of a kind that are inside a fragment, in the order of their making."""
+    own = [origin for origin in fragment.origins or () if isinstance(origin, kind)]
+    return own + [part for inner, *_ in fragment.subfragments for part in parts(inner, kind)]
+
+
 class OneWord:
     """Block RAMs of which one word is kept; any other one reads as anything.
 
@@ -65,6 +71,8 @@ class OneWord:
         a word for each value of those.
     init
         What those words are after the reset; anything unless it is given.
+    styles
+        Which memories are modelled, by their ``ram_style``; ``None`` is what has none.
 
     Attributes
     ----------
@@ -72,14 +80,15 @@ class OneWord:
         The words that are kept, of each memory in the order in which they were built.
     """
 
-    def __init__(self, address, init=None):
+    def __init__(self, address, init=None, styles=("block",)):
         self.address = address
         self.init = init
+        self.styles = styles
         self.words = []
 
     def get_memory(self, memory):
         """Build the model of a memory with one port to read and one to write."""
-        if memory.attrs.get("ram_style") != "block":
+        if memory.attrs.get("ram_style") not in self.styles:
             return memory.elaborate(None)
         (read,), (write,) = memory.read_ports, memory.write_ports
         m = Module()
@@ -114,9 +123,13 @@ class Properties(Elaboratable):
     -------
     memories
         The platform that says what memories are; ``None``: what they are.
+    lemmas
+        Whether what an induction needs is asserted as well. Not when a fault is to be found: it
+        must break what is promised.
     """
 
     memories = None
+    lemmas = True
 
     def elaborate(self, platform):
         """Build the properties."""
@@ -130,14 +143,20 @@ class Properties(Elaboratable):
         raise NotImplementedError
 
     def add(self, m, component, name="dut"):
-        """Add a component now, so that what its memories keep is known."""
-        m.submodules[name] = Fragment.get(component, self.memories)
+        """Add a component now, so that what its memories keep is known; return its fragment."""
+        m.submodules[name] = fragment = Fragment.get(component, self.memories)
+        return fragment
 
     def always(self, m, name, condition):
         """Assert that something holds in every cycle after the reset."""
         holds = Signal(name=f"holds_{name}")
         m.d.comb += holds.eq(condition)
         m.d.comb += Assert(holds | ResetSignal())
+
+    def lemma(self, m, name, condition):
+        """Assert what nobody outside sees, but without which an induction does not close."""
+        if self.lemmas:
+            self.always(m, name, condition)
 
     def given(self, m, name, condition):
         """Assume something in every cycle after the reset."""

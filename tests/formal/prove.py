@@ -116,6 +116,7 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
         for change in (*proof.changes, *([fault] if fault else [])):
             rewrite(patch, change.part, change.method, change.pattern, change.replacement)
         properties = proof.build()
+        properties.lemmas = fault is None
         text = rtlil.convert(properties, platform=properties.memories, ports=[], emit_src=False)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "proof.il").write_text(text)
