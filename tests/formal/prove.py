@@ -40,9 +40,6 @@ SCRATCH = Path(__file__).parents[2] / "build" / "formal"
 TIMEOUT = 900
 """Seconds after which a proof is given up; the longest takes a minute by itself."""
 
-FAULT_DEPTH = 12
-"""Cycles in which a fault in an endless proof has to show."""
-
 ELABORATION = threading.Lock()
 """Held while a component is built: a fault is planted in what all threads share."""
 
@@ -79,6 +76,8 @@ class Proof:
         quickest where many cycles are unrolled.
     faults
         What it must find.
+    fault_depth
+        Cycles in which a fault in an endless proof has to show, at least ``depth``.
     changes
         What is rewritten for the proof itself, faults or not: what it takes for granted.
     slow
@@ -92,6 +91,7 @@ class Proof:
     endless: bool = False
     engine: str = "smtbmc boolector"
     faults: tuple[Fault, ...] = ()
+    fault_depth: int = 12
     changes: tuple[Fault, ...] = ()
     slow: bool = False
 
@@ -124,7 +124,7 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     # to show. Registers start with anything: only what a reset sets is known.
     mode, depth = ("prove" if proof.endless else "bmc"), proof.depth
     if proof.endless and fault:
-        mode, depth = "bmc", max(depth, FAULT_DEPTH)
+        mode, depth = "bmc", max(depth, proof.fault_depth)
     (folder / "proof.sby").write_text(
         f"[options]\nmode {mode}\ndepth {depth}\ntimeout {TIMEOUT}\naigsmt boolector\n"
         f"[engines]\n{proof.engine}\n"
