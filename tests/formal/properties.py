@@ -87,22 +87,25 @@ class OneWord:
         self.words = []
 
     def get_memory(self, memory):
-        """Build the model of a memory with one port to read and one to write."""
+        """Build the model of a memory with one port to read and one to write, or none."""
         if memory.attrs.get("ram_style") not in self.styles:
             return memory.elaborate(None)
-        (read,), (write,) = memory.read_ports, memory.write_ports
+        (read,) = memory.read_ports
         m = Module()
         low, width = len(self.address), len(Value.cast(read.data))
         data = Signal(width, reset_less=True)
+        garbage = any_value(m, width, "garbage")
+        m.d.comb += Value.cast(read.data).eq(data)
+        with m.If(read.en):
+            m.d.sync += data.eq(garbage)
+        if not memory.write_ports:
+            return m  # whatever a memory that is only read may hold
+        (write,) = memory.write_ports
         words = [
             Signal(width, name=f"word_{part}", init=self.init or 0, reset_less=self.init is None)
             for part in range(memory.depth >> low)
         ]
         self.words.append(words)
-        garbage = any_value(m, width, "garbage")
-        m.d.comb += Value.cast(read.data).eq(data)
-        with m.If(read.en):
-            m.d.sync += data.eq(garbage)
         for part, word in enumerate(words):
             mine = Cat(self.address, Const(part, len(read.addr) - low))
             written = Signal(name=f"written_{part}")

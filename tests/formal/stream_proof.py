@@ -5,14 +5,20 @@ from amaranth.lib.wiring import Out
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
+from splatline.rtl.axi_stream import HalfSlice, RegisterSlice
 from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.codeword_check import end_word, is_end
+from splatline.rtl.colour import ColourUnit
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.lane_emitter import LaneEmitter
+from splatline.rtl.layouts import CodeWordLayout
 from splatline.rtl.loader import Loader
 from splatline.rtl.pins import Gatherer, Splitter
 from splatline.rtl.sequencer import Sequencer
+from splatline.rtl.shape_rom import ShapeRom
+from splatline.rtl.stream_guard import StreamGuard
 from splatline.rtl.tiler import Tiler
 from splatline.rtl.walker import Walker
 
@@ -48,16 +54,20 @@ class StreamProperties(Properties):
         Makes the component.
     given
         ``given(properties, m, component)`` adds what its other inputs keep to; optional.
+    polite
+        Whether the streams that it takes keep their words.
     """
 
-    def __init__(self, component, given=None):
+    def __init__(self, component, given=None, polite=True):
         self.component = component
         self.more = given
+        self.polite = polite
 
     def describe(self, m):
         """Add the component and the rules."""
         self.memories = OneWord(Signal(1))
-        m.submodules.dut = dut = self.component()
+        dut = self.component()
+        self.add(m, dut)
         steady = ("last_column", "last_line", "last_word", "load", "enable")
         constants = {
             name: any_constant(m, dut.signature.members[name].shape, name)
@@ -66,7 +76,7 @@ class StreamProperties(Properties):
         }
         self.free(m, dut, **constants)
         taken, driven = streams(dut)
-        for name in taken:
+        for name in taken if self.polite else ():
             self.given(m, name, self.steady(m, getattr(dut, name), name))
         for name in driven:
             stream = getattr(dut, name)
@@ -104,12 +114,17 @@ def while_running(properties, m, dut):
     properties.given(m, "flush", ~dut.flush | dut.running)
 
 
-def plan(name, component, *faults, given=None, depth=4, endless=True, **options):
+def drops_nothing_open(properties, m, dut):
+    """While the rest of a packet is dropped, no frame is open but one whose end is put in."""
+    properties.lemma(m, "drops", ~(dut.dropping & dut.open) | dut.insert)
+
+
+def plan(name, component, *faults, given=None, polite=True, depth=4, endless=True, **options):
     """Return the proof of a component's streams."""
     return Proof(
         name=f"streams: {name}",
         shows="what is offered stays, unchanged, until it is taken",
-        build=lambda: StreamProperties(component, given),
+        build=lambda: StreamProperties(component, given, polite),
         depth=depth,
         endless=endless,
         faults=faults,
@@ -166,6 +181,47 @@ PROOFS = [
         "tiler",
         lambda: Tiler(PAPER),
         Fault("taken too early", Tiler, r"step\.eq\(~valid \| self\.o\.ready\)", "step.eq(1)"),
+    ),
+    plan(
+        "colour unit",
+        lambda: ColourUnit(PAPER),
+        Fault("taken too early", ColourUnit, r"step\.eq\(~valid \| self\.o\.ready\)", "step.eq(1)"),
+    ),
+    plan(
+        "small shape ROM",
+        lambda: ShapeRom(PAPER.with_shapes()),
+        Fault("moved too early", ShapeRom, r"~valid\[2\] \| gone \| self\.o\.ready", "1"),
+    ),
+    plan(
+        "full shape ROM",
+        lambda: ShapeRom(WIDE.with_shapes("full")),
+        Fault("moved too early", ShapeRom, r"~valid\[2\] \| gone \| self\.o\.ready", "1"),
+    ),
+    plan(
+        "register slice",
+        lambda: RegisterSlice(CodeWordLayout(PAPER)),
+        Fault("taken too early", RegisterSlice, r"~valid \| self\.o\.ready", "1"),
+        polite=False,
+    ),
+    plan(
+        "half slice",
+        lambda: HalfSlice(CodeWordLayout(PAPER)),
+        Fault("dropped", HalfSlice, r"valid\.eq\(~self\.o\.ready\)", "valid.eq(0)"),
+        polite=False,
+    ),
+    plan(
+        "stream guard",
+        lambda: StreamGuard(CodeWordLayout(PAPER), end_word(PAPER), is_end),
+        Fault("cut off", StreamGuard, r"Elif\(cut & ~passing\)", "Elif(cut)"),
+        given=drops_nothing_open,
+        changes=(
+            Fault(
+                "a register that the lemma looks at",
+                StreamGuard,
+                r"insert = ",
+                "insert = self.insert = ",
+            ),
+        ),
     ),
     plan(
         "gatherer",
