@@ -129,10 +129,9 @@ def describe(
 
 def count(config: EngineConfig) -> dict[str, Any]:
     """Return what an engine takes of the XC2V250, and whether that is there."""
-    from ..rtl.engine import Engine
-    from ..rtl.synth import DEVICE, count_component
+    from ..rtl.synth import DEVICE, count_engine
 
-    counts = count_component(Engine(config))
+    counts = count_engine(config)
     return {**counts, "fits": all(taken <= DEVICE[kind] for kind, taken in counts.items())}
 
 

@@ -43,13 +43,12 @@ class Plan:
 
 def count_luts(presets: Sequence[EngineConfig], advance: Callable[[str], None]) -> dict[str, int]:
     """Return how many LUTs each preset takes, by name."""
-    from ..rtl.engine import Engine
-    from ..rtl.synth import count_component
+    from ..rtl.synth import count_engine
 
     counts = {}
     for config in presets:
         advance(f"{config.name}: Yosys")
-        counts[config.name] = count_component(Engine(config))["lut4"]
+        counts[config.name] = count_engine(config)["lut4"]
     return counts
 
 

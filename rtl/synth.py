@@ -18,10 +18,21 @@ from .levels import longest_path
 from .tops import TOPS
 from .verilog import convert
 
-__all__ = ["DEVICE", "PAPER_TABLE_1", "count_component", "group_instances", "synthesise"]
+__all__ = [
+    "DEVICE",
+    "PAPER_TABLE_1",
+    "count_component",
+    "count_engine",
+    "group_instances",
+    "synthesise",
+]
 
 DEVICE = {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24}
 """What the paper's FPGA has."""
+
+NAME = "splatline"
+"""Of the module that is counted: another name, or another line for the same text, gives counts that
+are off by up to a percent."""
 
 PAPER_TABLE_1 = {"lut4": 2150, "ff": 960, "bram": 17}
 """What the paper's engine takes of it (its Table 1); the paper does not count multipliers."""
@@ -87,16 +98,15 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
     RuntimeError
         If Yosys fails, or leaves a cell that the device lacks.
     """
-    name = "splatline"
-    text, _ = TOPS[top](config, name)
+    text, _ = TOPS[top](config, NAME)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "engine.v").write_text(text)
-        parts = _yosys(folder, name, "")
-        cells = _yosys(folder, name, " -flatten")[name]
+        parts = _yosys(folder, NAME, "")
+        cells = _yosys(folder, NAME, " -flatten")[NAME]
         netlist = json.loads((folder / "netlist.json").read_text())
     counts = _count(cells)
-    modules = {_instance(module, name): _count(found) for module, found in sorted(parts.items())}
+    modules = {_instance(module, NAME): _count(found) for module, found in sorted(parts.items())}
     budget = read_budgets().get(budget_name(config.name, top))
     return {
         "preset": config.name,
@@ -108,7 +118,7 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
         "difference": _difference(counts),
         "budget": budget,
         "over_budget": over_budget(counts, budget),
-        "longest_path": longest_path(netlist["modules"][name]),
+        "longest_path": longest_path(netlist["modules"][NAME]),
         "modules": modules,
         "groups": group_instances(modules),
         "cells": dict(sorted(cells.items())),
@@ -117,12 +127,21 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
     }
 
 
+def count_engine(config: EngineConfig, top: str = "engine") -> dict[str, int]:
+    """Return the counts of ``synthesise``, and nothing else, in half the time."""
+    return _count_text(TOPS[top](config, NAME)[0])
+
+
 def count_component(component: wiring.Component) -> dict[str, int]:
-    """Return what one component takes by itself, as ``synthesise`` counts it."""
+    """Return what one component takes by itself."""
+    return _count_text(convert(component, NAME))
+
+
+def _count_text(text: str) -> dict[str, int]:
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
-        (folder / "engine.v").write_text(convert(component, "part"))
-        return _count(_yosys(folder, "part", " -flatten")["part"])
+        (folder / "engine.v").write_text(text)
+        return _count(_yosys(folder, NAME, " -flatten")[NAME])
 
 
 def group_instances(modules: dict[str, dict[str, int]]) -> list[dict]:

@@ -1,11 +1,8 @@
 import pytest
 
 from splatline.rtl import budgets
-from splatline.rtl.axi_top import AxiTop
-from splatline.rtl.engine import Engine
 from splatline.rtl.format import PRESETS
-from splatline.rtl.pins import PinTop
-from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, count_component
+from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, count_engine
 from splatline.rtl.tops import TOPS
 from splatline.rtl.variants import SHAPED
 
@@ -20,20 +17,20 @@ def test_every_preset_has_a_budget():
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"paper"}))
 def test_a_preset_does_not_outgrow_its_budget(preset):
     """A change that needs more says so: ``splatline synth --preset NAME --record``."""
-    counts = count_component(Engine(PRESETS[preset]))
+    counts = count_engine(PRESETS[preset])
     assert budgets.over_budget(counts, budgets.read_budgets()[preset]) == {}
 
 
 def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s():
     """Nor more than its budget."""
-    counts = count_component(PinTop(PRESETS["paper"]))
+    counts = count_engine(PRESETS["paper"], "pins")
     assert budgets.over_budget(counts, PAPER_TABLE_1) == {}
     recorded = budgets.read_budgets()[budgets.budget_name("paper", "pins")]
     assert budgets.over_budget(counts, recorded) == {}
 
 
 def test_the_engine_on_its_buses_keeps_to_its_budget_and_fits():
-    counts = count_component(AxiTop(PRESETS["paper"]))
+    counts = count_engine(PRESETS["paper"], "axi")
     recorded = budgets.read_budgets()[budgets.budget_name("paper", "axi")]
     assert budgets.over_budget(counts, recorded) == {}
     assert all(counts[kind] <= DEVICE[kind] for kind in counts)
@@ -59,7 +56,7 @@ def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
 
 def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget():
     config = SHAPED[0]
-    counts = count_component(Engine(config))
+    counts = count_engine(config)
     assert budgets.over_budget(counts, {kind: DEVICE[kind] for kind in counts}) == {}
     assert budgets.over_budget(counts, budgets.read_budgets()[config.name]) == {}
     assert counts["bram"] - budgets.read_budgets()["paper"]["bram"] == 4
