@@ -42,12 +42,16 @@ def main() -> int:
     parser.add_argument("words", nargs="*", help="run the proofs with one of these in their name")
     parser.add_argument("--no-faults", action="store_true", help="leave the planted faults out")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep RTLIL, logs and traces")
+    parser.add_argument(
+        "--slow", action="store_true", help="only those that `make test` leaves out"
+    )
     parser.add_argument("--list", action="store_true", help="say what there is, as Markdown")
     options = parser.parse_args()
     proofs = [
         proof
         for proof in all_proofs()
-        if not options.words or any(word in proof.name for word in options.words)
+        if (not options.words or any(word in proof.name for word in options.words))
+        and (proof.slow or not options.slow)
     ]
     if not proofs:
         parser.error(f"no proof has {' or '.join(options.words)} in its name")
