@@ -66,6 +66,13 @@ class DecoderProperties(Properties):
         with m.If(dut.o.valid):
             self.always(m, "same", ~(column <= last_column) | (spanned == covered))
             self.always(m, "border", (column >> 2 <= last_column >> 2) | ~spanned)
+            for word in range(3):
+                reached = (span.first[2:] <= word) & (word <= span.last[2:])
+                touches = reached & (span.first <= span.last)
+                self.always(m, f"touches_{word}", ~span.words[word] | touches)
+            # Which the window counts on for spans without words as well.
+            within = (span.first[2:] != 3) & (span.last[2:] != 3)
+            self.always(m, "within", within)
             self.always(m, "rows", (line >= 0) & (line <= last_line) | ~span.words.any())
             group = Signal(2)
             for number in range(4):

@@ -11,7 +11,7 @@ from splatline.rtl.lane_window import LaneWindow
 from splatline.rtl.loader import Loader
 from splatline.rtl.walker import Walker
 
-__all__ = ["PROOFS", "Narrow"]
+__all__ = ["PROOFS", "LaneWindowProperties", "Narrow"]
 
 
 class Narrow(EngineConfig):

@@ -70,7 +70,8 @@ class OneWord:
         A signal: which word of each memory is kept. If a memory's addresses have more bits, then
         a word for each value of those.
     init
-        What those words are after the reset; anything unless it is given.
+        What those words are after the reset, the same in all memories or a value for each of them;
+        anything unless it is given.
     styles
         Which memories are modelled, by their ``ram_style``; ``None`` is what has none.
 
@@ -101,8 +102,9 @@ class OneWord:
         if not memory.write_ports:
             return m  # whatever a memory that is only read may hold
         (write,) = memory.write_ports
+        init = self.init[len(self.words)] if isinstance(self.init, tuple) else self.init
         words = [
-            Signal(width, name=f"word_{part}", init=self.init or 0, reset_less=self.init is None)
+            Signal(width, name=f"word_{part}", init=init or 0, reset_less=init is None)
             for part in range(memory.depth >> low)
         ]
         self.words.append(words)

@@ -1,0 +1,181 @@
+"""The window of banks: its lines never mix, and no pixel is lost or invented."""
+
+from amaranth.hdl import Cat, Const, Signal, signed
+from lane_window_proof import LaneWindowProperties, Narrow
+from properties import OneWord, any_constant, parts
+from prove import Fault, Proof
+
+from splatline.rtl.bank import Bank
+from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.emitter import Emitter
+from splatline.rtl.loader import Loader
+from splatline.rtl.scatter import BANKS, Scatter
+from splatline.rtl.window import Window
+
+__all__ = ["PROOFS"]
+
+TINY = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1)
+"""Four words of four pixels a line, sixteen lines in the window, an image of up to 32."""
+
+
+class WindowProperties(LaneWindowProperties):
+    """Any one pixel of any one place in the window, followed from line to line.
+
+    As with lanes, but what is drawn are elements' footprints. Of those only what
+    :class:`FootprintLayout` says is assumed, which ``decoder_proof`` proves.
+
+    Parameters
+    ----------
+    load
+        1: frames start from an initial raster; 0: they do not.
+    pixel
+        Which pixel, if not any: its line's place, word and number, as constants.
+    """
+
+    def __init__(self, config, load, pixel=None):
+        super().__init__(config, load)
+        self.pixel = pixel
+
+    def describe(self, m):
+        """Add the window and its properties."""
+        config = self.config
+        self.slot = slot = any_constant(m, config.slot_bits, "slot")
+        self.word = any_constant(m, config.word_bits, "word")
+        self.number = any_constant(m, config.pixel_bits, "number")
+        if self.pixel is not None:
+            self.given(m, "pixel", Cat(self.slot, self.word, self.number) == Cat(*self.pixel))
+        self.last_column = any_constant(m, config.x_bits, "last_column")
+        self.last_line = any_constant(m, config.line_bits, "last_line")
+        self.last_word = self.last_column[config.pixel_bits :]
+        address = Signal(2 + config.word_bits - 1)
+        m.d.comb += address.eq(Cat(self.word[1:], slot[2:]))
+        self.memories = OneWord(address, init=(-1, 0) * BANKS)  # the background
+        self.dut = dut = Window(config)
+        (walker,) = parts(self.add(m, dut), BankWalker)
+        self.free(
+            m,
+            dut,
+            last_column=self.last_column,
+            last_line=self.last_line,
+            load=Signal(init=self.load, reset_less=True, name="load"),
+        )
+        # The line that has the place at the moment.
+        self.line = line = Signal(config.line_bits + 2)
+        place = Signal(config.slot_bits)
+        m.d.comb += [place.eq(slot - walker.oldest), line.eq(walker.oldest + place)]
+        drawn = self._elements(m)
+        loaded = self._initial(m)
+        self._follow(m, drawn, loaded)
+
+    def _elements(self, m):
+        """Assume of the footprints what they are; return whether one draws the pixel now."""
+        config, dut = self.config, self.dut
+        footprint = dut.i.payload
+        taken = dut.i.valid & dut.i.ready
+        top = Signal.like(footprint.top, name="top_before", init=-4)
+        opened = Signal()
+        lowest = (1 << len(top) - 1) - 1
+        m.d.sync += opened.eq(dut.active)
+        with m.If(dut.i.valid):
+            m.d.sync += top.eq(footprint.top)
+        with m.If(dut.finished):
+            m.d.sync += [top.eq(-4), opened.eq(0)]
+        self.given(m, "elements_steady", self.steady(m, dut.i, "i"))
+        self.given(m, "sorted", ~dut.i.valid | (footprint.top >= top))
+        self.given(m, "end_top", ~dut.i.valid | ~footprint.end | (footprint.top == lowest))
+        self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
+        self.given(m, "colour", footprint.colour == footprint.z)
+
+        distance = Signal(config.word_bits)
+        column = Signal(4)
+        m.d.comb += [
+            distance.eq(self.word - footprint.word),
+            column.eq(Cat(self.number, distance)),
+        ]
+        hits = []
+        for residue in range(4):
+            above = Signal(2, name=f"above_{residue}")
+            m.d.comb += above.eq(residue - footprint.top)
+            spans = footprint.upper[residue], footprint.lower[residue]
+            for half, span in enumerate(spans):
+                name = f"{residue}_{half}"
+                line = Signal(signed(config.line_bits + 3), name=f"line_{name}")
+                m.d.comb += line.eq(footprint.top + above + 4 * half)
+                there = dut.i.valid & span.words.any()
+                in_image = (line >= 0) & (line <= self.last_line) & ~footprint.end
+                group = (footprint.upper_group[residue] + half)[:2]
+                within = (span.first[2:] != 3) & (span.last[2:] != 3)
+                self.given(m, f"within_{name}", within)
+                self.given(m, f"span_{name}", ~there | (in_image & (group == line[2:4])))
+                for word in range(3):
+                    touched = dut.i.valid & span.words[word]
+                    inside = footprint.word + word <= self.last_word
+                    reached = (span.first[2:] <= word) & (word <= span.last[2:])
+                    self.given(
+                        m,
+                        f"word_{name}_{word}",
+                        ~touched | (inside & reached & (span.first <= span.last)),
+                    )
+                hits.append(
+                    (line == self.line)
+                    & (self.word >= footprint.word)
+                    & span.words.bit_select(distance, 1)
+                    & (span.first <= column)
+                    & (column <= span.last)
+                )
+        draws = Signal()
+        m.d.comb += draws.eq(taken & ~footprint.end & Cat(hits).any())
+        return draws
+
+
+SWEPT = Fault("the sweep's last cycle", Window, r"(sweep = Signal\(.*)\)", r"\1, init=-1)")
+"""The banks have been cleared but for their last words."""
+
+
+def plan(name, shows, load, depth, *faults, pixel=None):
+    """Return a proof of the window."""
+    return Proof(
+        name=name,
+        shows=shows,
+        build=lambda: WindowProperties(TINY, load, pixel=pixel),
+        depth=depth,
+        engine="abc bmc3",
+        changes=(SWEPT,),
+        faults=faults,
+        slow=True,
+    )
+
+
+NO_CONFLICT = Fault("no conflict", Bank, r"taken\.draw \| taken\.clear\) &", "taken.clear) &")
+
+PROOFS = [
+    plan(
+        "window of banks",
+        "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
+        0,
+        10,
+        NO_CONFLICT,
+        Fault("another bank", Emitter, r"chosen\.eq\(self\.bank\)", "chosen.eq(self.bank ^ 4)"),
+        Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
+        Fault("beyond the window", Window, r"config\.window_lines - BANKS", "config.window_lines"),
+        Fault("flushed beside an element", Window, r"== index\) & ~wanted", "== index)"),
+        Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
+    ),
+    plan(
+        "window of banks, one pixel",
+        "the same for one pixel of one place",
+        0,
+        14,
+        Fault("marks lost", BankWalker, r"here & ~marks\.busy", "here"),
+        pixel=(Const(2, 4), Const(1, 2), Const(1, 2)),
+    ),
+    plan(
+        "window of banks, initial raster",
+        "the same for frames that start from an initial raster",
+        1,
+        10,
+        NO_CONFLICT,
+        Fault("loaded like an element", Scatter, r"self\.whole, 3, ", "self.whole, 0, ", "_deal"),
+        Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
+    ),
+]
