@@ -5,6 +5,8 @@ from amaranth.lib.wiring import Out
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
+from splatline.rtl.axi_lite import AxiLiteFront
+from splatline.rtl.axi_registers import RegisterFile
 from splatline.rtl.axi_stream import HalfSlice, RegisterSlice
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.codeword_check import end_word, is_end
@@ -16,6 +18,7 @@ from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.layouts import CodeWordLayout
 from splatline.rtl.loader import Loader
 from splatline.rtl.pins import Gatherer, Splitter
+from splatline.rtl.register_map import register_map
 from splatline.rtl.sequencer import Sequencer
 from splatline.rtl.shape_rom import ShapeRom
 from splatline.rtl.stream_guard import StreamGuard
@@ -112,6 +115,13 @@ def not_over(properties, m, dut):
 def while_running(properties, m, dut):
     """Nothing is requested while all stands still."""
     properties.given(m, "flush", ~dut.flush | dut.running)
+
+
+def none_begins(properties, m, dut):
+    """No frame begins while a table write waits."""
+    waited = Signal()
+    m.d.sync += waited.eq(dut.tables.valid & ~dut.tables.ready)
+    properties.given(m, "busy", ~(waited & dut.busy))
 
 
 def drops_nothing_open(properties, m, dut):
@@ -222,6 +232,12 @@ PROOFS = [
                 "insert = self.insert = ",
             ),
         ),
+    ),
+    plan(
+        "register file",
+        lambda: RegisterFile(register_map(PAPER)),
+        Fault("address overwritten", AxiLiteFront, r"bus\.awvalid & ~addressed", "bus.awvalid"),
+        given=none_begins,
     ),
     plan(
         "gatherer",
