@@ -95,7 +95,8 @@ CHAIN_FAULTS = [
      "engine.tables.valid.eq(self.tables.valid)", "writes hold back frames that have begun"),
     (r"self\.tables\.ready\.eq\(between & idle\.all\(\)\)",
      "self.tables.ready.eq(idle.any())", "some engines miss writes"),
-    (r"may\.eq\(~\(idle\[n\] & ahead\[n\]\)\)", "may.eq(1)", "engines begin the frame after next"),
+    (r"~\(idle\[n\] & ahead\[n\]\) & ~ending", "~ending", "engines begin the frame after next"),
+    (r" & ~ending", "", "an engine begins a frame unseen"),
 ]  # fmt: skip
 
 
