@@ -21,7 +21,7 @@ help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
 	@echo 'make render     the main job: a scene, drawn by the Verilog and checked -> build/render/'
 	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
-	@echo 'make bench      error against run time, cycles, rates, stress suite -> docs/bench/'
+	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=bank: some)'
@@ -67,6 +67,7 @@ render: setup
 bench: setup
 	@$(VENV)/bin/splatline bench accuracy $(SCANS)
 	@$(VENV)/bin/splatline bench engine --luts $(SCANS)
+	@$(VENV)/bin/splatline bench chain --preset paper
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
 
