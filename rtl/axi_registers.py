@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from amaranth.hdl import Cat, Const, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
@@ -18,58 +20,53 @@ REGISTERS_END = (REGISTER_BYTES - 1).bit_length()
 """Address bits of the registers."""
 
 
+def _is_stored(register: BusRegister, field: BusField) -> bool:
+    return field.access in (Access.READ_WRITE, Access.CLEAR)
+
+
+def _is_pulse(register: BusRegister, field: BusField) -> bool:
+    return field.access is Access.WRITE_ONLY and register.table is None
+
+
 class _FieldsLayout(data.StructLayout):
     """The fields of a map that fulfil a condition, by name: ``control_hold``."""
 
-    def __init__(self, registers: RegisterMap):
+    def __init__(self, registers: RegisterMap, has: Callable[[BusRegister, BusField], bool]):
         super().__init__(
             {
                 name: field.place.width
                 for name, register, field in registers.fields()
-                if self.has(register, field)
+                if has(register, field)
             }
         )
-
-    @staticmethod
-    def has(register: BusRegister, field: BusField) -> bool:
-        """Whether a field is one of these."""
-        raise NotImplementedError
 
 
 class ValuesLayout(_FieldsLayout):
     """What is stored: fields that can be written and read."""
 
-    @staticmethod
-    def has(register, field):
-        """Whether a field is one of these."""
-        return field.access in (Access.READ_WRITE, Access.CLEAR)
+    def __init__(self, registers: RegisterMap):
+        super().__init__(registers, _is_stored)
 
 
 class EventsLayout(_FieldsLayout):
     """What sets a field that a 1 clears."""
 
-    @staticmethod
-    def has(register, field):
-        """Whether a field is one of these."""
-        return field.access is Access.CLEAR
+    def __init__(self, registers: RegisterMap):
+        super().__init__(registers, lambda _, field: field.access is Access.CLEAR)
 
 
 class LiveLayout(_FieldsLayout):
     """What is only shown."""
 
-    @staticmethod
-    def has(register, field):
-        """Whether a field is one of these."""
-        return field.live
+    def __init__(self, registers: RegisterMap):
+        super().__init__(registers, lambda _, field: field.live)
 
 
 class PulsesLayout(_FieldsLayout):
     """What a written 1 does once."""
 
-    @staticmethod
-    def has(register, field):
-        """Whether a field is one of these."""
-        return field.access is Access.WRITE_ONLY and register.table is None
+    def __init__(self, registers: RegisterMap):
+        super().__init__(registers, _is_pulse)
 
 
 class RegisterFile(wiring.Component):
@@ -135,9 +132,7 @@ class RegisterFile(wiring.Component):
         values = Signal(
             ValuesLayout(self.registers),
             init={
-                name: field.reset
-                for name, register, field in fields
-                if ValuesLayout.has(register, field)
+                name: field.reset for name, register, field in fields if _is_stored(register, field)
             },
         )
         m.d.comb += self.values.eq(values)
@@ -228,7 +223,7 @@ class RegisterFile(wiring.Component):
                 m.d.sync += values[name].eq(bits)
             elif field.access is Access.CLEAR:
                 m.d.sync += values[name].eq(values[name] & ~bits)
-            elif PulsesLayout.has(register, field):
+            elif _is_pulse(register, field):
                 m.d.comb += self.pulses[name].eq(bits)
 
     def _read(self, m, front, values):
@@ -259,7 +254,7 @@ class RegisterFile(wiring.Component):
             name = f"{register.name}_{field.name}".lower()
             if field.live:
                 bits.append(self.live[name])
-            elif ValuesLayout.has(register, field):
+            elif _is_stored(register, field):
                 bits.append(values[name])
             else:
                 shown = field.reset if field.access.readable else 0

@@ -38,12 +38,8 @@ class PacketLayout(data.StructLayout):
         super().__init__({"data": payload, "whole": 1, "last": 1})
 
 
-class RegisterSlice(wiring.Component):
-    """A stream cut by registers in both directions, at its full rate.
-
-    Two payloads: one that is offered, and one that came while it waited.
-
-    **Latency**: 1 cycle. **Throughput**: a payload a cycle.
+class _Slice(wiring.Component):
+    """A stream cut by registers in both directions.
 
     Parameters
     ----------
@@ -59,6 +55,16 @@ class RegisterSlice(wiring.Component):
     def __init__(self, shape):
         self.shape = shape
         super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
+
+
+class RegisterSlice(_Slice):
+    """A stream cut by registers in both directions, at its full rate.
+
+    Two payloads: one that is offered, and one that came while it waited.
+
+    **Latency**: 1 cycle. **Throughput**: a payload a cycle. See ``_Slice`` for
+    parameters and members.
+    """
 
     def elaborate(self, platform):
         """Build the circuit."""
@@ -85,25 +91,12 @@ class RegisterSlice(wiring.Component):
         return m
 
 
-class HalfSlice(wiring.Component):
+class HalfSlice(_Slice):
     """A stream cut by registers in both directions, at half its rate and with half of them.
 
-    **Latency**: 1 cycle. **Throughput**: a payload in two cycles.
-
-    Parameters
-    ----------
-    shape
-        Shape of the payload.
-
-    Members
-    -------
-    i : In(stream of shape), o : Out(stream of shape)
-        The two sides.
+    **Latency**: 1 cycle. **Throughput**: a payload in two cycles. See ``_Slice`` for
+    parameters and members.
     """
-
-    def __init__(self, shape):
-        self.shape = shape
-        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
 
     def elaborate(self, platform):
         """Build the circuit."""

@@ -1,5 +1,7 @@
 """What properties are made of: a component with free inputs, its streams' rules, its memories."""
 
+from abc import ABC, abstractmethod
+
 from amaranth.asserts import AnyConst, AnySeq, Initial
 from amaranth.hdl import (
     Assert,
@@ -119,7 +121,7 @@ class OneWord:
         return m
 
 
-class Properties(Elaboratable):
+class Properties(ABC, Elaboratable):
     """A component, what is assumed of its inputs and what is asserted of its outputs.
 
     It starts in any state, registers and memories alike, and is reset for one cycle.
@@ -143,9 +145,9 @@ class Properties(Elaboratable):
         self.describe(m)
         return m
 
+    @abstractmethod
     def describe(self, m):
         """Add the component and all that is said of it."""
-        raise NotImplementedError
 
     def add(self, m, component, name="dut"):
         """Add a component now, so that what its memories keep is known; return its fragment."""

@@ -1,4 +1,4 @@
-"""What is done to an engine on its buses, and what must come of it; on a right engine or a broken.
+"""What is sent to an engine on its streams, and what must come of it: right or broken.
 
 Each case takes a device, fresh or not, and leaves it ready for the next.
 """
@@ -8,19 +8,33 @@ import dataclasses
 import numpy as np
 from random_frames import nonsense, random_raster, shapes, word
 
-from splatline.host.device import DeviceTimeoutError
-from splatline.host.driver import Driver, EngineError
+from splatline.host.driver import Driver
 from splatline.host.order import advance_word, end_word
 from splatline.rtl.register_map import register_map
 from splatline.sim import golden
 from splatline.sim.beats import from_beats, to_beats
 from splatline.sim.driver import Engine
 
-__all__ = ["ABORTS", "BUS", "STREAMS", "draw_scene", "fresh", "inside", "right"]
+__all__ = [
+    "HEIGHT",
+    "STREAMS",
+    "WIDTH",
+    "block",
+    "case",
+    "clean",
+    "draw_scene",
+    "expect",
+    "fresh",
+    "initial_of",
+    "inside",
+    "right",
+    "send",
+    "setup",
+]
 
 WIDTH, HEIGHT = 48, 40
 OKAY, SLVERR, DECERR = 0, 2, 3
-STREAMS, BUS, ABORTS = {}, {}, {}
+STREAMS = {}
 
 
 def inside(frame):
@@ -296,321 +310,3 @@ def expected_errors(words, keep, config):
         names |= {"FRAME_ENDED_EARLY"} if last else set()
     order = [field.name for field in register_map(config)["ERROR"].fields]
     return sorted(names, key=order.index)
-
-
-def refused(device, response, name, offset, data=None):
-    """A read, or a write of bytes, is refused, and the bit says so; nothing else is told."""
-    engine = Driver(device)
-    engine.set("CONTROL")  # not quiet
-    for answer in (response, OKAY):
-        if data is None:
-            assert device.command("read", offset) == (0, answer)
-        else:
-            assert device.command("write", offset, data) == answer
-        assert engine.errors() == [name]
-        engine.set("ERROR", **{name: 1})
-        assert engine.errors() == []
-        engine.set("CONTROL", QUIET=1)  # answered OKAY, and told all the same
-
-
-def bytes_of(value):
-    return value.to_bytes(4, "little")
-
-
-@case(BUS)
-def nothing_at_an_address(device):
-    registers = Driver(device).registers
-    beyond = registers.registers[-1].offset + 4
-    window = registers.materials
-    offsets = [beyond, 0x80, 0x1000, 0x1FFC, window.offset + window.entries * window.stride, 0x3FFC]
-    offsets += [window.offset + 4 * n for n in range(window.words, window.stride // 4)]
-    for offset in offsets:
-        refused(device, DECERR, "BUS_ADDRESS", offset)
-        refused(device, DECERR, "BUS_ADDRESS", offset, bytes_of(0))
-    right(device)
-
-
-@case(BUS)
-def writes_of_what_is_read_only(device):
-    registers = Driver(device).registers
-    for register in registers.registers:
-        if not register.writable:
-            refused(device, SLVERR, "BUS_ACCESS", register.offset, bytes_of(0))
-    right(device)
-
-
-@case(BUS)
-def reads_of_what_is_written_only(device):
-    registers = Driver(device).registers
-    for offset in (registers["AMBIENT_RED"].offset, registers.materials.offset + 8):
-        refused(device, SLVERR, "BUS_ACCESS", offset)
-    right(device)
-
-
-@case(BUS)
-def writes_of_some_bytes(device):
-    registers = Driver(device).registers
-    before = device.read32(registers["LAST_LINE"].offset)
-    for register in ("LAST_LINE", "CONTROL", "AMBIENT_RED"):
-        offset = registers[register].offset
-        refused(device, SLVERR, "BUS_STROBE", offset, b"\x01")
-        refused(device, SLVERR, "BUS_STROBE", offset + 1, b"\x00\x00\x00")
-    refused(device, SLVERR, "BUS_STROBE", registers.materials.offset, b"\x01\x02")
-    assert device.read32(registers["LAST_LINE"].offset) == before
-    right(device)
-
-
-@case(BUS)
-def bits_that_a_register_lacks(device):
-    registers = Driver(device).registers
-    for register in registers.registers:
-        if register.writable and register.name != "CONTROL":
-            lacking = 1 << register.writable.bit_length()
-            before = register.readable and device.read32(register.offset)
-            refused(device, SLVERR, "BUS_VALUE", register.offset, bytes_of(lacking))
-            assert before == (register.readable and device.read32(register.offset))
-    window = registers.materials
-    if window.writable[-1] != 0xFFFF_FFFF:
-        last = window.offset + 4 * (window.words - 1)
-        refused(device, SLVERR, "BUS_VALUE", last, bytes_of(window.writable[-1] + 1))
-    right(device)
-
-
-@case(BUS)
-def tables_written_in_mid_frame(device):
-    """Refused, and changing nothing: neither of this frame nor of the next with the same tables."""
-    engine, frame = setup(device, 20)
-    device.command("pause", "raster", True)
-    device.send(frame.codewords)
-    device.command("wait", 200)
-    assert engine.get("STATUS", "BUSY")
-    window = engine.registers.materials
-    offsets = [r.offset for r in engine.registers.registers if r.between_frames]
-    offsets += [window.offset + 4 * n for n in range(2 * window.words)]
-    assert len(offsets) > 8
-    for offset in offsets:
-        refused(device, SLVERR, "BUS_BUSY", offset, bytes_of(1))
-    device.command("pause", "raster", False)
-    expected = golden.render(frame)
-    beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
-    assert from_beats(beats, WIDTH, HEIGHT, engine.config).mismatches(expected) == 0
-    assert engine.draw(frame.codewords).mismatches(expected) == 0
-    right(device)
-
-
-@case(BUS)
-def a_frame_is_open_behind_others_that_wait(device):
-    """End beats wait to be taken, and behind them a frame that has been read but not sent."""
-    engine, frame = setup(device, 22)
-    device.command("pause", "raster", True)
-    end = [end_word(engine.config)]
-    blocks = np.array([*(block(engine.config, 9 * n) for n in range(5)), *end], np.uint64)
-    for words in (end, end, end, blocks):
-        send(device, "codewords", words)
-    device.command("wait", 400)
-    device.command("pause", "raster", False)
-    device.command("wait", 5)
-    device.command("pause", "raster", True)
-    device.command("wait", 200)
-    assert engine.get("FRAMES") % 4 == 3
-    assert engine.get("STATUS", "BUSY")
-    refused(device, SLVERR, "BUS_BUSY", engine.registers["LAST_LINE"].offset, bytes_of(1))
-    device.command("pause", "raster", False)
-    for _ in range(3):
-        assert len(device.receive()) == 1
-    beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
-    expected = golden.render(dataclasses.replace(frame, codewords=blocks))
-    assert from_beats(beats, WIDTH, HEIGHT, engine.config).mismatches(expected) == 0
-    right(device)
-
-
-@case(BUS)
-def nothing_passes_within_a_cycle(device):
-    """Inputs turned over between two edges move no output, in whatever state of a frame."""
-    engine, frame = setup(device, 21)
-    start, beats = initial_of(frame, 8)
-    engine.set("START", LOAD=1)
-    device.command("stall", 0.3, 8)
-    device.send(frame.codewords, engine.widen(beats))
-    assert device.command("turn_over", 600) == []
-    drawn = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
-    picture = from_beats(drawn, WIDTH, HEIGHT, engine.config)
-    assert picture.mismatches(golden.render(frame, start)) == 0
-    right(device)
-
-
-def abort(device, frame, *, dropping=()):
-    """End the frame that is open; the part of it that came is part of the picture."""
-    engine = Driver(device)
-    assert engine.get("STATUS", "BUSY")
-    engine.set("CONTROL", QUIET=1, ABORT=1)
-    device.command("pause", "raster", False)
-    beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
-    from_beats(beats, WIDTH, HEIGHT, engine.config)  # inside the image and in order
-    device.command("wait", 200)  # a word is dropped a cycle
-    for bit in ("DROPPING", "DROPPING_INITIAL"):
-        assert engine.get("STATUS", bit) == (bit in dropping)
-    assert not engine.get("STATUS", "BUSY")
-    assert "ABORTED" in engine.errors()
-    engine.clear("ERROR")
-    for stream in ("codewords", "initial"):
-        device.command("pause", stream, False)
-    device.command("wait", 2000)
-    assert engine.errors() == []
-
-
-@case(ABORTS)
-def while_the_raster_waits(device):
-    _, frame = setup(device, 30)
-    device.command("pause", "raster", True)
-    device.send(frame.codewords)
-    device.command("wait", 200)
-    abort(device, frame)
-    right(device)
-
-
-@case(ABORTS)
-def in_the_middle_of_the_code_words(device):
-    engine, frame = setup(device, 31)
-    device.send(frame.codewords)
-    device.command("wait", 40)
-    device.command("pause", "codewords", True)
-    device.command("wait", 400)
-    assert engine.get("ELEMENTS") > 0
-    abort(device, frame, dropping=["DROPPING"])
-    right(device)
-
-
-@case(ABORTS)
-def with_an_initial_raster_that_never_comes(device):
-    engine, frame = setup(device, 32)
-    engine.set("START", LOAD=1)
-    device.send(frame.codewords)
-    device.command("wait", 400)
-    abort(device, frame)
-    right(device)
-
-
-@case(ABORTS)
-def in_the_middle_of_an_initial_raster(device):
-    engine, frame = setup(device, 33)
-    engine.set("START", LOAD=1)
-    start, beats = initial_of(frame, 6)
-    device.send(frame.codewords, engine.widen(beats))
-    device.command("wait", 60)
-    device.command("pause", "initial", True)
-    device.command("wait", 400)
-    abort(device, frame, dropping=["DROPPING_INITIAL"])
-    engine, frame = setup(device, 33)
-    assert engine.draw(frame.codewords, start).mismatches(golden.render(frame, start)) == 0
-    right(device)
-
-
-@case(ABORTS)
-def while_the_engine_clears_its_memory(device):
-    """And the initial raster will not come."""
-    device.command("reset")
-    engine = Driver(device)
-    frame = clean(engine.config, 37)
-    engine.set("START", LOAD=1)
-    device.send(frame.codewords)
-    device.command("wait", 20)
-    assert engine.get("WORDS") == 0
-    device.command("pause", "codewords", True)
-    assert engine.get("STATUS", "BUSY")
-    engine.set("CONTROL", QUIET=1, ABORT=1)
-    device.receive()
-    device.command("pause", "codewords", False)
-    device.command("wait", 500)
-    assert engine.errors() == ["ABORTED"]
-    engine.set("ERROR", ABORTED=1)
-    right(device)
-
-
-@case(ABORTS)
-def before_the_engine_has_a_word(device):
-    """All that came was dropped; the end is its first, and asks for an initial raster."""
-    engine, frame = setup(device, 39)
-    engine.set("START", LOAD=1)
-    engine.set("CONTROL", QUIET=1, CLEAR=1)
-    keep = np.ones((len(frame.codewords), 8), np.uint8)
-    keep[:60] = 0
-    send(device, "codewords", frame.codewords, keep.tobytes())
-    device.command("wait", 20)
-    device.command("pause", "codewords", True)
-    device.command("wait", 20)
-    assert engine.get("CYCLES") == 0
-    abort(device, frame, dropping=["DROPPING"])
-    right(device)
-
-
-@case(ABORTS)
-def in_any_of_its_first_cycles(device):
-    """One that comes before the frame does nothing; then the frame waits for its initial raster."""
-    engine, frame = setup(device, 38)
-    aborted = []
-    for cycles in range(12):
-        engine.set("START", LOAD=1)
-        device.send(frame.codewords)
-        if cycles:
-            device.command("wait", cycles)
-        engine.set("CONTROL", QUIET=1, ABORT=1)
-        device.command("wait", 300)
-        aborted.append(not engine.get("STATUS", "BUSY"))
-        if not aborted[-1]:
-            engine.set("CONTROL", QUIET=1, ABORT=1)
-        beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
-        from_beats(beats, WIDTH, HEIGHT, engine.config)
-        device.command("wait", 200)
-        assert engine.errors() == ["ABORTED"]
-        engine.set("ERROR", ABORTED=1)
-    assert len(set(aborted)) == 2, aborted
-    right(device)
-
-
-@case(ABORTS)
-def between_frames(device):
-    engine, frame = setup(device, 34)
-    engine.set("CONTROL", QUIET=1, ABORT=1)
-    assert engine.errors() == []
-    assert engine.draw(frame.codewords).mismatches(golden.render(frame)) == 0
-    right(device)
-
-
-@case(ABORTS)
-def and_then_the_host_s_dma_is_reset(device):
-    """The rest of the packet will never come: RESYNC takes the next word as a frame's first."""
-    engine, frame = setup(device, 35)
-    device.send(frame.codewords)
-    device.command("wait", 40)
-    device.command("pause", "codewords", True)
-    device.command("wait", 400)
-    engine.set("CONTROL", QUIET=1, ABORT=1)
-    device.receive()
-    assert engine.get("STATUS", "DROPPING")
-    device.command("forget", "codewords")
-    device.command("pause", "codewords", False)
-    engine.set("CONTROL", QUIET=1, RESYNC=1)
-    assert not engine.get("STATUS", "DROPPING")
-    engine.set("ERROR", ABORTED=1)
-    right(device)
-
-
-@case(ABORTS)
-def by_the_driver_that_has_waited_too_long(device):
-    engine, frame = setup(device, 36)
-    engine.set("START", LOAD=1)
-    limit, device.limit = device.limit, 3000
-    device.command("pause", "initial", True)
-    try:
-        start, _ = initial_of(frame, 7)
-        engine.draw(frame.codewords, start)
-        raise AssertionError("a frame was drawn whose initial raster never came")
-    except EngineError as error:
-        assert error.names == ("ABORTED",)
-        assert isinstance(error.__cause__, DeviceTimeoutError)
-    finally:
-        device.limit = limit
-        device.command("forget", "initial")
-        device.command("pause", "initial", False)
-    right(device)

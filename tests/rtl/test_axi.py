@@ -1,5 +1,7 @@
 """The engine on its buses, driven by cocotbext-axi, against the golden renderer."""
 
+import axi_abort_cases
+import axi_bus_cases
 import axi_cases
 import numpy as np
 import pytest
@@ -80,14 +82,14 @@ def test_bad_streams(device, name, stall):
     axi_cases.STREAMS[name](device)
 
 
-@pytest.mark.parametrize("name", axi_cases.BUS)
+@pytest.mark.parametrize("name", axi_bus_cases.BUS)
 def test_bad_accesses(device, name):
-    axi_cases.BUS[name](device)
+    axi_bus_cases.BUS[name](device)
 
 
-@pytest.mark.parametrize("name", axi_cases.ABORTS)
+@pytest.mark.parametrize("name", axi_abort_cases.ABORTS)
 def test_a_frame_is_aborted(device, name):
-    axi_cases.ABORTS[name](device)
+    axi_abort_cases.ABORTS[name](device)
 
 
 def test_a_reset_in_mid_frame(device):

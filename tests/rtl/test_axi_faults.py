@@ -4,7 +4,9 @@ import functools
 
 import axi_cases
 import pytest
-from axi_cases import ABORTS, BUS, STREAMS
+from axi_abort_cases import ABORTS
+from axi_bus_cases import BUS
+from axi_cases import STREAMS
 from faults import fault, rewrite
 
 from splatline.host.device import DeviceTimeoutError
