@@ -42,7 +42,7 @@ def measure_few(presets: Sequence[EngineConfig], size: tuple[int, int]) -> Itera
                 _scatter(count, size), view, radii=radii, quality="fast", config=config
             )
             words = np.add.reduceat(
-                golden.render(frame).drawn, range(0, width, config.pixels_per_word), axis=1
+                golden.render(frame).drawn, range(0, width, config.raster_pixels), axis=1
             )
             yield {
                 "preset": config.name,

@@ -109,6 +109,6 @@ def _words_drawn(raster: Raster) -> int:
     import numpy as np
 
     height, width = raster.drawn.shape
-    pixels = raster.config.pixels_per_word
+    pixels = raster.config.raster_pixels
     padded = np.pad(raster.drawn, ((0, 0), (0, -width % pixels)))
     return int(padded.reshape(height, -1, pixels).any(axis=2).sum())

@@ -8,7 +8,7 @@ from .bank import bank_address_bits
 from .bank_marks import BankMarks, column_bits, stretch_bits
 from .choose import number_of
 from .format import EngineConfig
-from .layouts import PlaceLayout
+from .layouts import FlushLayout
 from .scatter import BANKS
 
 __all__ = ["BankWalker"]
@@ -27,8 +27,11 @@ class BankWalker(wiring.Component):
     where they are sparse. With a mark for each word (``mark_words`` 1) a stretch that no element
     has reached since the window was last clean is not read: a few elements cost a few cycles.
 
+    Where the raster's beats have two words, two neighbours that are both drawn are asked for
+    together.
+
     **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle,
-    and at least one cycle a stretch of sixteen that was reached.
+    or a beat's two, and at least one cycle a stretch of sixteen that was reached.
 
     Members
     -------
@@ -59,7 +62,7 @@ class BankWalker(wiring.Component):
         First line in the window.
     clean : Out(1)
         Nothing in the window is drawn.
-    flush : Out(stream of PlaceLayout)
+    flush : Out(stream of FlushLayout)
         Words to read and clear.
     """
 
@@ -80,7 +83,7 @@ class BankWalker(wiring.Component):
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
                 "clean": Out(1),
-                "flush": Out(stream.Signature(PlaceLayout(config))),
+                "flush": Out(stream.Signature(FlushLayout(config))),
             }
         )
 
@@ -145,11 +148,21 @@ class BankWalker(wiring.Component):
             m.d.sync += line.eq(line + 1)
 
         # Asking: the words that are left of the stretch at hand.
-        column, half, single = _first(m, left, self.oldest[2])
+        column, two, alone = _first_column(m, left)
+        halves, turned = self.flush.payload.halves, self.oldest[2]
         asked = Signal()
+        single = Signal()  # it is the last of the stretch
+        if config.raster_words == 2:
+            m.d.comb += [halves.eq(two), single.eq(alone)]
+        else:  # the left one first
+            m.d.comb += [
+                halves[0].eq(two[0] & ~(turned & two[1])),
+                halves[1].eq(two[1] & ~(~turned & two[0])),
+                single.eq(alone & ~two.all()),
+            ]
         m.d.comb += [
             self.flush.valid.eq(left.any()),
-            self.flush.payload.word.eq(Cat(half ^ self.oldest[2], column, stretch_left)),
+            self.flush.payload.pair.eq(Cat(column, stretch_left)),
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
             moves.eq(~self.flush.valid | (asked & single)),
@@ -157,7 +170,7 @@ class BankWalker(wiring.Component):
         with m.If(moves):
             m.d.sync += [left.eq(read), self.oldest.eq(line_read), stretch_left.eq(stretch_read)]
         for word in range(len(left)):
-            with m.If(asked & ~single & (Cat(half, column) == word)):
+            with m.If(asked & ~single & halves[word % 2] & (column == word // 2)):
                 m.d.sync += left[word].eq(0)
 
         for slot in range(config.window_lines):
@@ -195,19 +208,15 @@ class BankWalker(wiring.Component):
             m.d.sync += reached.eq(0)
 
 
-def _first(m, bits, turned):
-    """Return where the leftmost word of a stretch is: column and half; and if it is the only one.
-
-    Of two words in a column the one in the second half of the banks is the left one if ``turned``.
-    """
+def _first_column(m, bits):
+    """Return the first column with a mark, its two marks, and whether no other column has any."""
     groups = [bits[base : base + 4] for base in range(0, len(bits), 4)]  # two columns
     some = Signal(len(groups))
     group = Signal(range(len(groups)))
     four = Signal(4)
     second = Signal()
     two = Signal(2)
-    half = Signal()
-    single = Signal()
+    alone = Signal()
     m.d.comb += some.eq(Cat(part.any() for part in groups))
     for index in reversed(range(len(groups))):
         with m.If(some[index]):
@@ -219,11 +228,10 @@ def _first(m, bits, turned):
     m.d.comb += [
         second.eq(~four[:2].any()),
         two.eq(Mux(second, four[2:], four[:2])),
-        half.eq(Mux(turned, two[1], ~two[0])),
-        single.eq(_at_most_one(some) & _at_most_one(four)),
+        alone.eq(_at_most_one(some) & (second | ~four[2:].any())),
     ]
     column = Cat(second, group)[: (len(bits) // 2 - 1).bit_length()]
-    return column, half, single
+    return column, two, alone
 
 
 def _at_most_one(bits):

@@ -5,7 +5,7 @@ from amaranth.hdl import Cat, Mux, Signal, Value
 __all__ = ["choose", "number_of", "pick"]
 
 
-def choose(values, index) -> Cat:
+def choose(values, index, pairs=None) -> Cat:
     """Return that of the values which has a number, in one LUT of four inputs for two values.
 
     A tree takes five LUTs a bit of eight values. Here each LUT of a chain has two values: if the
@@ -18,9 +18,15 @@ def choose(values, index) -> Cat:
         Two, four or eight of the same width.
     index
         The number of one.
+    pairs
+        For each two values whether the one is among them, if that is known already. Of four values
+        it should come from registers: Yosys finds the tree behind the chain where one of the two is
+        the other's complement.
     """
     flat = [Value.cast(value) for value in values]
-    low, pairs = index[0], [index[1:] == pair for pair in range(len(flat) // 2)]
+    low = index[0]
+    if pairs is None:
+        pairs = [index[1:] == pair for pair in range(len(flat) // 2)]
     bits = []
     for bit in range(len(flat[0])):
         chosen = low

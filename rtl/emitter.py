@@ -1,12 +1,12 @@
-"""The way out: the word that a bank gives up becomes a beat of the raster."""
+"""The way out: what the banks give up becomes a beat of the raster."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Const, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .choose import choose
 from .format import EngineConfig
-from .layouts import PlaceLayout, PlaneLayout, RasterLayout
+from .layouts import FlushLayout, PlaneLayout, RasterLayout
 from .scatter import BANKS
 
 __all__ = ["Emitter"]
@@ -16,8 +16,9 @@ class Emitter(wiring.Component):
     """Picks each flushed word from its bank and offers it on ``raster``.
 
     A word stands on its bank's output in the cycle after its request and is taken from there into
-    the register on the port. A word of background only is dropped: what was drawn there did not
-    pass the depth test or lies outside the image, or it shares a mark.
+    the register on the port. A beat of background only is dropped: what was drawn there did not
+    pass the depth test or lies outside the image, or it shares a mark. Where beats have two words,
+    one that was not requested is background.
 
     Where colours have further planes, they come out two cycles after plane 0, which waits for them
     in two registers; then a pixel that is background is given colour 0, as its planes are stale.
@@ -28,16 +29,14 @@ class Emitter(wiring.Component):
     word stands in the last stage before the port.
 
     **Latency**: 2 cycles from a request to ``raster``, with further planes 4. **Throughput**: one
-    word a cycle; with further planes two in four, but all that are background.
+    beat a cycle; with further planes two in four, but all that are background.
 
     Members
     -------
     flush : In(1)
-        A word is requested from a bank in this cycle; only while ``ready`` and ``running``.
-    place : In(PlaceLayout)
-        Which word that is.
-    bank : In(range(8))
-        The bank that holds it.
+        ``request`` is made in this cycle; only while ``ready`` and ``running``.
+    request : In(FlushLayout)
+        Which words leave: one, or both of a beat of two.
     ready : Out(1)
         A word may be requested.
     words : In(8 x PlaneLayout)
@@ -61,8 +60,7 @@ class Emitter(wiring.Component):
         super().__init__(
             {
                 "flush": In(1),
-                "place": In(PlaceLayout(config)),
-                "bank": In(range(BANKS)),
+                "request": In(FlushLayout(config)),
                 "ready": Out(1, init=1),
                 "words": In(data.ArrayLayout(PlaneLayout(config), BANKS)),
                 "last_column": In(config.x_bits),
@@ -83,7 +81,7 @@ class Emitter(wiring.Component):
         stages = 1 if config.colour_planes == 1 else 3
         valid = Signal(stages)
         places = [
-            Signal(PlaceLayout(config), name=f"place_{n}", reset_less=True) for n in range(stages)
+            Signal(FlushLayout(config), name=f"place_{n}", reset_less=True) for n in range(stages)
         ]
         emit_valid = Signal()
         emit = Signal(RasterLayout(config), reset_less=True)
@@ -99,27 +97,22 @@ class Emitter(wiring.Component):
         ]
         with m.If(self.running):
             m.d.sync += valid.eq(Cat(self.flush, valid))
-            for earlier, place in zip([self.place, *places], places, strict=False):
+            for earlier, place in zip([self.request, *places], places, strict=False):
                 m.d.sync += place.eq(earlier)
 
-        chosen = Signal(range(BANKS), reset_less=True)
-        word = Signal(PlaneLayout(config))
-        m.d.comb += word.eq(choose(self.words, chosen))
         if stages == 1:
-            with m.If(self.running):
-                m.d.sync += chosen.eq(self.bank)
-            pixels, shown = self._inside(places[0], word), 1
+            pixels, shown = self._inside(places[0], self._words(m, places[0])), 1
             # What is background is known behind the register: the way to it is long enough.
             visible = ~Cat(depth.all() for depth in emit.pixels.depth).all()
             m.d.comb += self.raster.valid.eq(emit_valid & (visible | emit.end))
         else:
-            pixels, drawn, shown = self._planes(m, chosen, places, word)
+            pixels, drawn, shown = self._planes(m, places)
             m.d.comb += [self.ready.eq(~(valid[1] & drawn)), self.raster.valid.eq(emit_valid)]
 
         with m.If(take):
             m.d.sync += [
                 emit_valid.eq((valid[-1] & shown) | over),
-                emit.word.eq(places[-1].word),
+                emit.word.eq(self._number(places[-1])),
                 emit.line.eq(places[-1].line),
                 emit.end.eq(over),
             ]
@@ -130,25 +123,68 @@ class Emitter(wiring.Component):
                 ]
         return m
 
-    def _inside(self, place, word):
-        """Return a word's depths and colours, with background for those outside the image."""
+    def _number(self, place):
+        """Return the number of a beat in its line."""
+        if self.config.raster_words == 2:
+            return place.pair
+        return Cat(place.halves[1] ^ place.line[2], place.pair)
+
+    def _words(self, m, place):
+        """Return a beat's words from left to right, each with whether it was requested."""
+        if self.config.raster_words == 1:
+            word = Signal(PlaneLayout(self.config))
+            bank = Cat(place.line[:2], place.halves[1])
+            m.d.comb += word.eq(choose(self.words, bank))
+            return [(word, Const(1))]
+        pairs = Signal(2, reset_less=True)
+        with m.If(self.running):
+            m.d.sync += pairs.eq(Cat(~self.request.line[1], self.request.line[1]))
+        words = []
+        for half in range(2):
+            upper = place.line[2] ^ half  # the banks 4..7 have it
+            word = Signal(PlaneLayout(self.config), name=("left", "right")[half])
+            sides = [
+                choose([self.words[first + n] for n in range(4)], place.line[:2], pairs)
+                for first in (0, 4)
+            ]
+            m.d.comb += word.eq(Mux(upper, sides[1], sides[0]))
+            words.append((word, Mux(upper, place.halves[1], place.halves[0])))
+        return words
+
+    def _inside(self, place, words):
+        """Return a beat's depths and colours, with background for what is not there.
+
+        That is a word that was not requested, and what lies outside the image: elements are clipped
+        by whole words.
+        """
         config = self.config
-        last_word = self.last_column[2:]
+        bits = config.raster_pixels.bit_length() - 1
+        is_last = self._number(place) == self.last_column[bits:]
         pixels = []
-        for pixel in range(config.pixels_per_word):
-            # Elements are clipped by whole words; the rest of the last word stays inside.
-            outside = (place.word == last_word) & (pixel > self.last_column[:2])
-            depth = Mux(outside, config.background_depth, word.depth[pixel][: config.depth_bits])
-            pixels.append((depth, Mux(outside, 0, word.colour[pixel])))
+        for pixel in range(config.raster_pixels):
+            number, place_in_word = divmod(pixel, config.pixels_per_word)
+            word, there = words[number]
+            outside = (is_last & (pixel > self.last_column[:bits])) | ~there
+            depth = word.depth[place_in_word][: config.depth_bits]
+            pixels.append(
+                (
+                    Mux(outside, config.background_depth, depth),
+                    Mux(outside, 0, word.colour[place_in_word]),
+                )
+            )
         return pixels
 
-    def _planes(self, m, chosen, places, word):
+    def _planes(self, m, places):
         """Build the stages in which plane 0 waits.
 
         Return the depths and whole colours, and of which words some pixel is not background: the
         one that needs its planes next, and the one before the port.
         """
         config = self.config
+        chosen = Signal(range(BANKS), reset_less=True)
+        word = Signal(PlaneLayout(config))
+        bank = Cat(self.request.line[:2], self.request.halves[1])
+        m.d.comb += word.eq(choose(self.words, chosen))
         before = Signal.like(chosen)  # the bank chosen one cycle ago
         pixel = data.StructLayout(
             {"depth": config.depth_bits, "colour": config.plane_bits, "background": 1}
@@ -160,10 +196,10 @@ class Emitter(wiring.Component):
             m.d.sync += [
                 # A bank that gave plane 0 is chosen again two cycles later for the planes.
                 before.eq(chosen),
-                chosen.eq(Mux(self.flush, self.bank, before)),
+                chosen.eq(Mux(self.flush, bank, before)),
                 waiting.eq(caught),
             ]
-            for number, (depth, colour) in enumerate(self._inside(places[0], word)):
+            for number, (depth, colour) in enumerate(self._inside(places[0], [(word, Const(1))])):
                 m.d.sync += [
                     caught[number].depth.eq(depth),
                     caught[number].colour.eq(colour),

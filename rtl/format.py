@@ -94,7 +94,10 @@ class EngineConfig:
         Lines of the sliding window. Eight are drawn into; the others wait to be flushed. 8, 16 or
         32 with lanes, else 16.
     pixels_per_word
-        Pixels in one word of the raster, and of the window's memory: 2, 4 or 8 with lanes, else 4.
+        Pixels in one word of the window's memory: 2, 4 or 8 with lanes, else 4.
+    raster_words
+        Words of the window's memory in a beat of the raster, 1 or 2: two neighbours leave together.
+        2 with banks and one colour plane alone.
     colour_planes
         Memory words that hold the colours of one word of pixels, 1..3. Further planes lie in the
         halves that the bank's block RAMs leave empty (the second beside the first, the third beside
@@ -130,6 +133,7 @@ class EngineConfig:
     colour_shift: int = 10
     window_lines: int = 16
     pixels_per_word: int = 4
+    raster_words: int = 1
     colour_planes: int = 1
     lanes: bool = False
     mark_words: int = 1
@@ -174,6 +178,10 @@ class EngineConfig:
                 f"x_bits must be at least {self.pixel_bits + 2}"
                 f" for {self.pixels_per_word} pixels a word, not {self.x_bits}"
             )
+        if self.raster_words not in (1, 2):
+            raise ValueError(f"raster_words must be 1 or 2, not {self.raster_words!r}")
+        if self.raster_words > 1 and (self.lanes or self.colour_planes > 1):
+            raise ValueError("raster_words must be 1 with lanes or with further colour planes")
         if self.mark_words not in (1, 2, 4, 8):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither):
@@ -347,7 +355,7 @@ class EngineConfig:
         """Bits of I0, which has ``colour_shift`` fraction bits: as many as ``kd D + ks S`` has."""
         return self.coefficient_bits + self.intensity_bits + 1
 
-    # The raster: a beat is one word of the window's memory with its place, or the end of the frame.
+    # The raster: a beat is a word of the raster with its place, or the end of the frame.
 
     @property
     def pixel_bits(self) -> int:
@@ -356,8 +364,13 @@ class EngineConfig:
 
     @property
     def word_bits(self) -> int:
-        """Bits of the number of a word in its line."""
+        """Bits of the number of a word of the window's memory in its line."""
         return self.x_bits - self.pixel_bits
+
+    @property
+    def raster_pixels(self) -> int:
+        """Pixels in a beat of the raster."""
+        return self.pixels_per_word * self.raster_words
 
     @property
     def slot_bits(self) -> int:
@@ -375,13 +388,14 @@ class EngineConfig:
 
     def raster_colour(self, pixel: int) -> Field:
         """Colour of a pixel of the beat."""
-        base = self.pixels_per_word * self.depth_bits
+        base = self.raster_pixels * self.depth_bits
         return Field(base + pixel * self.colour_bits, self.colour_bits)
 
     @property
     def raster_word(self) -> Field:
-        """Number of the word in its line: it holds columns ``pixels_per_word * word`` and up."""
-        return Field(self.raster_colour(self.pixels_per_word - 1).end, self.word_bits)
+        """Number of the beat's word in its line: columns ``raster_pixels * word`` and up."""
+        width = self.word_bits - (self.raster_words - 1)
+        return Field(self.raster_colour(self.raster_pixels - 1).end, width)
 
     @property
     def raster_line(self) -> Field:
@@ -397,16 +411,19 @@ class EngineConfig:
 PAPER = EngineConfig(name="paper", lanes=True)
 """The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
 
-WIDE = PAPER.replace(name="wide", lanes=False)
-"""The same with a window of banks: more silicon, and fewer cycles for elements over 4 pixels."""
+BANKED = PAPER.replace(lanes=False)
+"""The same with a window of banks; the other presets come from it."""
+
+WIDE = BANKED.replace(name="wide", raster_words=2)
+"""More silicon, and fewer cycles for elements over 4 pixels and for sparse scenes."""
 
 PRESETS = {
     config.name: config
     for config in (
         PAPER,
         WIDE,
-        WIDE.replace(name="dither", dither=True, mark_words=2),
-        WIDE.replace(
+        BANKED.replace(name="dither", dither=True, mark_words=2),
+        BANKED.replace(
             name="rgb18",
             channel_bits=6,
             coefficient_bits=8,
@@ -414,7 +431,7 @@ PRESETS = {
             colour_planes=2,
             mark_words=4,
         ),
-        WIDE.replace(
+        BANKED.replace(
             name="rgb24",
             channel_bits=8,
             coefficient_bits=10,
@@ -422,7 +439,9 @@ PRESETS = {
             colour_planes=3,
             mark_words=8,
         ),
-        WIDE.replace(name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9),
+        BANKED.replace(
+            name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9
+        ),
     )
 }
 """Named configurations: ``paper``; ``wide``; as ``wide``, with ordered dithering, with 6 and 8 bits

@@ -12,8 +12,11 @@ from .format import EngineConfig
 __all__ = [
     "CodeWordLayout",
     "ElementLayout",
+    "FlushLayout",
     "FootprintLayout",
     "GeometryLayout",
+    "LoadLayout",
+    "PixelsLayout",
     "PlaceLayout",
     "PlaneLayout",
     "RasterLayout",
@@ -49,16 +52,23 @@ class TableWriteLayout(data.StructLayout):
         super().__init__({"data": config.table_data.width, "address": config.table_address.width})
 
 
-class WordLayout(data.StructLayout):
-    """A word of the window's memory: neighbouring pixels, the leftmost first."""
+class PixelsLayout(data.StructLayout):
+    """Neighbouring pixels, the leftmost first."""
 
-    def __init__(self, config: EngineConfig):
+    def __init__(self, config: EngineConfig, pixels: int):
         super().__init__(
             {
-                "depth": data.ArrayLayout(config.depth_bits, config.pixels_per_word),
-                "colour": data.ArrayLayout(config.colour_bits, config.pixels_per_word),
+                "depth": data.ArrayLayout(config.depth_bits, pixels),
+                "colour": data.ArrayLayout(config.colour_bits, pixels),
             }
         )
+
+
+class WordLayout(PixelsLayout):
+    """A word of the window's memory."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__(config, config.pixels_per_word)
 
 
 class PlaneLayout(data.StructLayout):
@@ -82,24 +92,46 @@ class PlaneLayout(data.StructLayout):
 
 
 class PlaceLayout(data.StructLayout):
-    """A word's place in the image."""
+    """A memory word's place in the image."""
 
     def __init__(self, config: EngineConfig):
         super().__init__({"word": config.word_bits, "line": config.line_bits})
 
 
+class FlushLayout(data.StructLayout):
+    """Words of a window of banks that are to leave: of two neighbours one or both.
+
+    ``pair`` counts in twos from the left. ``halves[h]``: the one that lies in banks 4 h .. 4 h + 3;
+    that is the right one if h differs from bit 2 of the line.
+    """
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"pair": config.word_bits - 1, "halves": 2, "line": config.line_bits})
+
+
 class RasterLayout(data.StructLayout):
-    """A beat of a raster: a word with its place in the image, or the end of the frame."""
+    """A beat of a raster: its pixels with their place in the image, or the end of the frame.
+
+    ``word`` counts in beats of a line: of ``raster_pixels`` each.
+    """
 
     def __init__(self, config: EngineConfig):
         super().__init__(
             {
-                "pixels": WordLayout(config),
-                "word": config.word_bits,
+                "pixels": PixelsLayout(config, config.raster_pixels),
+                "word": config.raster_word.width,
                 "line": config.line_bits,
                 "end": 1,
             }
         )
+
+
+class LoadLayout(data.StructLayout):
+    """A memory word of the initial raster with its place in the image, or the raster's end."""
+
+    def __init__(self, config: EngineConfig):
+        place = PlaceLayout(config).members
+        super().__init__({"pixels": WordLayout(config), **place, "end": 1})
 
 
 def _geometry(config: EngineConfig) -> dict:

@@ -5,7 +5,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
-from .layouts import RasterLayout
+from .layouts import LoadLayout
 
 __all__ = ["Loader"]
 
@@ -23,9 +23,9 @@ class Loader(wiring.Component):
 
     Members
     -------
-    i : In(stream of RasterLayout)
+    i : In(stream of LoadLayout)
         The initial raster. Taken during a frame alone, and only if ``enable`` is set.
-    o : Out(stream of RasterLayout)
+    o : Out(stream of LoadLayout)
         Words to write; their lines are in the window.
     enable : In(1)
         The frame starts from an initial raster.
@@ -52,8 +52,8 @@ class Loader(wiring.Component):
         lines = config.line_bits + 1
         super().__init__(
             {
-                "i": In(stream.Signature(RasterLayout(config))),
-                "o": Out(stream.Signature(RasterLayout(config))),
+                "i": In(stream.Signature(LoadLayout(config))),
+                "o": Out(stream.Signature(LoadLayout(config))),
                 "enable": In(1),
                 "active": In(1),
                 "last_line": In(config.line_bits),

@@ -72,7 +72,7 @@ class Merger(wiring.Component):
             joined.line.eq(Mux(second, own.line, before.line)),
             joined.end.eq(before.end & own.end),
         ]
-        nearer = Signal(self.config.pixels_per_word)  # pixels of ``before`` that stay
+        nearer = Signal(self.config.raster_pixels)  # pixels of ``before`` that stay
         for pixel, depth in enumerate(before.pixels.depth):
             stays = first | (nearer[pixel] & ~second)
             m.d.comb += nearer[pixel].eq(depth <= own.pixels.depth[pixel])

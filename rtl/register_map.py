@@ -34,7 +34,7 @@ PARAMETERS = (
     },
     {
         "colour_shift": 5, "window_lines": 6, "pixels_per_word": 4, "colour_planes": 2,
-        "mark_words": 4, "shapes": 2,
+        "mark_words": 4, "shapes": 2, "raster_words": 2,
     },
 )  # fmt: skip
 """Bits of each parameter of the configuration in CONFIG_0 and in CONFIG_1."""
@@ -123,7 +123,7 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
         ]
         if number:
             stream = raster_stream_bytes(config)
-            fields.append(_constant("BEAT_BYTES", 8, stream, "bytes of a beat of both rasters"))
+            fields.append(_constant("BEAT_BYTES", 7, stream, "bytes of a beat of both rasters"))
         yield f"CONFIG_{number}", "the engine's parameters, see `EngineConfig`", fields, None
 
 

@@ -9,7 +9,8 @@ from .bank_marks import column_bits
 from .bank_walker import BankWalker
 from .emitter import Emitter
 from .format import EngineConfig
-from .layouts import FootprintLayout, PlaceLayout, RasterLayout
+from .halver import Halver
+from .layouts import FlushLayout, FootprintLayout, RasterLayout
 from .loader import Loader
 from .paint import Paint
 from .planar_bank import PlanarBank
@@ -34,8 +35,8 @@ class Window(wiring.Component):
 
     **Latency**: 5 cycles from a retired line to its first beat, 7 with further planes.
     **Throughput**: 1 to 3 cycles an element (see :class:`Scatter`), one more where it follows into
-    the word that its predecessor wrote last; a word a cycle of the initial raster, and of
-    ``raster`` while its bank is free. With further planes each word with a pixel that passes the
+    the word that its predecessor wrote last; a word a cycle of the initial raster, and a beat of
+    ``raster`` while its banks are free. With further planes each word with a pixel that passes the
     depth test takes its bank for a second cycle, so that an element takes 6 at most and one more;
     two words in four cycles of the initial raster, and of ``raster`` unless they are background.
 
@@ -110,7 +111,12 @@ class Window(wiring.Component):
             loader.oldest.eq(walker.oldest),
             loader.restart.eq(self.finished),
         ]
-        connect(m, flipped(self.initial), loader.i)
+        if config.raster_words == 1:
+            connect(m, flipped(self.initial), loader.i)
+        else:
+            m.submodules.halver = halver = Halver(config)
+            connect(m, flipped(self.initial), halver.i)
+            connect(m, halver.o, loader.i)
 
         # Request: the initial raster, else the element, and a flush in a bank that neither wants.
         top = Signal.like(footprint.top, init=-4)
@@ -138,18 +144,19 @@ class Window(wiring.Component):
         with m.If(self.i.valid):
             m.d.sync += top.eq(footprint.top)
 
-        service = Signal(PlaceLayout(config))
+        service = Signal(FlushLayout(config))
         service_address = Signal.like(sweep)
-        service_bank = Signal(range(BANKS))
         m.d.comb += [
             service.eq(walker.flush.payload),
-            service_address.eq(Cat(service.word[1:], service.line[2:4])),
-            service_bank.eq(Cat(service.line[:2], service.line[2] ^ service.word[0])),
+            service_address.eq(Cat(service.pair, service.line[2:4])),
         ]
         with m.If(loader.o.valid):
+            word, line = loader.o.payload.word, loader.o.payload.line
+            upper = word[0] ^ line[2]
             m.d.comb += [
-                service.word.eq(loader.o.payload.word),
-                service.line.eq(loader.o.payload.line),
+                service.pair.eq(word[1:]),
+                service.line.eq(line),
+                service.halves.eq(Cat(~upper, upper)),
             ]
         with m.If(sweeping):
             m.d.comb += service_address.eq(sweep)
@@ -158,31 +165,28 @@ class Window(wiring.Component):
         # then lie in other banks than the oldest line; four or eight lines apart they are the same.
         urgent = Signal()
         m.d.comb += urgent.eq(~ahead[-1] & ahead[1:3].all() & emitter.ready)
-        served = Signal(BANKS)
+        free = Signal(BANKS)  # for what is to be served
         for index, bank in enumerate(banks):
             drawn = scatter.requests[index]
             mine = Signal(name=f"service_{index}")
             wanted = Signal(name=f"wanted_{index}")
+            has_line, half = service.line[:2] == index % 4, service.halves[index // 4]
             m.d.comb += [
-                held[index].eq(
-                    urgent
-                    & (service_bank[:2] == index % 4)
-                    & ((service_bank[2] == index // 4) | ~walker.flush.valid)
-                ),
+                held[index].eq(urgent & has_line & (half | ~walker.flush.valid)),
                 wanted.eq(scatter.go & scatter.want[index] & ~held[index]),
-                mine.eq((service_bank == index) & ~wanted),
-                served[index].eq(mine & ~bank.conflict),
+                mine.eq(has_line & half & ~wanted),
+                free[index].eq(has_line & ~wanted & ~bank.conflict),
                 bank.enable.eq(running),
                 bank.request.address.eq(Mux(wanted, drawn.address, service_address)),
                 bank.request.mask.eq(drawn.mask),
                 bank.request.draw.eq(drawn.draw | (loading & mine)),
                 bank.request.clear.eq((flushing & mine) | sweeping),
             ]
+        served = Signal()
         m.d.comb += [
-            loader.o.ready.eq(running & ~sweeping & paint.may_load & served.any()),
-            walker.flush.ready.eq(
-                running & ~sweeping & ~loader.o.valid & emitter.ready & served.any()
-            ),
+            served.eq((Cat(free[:4].any(), free[4:].any()) | ~service.halves).all()),
+            loader.o.ready.eq(running & ~sweeping & paint.may_load & served),
+            walker.flush.ready.eq(running & ~sweeping & ~loader.o.valid & emitter.ready & served),
             loading.eq(loader.o.valid & loader.o.ready),
             flushing.eq(walker.flush.valid & walker.flush.ready),
         ]
@@ -211,8 +215,7 @@ class Window(wiring.Component):
             paint.loaded.eq(loader.o.payload.pixels),
             paint.drawing.eq(scatter.go),
             emitter.flush.eq(flushing),
-            emitter.place.eq(service),
-            emitter.bank.eq(service_bank),
+            emitter.request.eq(service),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(self.i.valid & footprint.end & walker.clean & loader.finished),
             self.finished.eq(emitter.finished),

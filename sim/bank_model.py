@@ -141,7 +141,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         go = head != EMPTY and not ends and not clearing and ahead < LINES - BANKS
         complete = walk[TOP]
         ready = not clearing and not (machine.planes > 1 and window.leaving[1] == SHOWN)
-        asked = asked_banks(walk)
+        asked = asked_banks(walk, machine)
         held = asked if ahead >= URGENT and ready else 0
         flushed = ready and walk[LEFT] != 0
         for bank in range(BANKS):

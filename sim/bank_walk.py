@@ -64,15 +64,26 @@ def asked_word(walk: Any) -> int:
 
 
 @nb.njit(cache=True)
-def asked_banks(walk: Any) -> int:
-    """Return the bank that a word is to leave from, or else both of its line, a bit each.
+def asked_banks(walk: Any, machine: Machine) -> int:
+    """Return the banks that words are to leave from, or else both of their line, a bit each.
 
     No word that leaves is ever one that its bank writes at the moment, or draws in the next cycle:
     its line was complete a cycle before, and its place is not used again until it has left.
     """
     if walk[LEFT] == 0:
         return 0b10001 << int(walk[OLDEST] % (BANKS // 2))
-    return 1 << int((walk[OLDEST] + 4 * (asked_word(walk) % 2)) % BANKS)
+    number = asked_word(walk)
+    banks = 1 << int((walk[OLDEST] + 4 * (number % 2)) % BANKS)
+    if machine.raster_words == 2 and _with_next(walk):
+        banks |= 1 << int((walk[OLDEST] + 4 * (1 - number % 2)) % BANKS)
+    return banks
+
+
+@nb.njit(cache=True, inline="always")
+def _with_next(walk: Any) -> bool:
+    """Return whether the next word is the left one of a pair whose right one is to leave too."""
+    number = asked_word(walk)
+    return number % 2 == 0 and walk[LEFT] >> (number % STRETCH + 1) & 1 == 1
 
 
 @nb.njit(cache=True)
@@ -116,6 +127,8 @@ def step_walk(
             row |= int(marks[line % LINES, number]) << (number - first)
 
     if flushed:
+        if machine.raster_words == 2 and _with_next(walk):
+            walk[LEFT] &= walk[LEFT] - 1
         walk[LEFT] &= walk[LEFT] - 1
     if walk[LEFT] == 0:
         walk[LEFT], walk[LEFT_STRETCH] = walk[NEXT], walk[NEXT_STRETCH]

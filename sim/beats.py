@@ -39,7 +39,7 @@ def to_beats(raster: Raster) -> npt.NDArray[np.uint64]:
         If the image is larger than the raster's configuration allows.
     """
     config = raster.config
-    pixels = config.pixels_per_word
+    pixels = config.raster_pixels
     height, width = raster.depth.shape
     if width > config.max_width or height > config.max_height:
         raise ValueError(f"a raster of {width}x{height} pixels does not fit {config.name!r}")
@@ -100,7 +100,7 @@ def from_beats(
     words = _get(beats, config.raster_word).astype(np.int64)
     _check_places(lines, words, width, height, config)
 
-    pixels = config.pixels_per_word
+    pixels = config.raster_pixels
     padded = (height, width + -width % pixels)
     depth = np.full(padded, config.background_depth, np.uint16)
     colour = np.zeros(padded, np.uint32)
@@ -129,13 +129,13 @@ def _check_places(
     config: EngineConfig,
 ) -> None:
     """Raise if words of the image come out of order, twice or from outside."""
-    outside = np.flatnonzero((lines >= height) | (words * config.pixels_per_word >= width))
+    outside = np.flatnonzero((lines >= height) | (words * config.raster_pixels >= width))
     if len(outside):
         beat = outside[0]
         raise ValueError(
             f"beat {beat} is word {words[beat]} of line {lines[beat]}, outside {width}x{height}"
         )
-    places = lines << config.word_bits | words
+    places = lines << config.raster_word.width | words
     wrong = np.flatnonzero(places[1:] <= places[:-1])
     if len(wrong):
         beat = wrong[0] + 1

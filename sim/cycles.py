@@ -92,7 +92,7 @@ def bound_cycles(frame: Frame) -> int:
     """Return the least cycles that the layout of the engine's memory leaves for a frame.
 
     The largest of three. Each element takes as many as its busiest bank has words, or its busiest
-    lane pixels. Of the raster one word leaves in a cycle. And a bank, or lane, takes one word, or
+    lane pixels. Of the raster one beat leaves in a cycle. And a bank, or lane, takes one word, or
     pixel, in a cycle: all that are drawn and all that leave, were they spread evenly.
     """
     frame = expand_frame(frame)
@@ -109,9 +109,9 @@ def bound_cycles(frame: Frame) -> int:
         memories, of_a_word = BANKS, 1
         accesses = int(_touched_words(frame).sum())
     drawn = render(frame).drawn
-    step = frame.config.pixels_per_word
-    leaving = int(np.count_nonzero(np.add.reduceat(drawn, range(0, frame.width, step), axis=1)))
-    return max(int(drawing), leaving, -(-(accesses + of_a_word * leaving) // memories))
+    leaving = _groups(drawn, frame.config.pixels_per_word)
+    beats = _groups(drawn, frame.config.raster_pixels)
+    return max(int(drawing), beats, -(-(accesses + of_a_word * leaving) // memories))
 
 
 def least_cycles(frame: Frame) -> dict[str, float]:
@@ -130,6 +130,12 @@ def least_cycles(frame: Frame) -> dict[str, float]:
     banks = np.maximum(outer_upper, outer_lower).max(axis=1)
     cycles = dict(zip(LAYOUTS, (columns, rows, banks), strict=True))
     return {name: float(np.maximum(taken, 1).mean()) for name, taken in cycles.items()}
+
+
+def _groups(drawn: npt.NDArray[np.bool_], pixels: int) -> int:
+    """Return in how many groups of so many neighbouring pixels of a line something was drawn."""
+    starts = range(0, drawn.shape[1], pixels)
+    return int(np.count_nonzero(np.add.reduceat(drawn, starts, axis=1)))
 
 
 def _covered_pixels(fields: npt.NDArray[np.void]) -> int:

@@ -87,7 +87,9 @@ class Machine(NamedTuple):
     lines
         Lines of the window.
     pixels
-        Pixels in a word of the raster.
+        Pixels in a word of the window's memory.
+    raster_words
+        Of them in a beat of the raster.
     rom
         The engine has a shape ROM.
     """
@@ -107,6 +109,7 @@ class Machine(NamedTuple):
     z_mask: int
     lines: int
     pixels: int
+    raster_words: int
     rom: bool
 
 
@@ -128,6 +131,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         z_mask=config.z.mask,
         lines=config.window_lines,
         pixels=config.pixels_per_word,
+        raster_words=config.raster_words,
         rom=config.shapes != "none",
     )
 

@@ -138,7 +138,7 @@ class LaneWindowProperties(Properties):
         config, dut = self.config, self.dut
         initial, beat = dut.initial, dut.initial.payload
         self.given(m, "initial_steady", self.steady(m, initial, "initial"))
-        for n in range(config.pixels_per_word):
+        for n in range(config.raster_pixels):
             colour = beat.pixels.colour[n]
             self.given(m, f"colour_{n}", colour == beat.pixels.depth[n])
         if self.ordered:
@@ -155,11 +155,23 @@ class LaneWindowProperties(Properties):
             & initial.ready
             & ~beat.end
             & (beat.line == self.line)
-            & (beat.word == self.word)
+            & self._is_mine(beat)
             & (beat.line <= self.last_line)
-            & (beat.word <= self.last_word)
+            & (self.word <= self.last_word)
         )
         return loaded
+
+    def _is_mine(self, beat):
+        """Return whether a beat has the place of the pixel in its line."""
+        return beat.word == self.word[self.config.raster_words - 1 :]
+
+    def _depth(self, beat):
+        """Return the depth of the pixel in a beat of its place."""
+        return beat.pixels.depth[self._pixel()]
+
+    def _pixel(self):
+        """Return the number of the pixel in its beat."""
+        return Cat(self.number, self.word[: self.config.raster_words - 1])
 
     def _follow(self, m, drawn, loaded):
         """Assert that the pixel leaves with its line as it was drawn, or not at all."""
@@ -183,7 +195,7 @@ class LaneWindowProperties(Properties):
             passed.eq((self.line != line_before) | over),
             due.eq(Mux(passed, background, due_before)),
             gone.eq(~passed & gone_before),
-            new.eq(Mux(drawn, dut.i.payload.z, dut.initial.payload.pixels.depth[self.number])),
+            new.eq(Mux(drawn, dut.i.payload.z, self._depth(dut.initial.payload))),
         ]
         m.d.sync += [line_before.eq(self.line), over.eq(dut.finished), due_before.eq(due)]
         with m.If((drawn | loaded) & inside & (new < due)):
@@ -214,12 +226,12 @@ class LaneWindowProperties(Properties):
         mine, first, second = Signal(), Signal(), Signal()
         depth = Signal(width)
         m.d.comb += [
-            depth.eq(beat.pixels.depth[self.number]),
+            depth.eq(self._depth(beat)),
             mine.eq(
                 raster.valid
                 & ~beat.end
                 & (beat.line[: config.slot_bits] == self.slot)
-                & (beat.word == self.word)
+                & self._is_mine(beat)
             ),
             first.eq(mine & (length != 0) & (beat.line == queue[0].line)),
             second.eq(mine & ~first & (beat.line == self.line) & ~gone),
@@ -234,7 +246,7 @@ class LaneWindowProperties(Properties):
         due_now = Mux(first, queue[0].depth, Mux(second, due, background))
         self.always(m, "pixel", ~mine | (depth == due_now))
         colour = Mux(depth == background, 0, depth)
-        self.always(m, "colour", ~mine | (beat.pixels.colour[self.number] == colour))
+        self.always(m, "colour", ~mine | (beat.pixels.colour[self._pixel()] == colour))
         waited = Signal(3)
         with m.If((length == 0) | (first & raster.ready)):
             m.d.sync += waited.eq(0)

@@ -14,6 +14,7 @@ from splatline.rtl.colour import ColourUnit
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.halver import Halver
 from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.layouts import CodeWordLayout
 from splatline.rtl.loader import Loader
@@ -156,6 +157,11 @@ PROOFS = [
         given=window_stays,
     ),
     plan(
+        "halver",
+        lambda: Halver(WIDE),
+        Fault("not held", Halver, r"If\(self\.o\.valid & self\.o\.ready\)", "If(self.o.valid)"),
+    ),
+    plan(
         "walker",
         lambda: Walker(PAPER),
         Fault("next word unasked", Walker, r"If\(asked\)", "If(asking)"),
@@ -172,6 +178,12 @@ PROOFS = [
     plan(
         "emitter",
         lambda: Emitter(WIDE),
+        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        given=while_running,
+    ),
+    plan(
+        "emitter, one word",
+        lambda: Emitter(PRESETS["deep"]),
         Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
         given=while_running,
     ),

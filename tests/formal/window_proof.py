@@ -8,6 +8,7 @@ from prove import Fault, Proof
 from splatline.rtl.bank import Bank
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.emitter import Emitter
+from splatline.rtl.halver import Halver
 from splatline.rtl.loader import Loader
 from splatline.rtl.scatter import BANKS, Scatter
 from splatline.rtl.window import Window
@@ -16,6 +17,9 @@ __all__ = ["PROOFS"]
 
 TINY = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1)
 """Four words of four pixels a line, sixteen lines in the window, an image of up to 32."""
+
+TWO_WORDS = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1, raster_words=2)
+"""The same with two words in a beat of the raster, as ``wide`` has it."""
 
 
 class WindowProperties(LaneWindowProperties):
@@ -132,12 +136,12 @@ SWEPT = Fault("the sweep's last cycle", Window, r"(sweep = Signal\(.*)\)", r"\1,
 """The banks have been cleared but for their last words."""
 
 
-def plan(name, shows, load, depth, *faults, pixel=None):
+def plan(name, shows, load, depth, *faults, config=TINY, pixel=None):
     """Return a proof of the window."""
     return Proof(
         name=name,
         shows=shows,
-        build=lambda: WindowProperties(TINY, load, pixel=pixel),
+        build=lambda: WindowProperties(config, load, pixel=pixel),
         depth=depth,
         engine="abc bmc3",
         changes=(SWEPT,),
@@ -155,11 +159,21 @@ PROOFS = [
         0,
         10,
         NO_CONFLICT,
-        Fault("another bank", Emitter, r"chosen\.eq\(self\.bank\)", "chosen.eq(self.bank ^ 4)"),
+        Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_words"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
         Fault("beyond the window", Window, r"config\.window_lines - BANKS", "config.window_lines"),
-        Fault("flushed beside an element", Window, r"== index\) & ~wanted", "== index)"),
+        Fault("flushed beside an element", Window, r"has_line & ~wanted", "has_line"),
         Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
+    ),
+    plan(
+        "window of banks, two words",
+        "the same where beats have two words",
+        0,
+        10,
+        Fault("left for right", Emitter, r"line\[2\] \^ half", "line[2]", "_words"),
+        Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
+        Fault("one of two is enough", Window, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"),
+        config=TWO_WORDS,
     ),
     plan(
         "window of banks, one pixel",
@@ -177,5 +191,13 @@ PROOFS = [
         NO_CONFLICT,
         Fault("loaded like an element", Scatter, r"self\.whole, 3, ", "self.whole, 0, ", "_deal"),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
+    ),
+    plan(
+        "window of banks, initial raster of two words",
+        "the same where beats have two words",
+        1,
+        10,
+        Fault("the right word is lost", Halver, r"last\.eq\(right", "last.eq(1"),
+        config=TWO_WORDS,
     ),
 ]

@@ -42,5 +42,10 @@ class Slide:
                 break
         for _ in range(6):
             await cycle()
-        asked = [self.place.from_bits(bits) for bits in self.flush.received]
-        assert [(place.line, place.word) for place in asked] == sorted(self.expected)
+        asked = [place for bits in self.flush.received for place in self.words_of(bits)]
+        assert asked == sorted(self.expected)
+
+    def words_of(self, bits):
+        """Return the words (line, word) that are asked for at once, the left one first."""
+        place = self.place.from_bits(bits)
+        return [(place.line, place.word)]

@@ -3,19 +3,20 @@
 import random
 
 import cocotb
+import pytest
+from presets import CONFIG, run_bench
 from slides import Slide
 
 from splatline.rtl.bank import bank_address_bits
 from splatline.rtl.bank_marks import stretch_bits
 from splatline.rtl.bank_walker import BankWalker
-from splatline.rtl.format import WIDE
-from splatline.rtl.layouts import PlaceLayout
-from splatline.sim.cosim.blocks import run_bench
+from splatline.rtl.format import PRESETS
+from splatline.rtl.layouts import FlushLayout
 
-PLACE, ADDRESS = PlaceLayout(WIDE), bank_address_bits(WIDE)
-WORDS = 1 << WIDE.word_bits
-LOWEST = (1 << WIDE.line_bits + 1) - 1
-STRETCHES = 1 << stretch_bits(WIDE)
+PLACE, ADDRESS = FlushLayout(CONFIG), bank_address_bits(CONFIG)
+WORDS = 1 << CONFIG.word_bits
+LOWEST = (1 << CONFIG.line_bits + 1) - 1
+STRETCHES = 1 << stretch_bits(CONFIG)
 STRETCH = WORDS // STRETCHES
 
 
@@ -28,7 +29,7 @@ class BankSlide(Slide):
     async def start(self, jump=1, last_word=WORDS - 1):
         self.dut.jump.value, self.dut.last_word.value = jump, last_word
         inputs = ("drawn", "addresses", "restart", "top", "loaded", "reach", "reaching")
-        await self.reset(inputs, 4 << stretch_bits(WIDE))
+        await self.reset(inputs, 4 << stretch_bits(CONFIG))
 
     async def cycle(self, top, words=(), loaded=1):
         """One cycle in which the banks write words (line, word), each in a bank of its own."""
@@ -38,12 +39,12 @@ class BankSlide(Slide):
             bank = (line + 4 * (word % 2)) % 8
             assert not drawn >> bank & 1
             drawn |= 1 << bank
-            addresses |= (line // 4 % 4 << WIDE.word_bits - 1 | word // 2) << ADDRESS * bank
+            addresses |= (line // 4 % 4 << CONFIG.word_bits - 1 | word // 2) << ADDRESS * bank
             self.expected.add((line, word))
         reach = sum({1 << word // STRETCH for _, word in words})
 
         def drive():
-            dut.top.value = top % (1 << WIDE.line_bits + 2)
+            dut.top.value = top % (1 << CONFIG.line_bits + 2)
             dut.loaded.value = loaded
             dut.drawn.value, dut.addresses.value = drawn, addresses
             # One stretch more may be reached in vain: the window is not told an element's width.
@@ -57,6 +58,13 @@ class BankSlide(Slide):
             assert not (words and int(dut.clean.value))
 
         await self.bench.step(drive, observe)
+
+    def words_of(self, bits):
+        place = self.place.from_bits(bits)
+        turned = place.line >> 2 & 1
+        halves = [half for half in (turned, 1 - turned) if place.halves >> half & 1]
+        assert 0 < len(halves) <= CONFIG.raster_words
+        return [(place.line, 2 * place.pair + (half ^ turned)) for half in halves]
 
     async def finish(self):
         """Let everything leave, and compare."""
@@ -104,16 +112,16 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
 
 
 @cocotb.test()
-async def a_full_window_takes_a_cycle_a_word(dut):
+async def a_full_window_takes_a_cycle_a_beat(dut):
     """The marks of the next stretch are there when they are needed, and of the next line."""
     slide = BankSlide(dut, 7)
     await slide.start()
     for line in range(8):
         for word in range(WORDS):
             await slide.cycle(0, [(line, word)])
-    begin = slide.bench.cycles
-    while len(slide.flush.received) < 8 * WORDS:
-        assert slide.bench.cycles - begin <= 8 * WORDS + 6
+    begin, beats = slide.bench.cycles, 8 * WORDS // CONFIG.raster_words
+    while len(slide.flush.received) < beats:
+        assert slide.bench.cycles - begin <= beats + 6
         await slide.cycle(8)
     await slide.finish()
 
@@ -184,5 +192,7 @@ async def nothing_leaves_unasked(dut):
     await slide.finish()
 
 
-def test_walker_asks_for_what_was_drawn(simulator_name):
-    run_bench(BankWalker(WIDE), __file__, simulator_name=simulator_name)
+@pytest.mark.parametrize("preset", ["wide", "deep"])
+def test_walker_asks_for_what_was_drawn(preset):
+    """``wide`` asks for two words at once, ``deep`` for one."""
+    run_bench(PRESETS[preset], BankWalker, __file__)

@@ -69,9 +69,9 @@ BANK_WINDOW_FAULTS = [
     (BankMarks, test_bank_marks, "a_mark_a_word", "busy", "1'h0", "marks read while in use"),
     (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "1'h0", "marks stay"),
     (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "take | wipe", "marks clear too much"),
-    (BankWalker, test_bank_walker, ASKS, "single", "1'h1", "the rest of a stretch is lost"),
+    (BankWalker, test_bank_walker, ASKS, "alone", "1'h1", "the rest of a stretch is lost"),
     (BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
-    (BankWalker, test_bank_walker, ASKS, "half", "1'h0", "words of one half alone"),
+    (BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
     (BankWalker, test_bank_walker, ASKS, "last", "1'h1", "only the first stretch is read"),
     (
         BankWalker,

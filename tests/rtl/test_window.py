@@ -19,6 +19,7 @@ RASTER = RasterLayout(CONFIG)
 DEPTH = CONFIG.background_depth
 BACKGROUND = (DEPTH, 0)
 END = 1 << CONFIG.raster_end.lsb
+PIXELS = CONFIG.raster_pixels
 FRACTION = 4 if CONFIG.dither else 0
 
 
@@ -47,10 +48,10 @@ def draw(image, pixels, z, shade):
 
 def beats_of(image, width, height):
     """Raster beats of an image {(line, column): (depth, colour)}, sparse."""
-    places = sorted({(line, column // 4) for line, column in image})
+    places = sorted({(line, column // PIXELS) for line, column in image})
     beats = []
     for line, word in places:
-        pixels = [image.get((line, 4 * word + i), BACKGROUND) for i in range(4)]
+        pixels = [image.get((line, PIXELS * word + i), BACKGROUND) for i in range(PIXELS)]
         depth, colour = [p[0] for p in pixels], [p[1] for p in pixels]
         word_bits = {"depth": depth, "colour": colour}
         beats.append(pack(RASTER, pixels=word_bits, word=word, line=line))
@@ -66,14 +67,14 @@ def image_of(received, width, height):
         assert before < (beat.line, beat.word), "beats out of order"
         before = (beat.line, beat.word)
         assert beat.line < height
-        assert beat.word <= (width - 1) // 4
+        assert beat.word <= (width - 1) // PIXELS
         assert any(depth != DEPTH for depth in beat.pixels.depth), "a word of background was sent"
-        for i in range(4):
+        for i in range(PIXELS):
             pixel = (beat.pixels.depth[i], beat.pixels.colour[i])
-            if 4 * beat.word + i >= width:
+            if PIXELS * beat.word + i >= width:
                 assert pixel == BACKGROUND, "drawn outside the image"
             elif pixel[0] != DEPTH:
-                image[beat.line, 4 * beat.word + i] = pixel
+                image[beat.line, PIXELS * beat.word + i] = pixel
     return image
 
 
@@ -183,10 +184,10 @@ async def nonsense_in_the_initial_raster(dut):
     width, height = 20, 24
     image = random_image(rng, width, height, 0.5)
     good = beats_of(image, width, height)[:-1]
-    full = {"depth": [1] * 4, "colour": [7] * 4}
+    full = {"depth": [1] * PIXELS, "colour": [7] * PIXELS}
     outside = [
         pack(RASTER, pixels=full, word=word, line=line)
-        for word, line in ((5, 3), (127, 0), (0, 24), (3, 1023))
+        for word, line in ((5, 3), (512 // PIXELS - 1, 0), (0, 24), (3, 1023))
     ]
     beats = [*good]
     for bits in outside:

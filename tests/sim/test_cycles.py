@@ -206,7 +206,9 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
     assert before > behind + 20
 
 
-@pytest.mark.parametrize("config", [PAPER, WIDE], ids=["paper", "wide"])
+@pytest.mark.parametrize(
+    "config", [PAPER, WIDE, get_preset("deep")], ids=lambda config: config.name
+)
 def test_known_counts(config):
     """A cycle a code word, one more for its latency, and the end beat behind.
 
@@ -215,20 +217,27 @@ def test_known_counts(config):
     latency = engine_latency(config) + config.lanes
 
     def count(words):
-        frame = cw.make_frame([*words, cw.end()], (64, 64), config=config)
+        frame = cw.make_frame([*words, cw.end(config)], (64, 64), config=config)
         return count_cycles(frame, after_reset=False)
 
+    def dot(column):
+        return cw.encode(DOT, mode=1, x=column, config=config)
+
     assert count([]) == latency + 1
-    assert count([cw.advance(1)] * 10) == latency + 11
+    assert count([cw.advance(1, config)] * 10) == latency + 11
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
     # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks,
-    # dots in words of their own leave as so many words, and on the same word wait for it as often.
-    # In lanes a pair of words leaves anyway.
+    # dots in words of their own leave as so many beats, and on the same word wait for it as often
+    # as there are dots. In lanes a pair of words leaves anyway.
     for dots in (1, 2) if config.lanes else (1, 2, 4):
-        apart = [cw.encode(DOT, mode=1, x=4 + 4 * n) for n in range(dots)]
-        same = [cw.encode(DOT, mode=1, x=4)] * dots
-        more = count([cw.advance(4), *same]) - count([cw.advance(4), *apart])
-        assert more == (dots - 1 if config.lanes else 0)
+        columns = [4 + 4 * n for n in range(dots)]
+        apart = [dot(column) for column in columns]
+        same = [dot(4)] * dots
+        start = cw.advance(4, config)
+        beats = (
+            1 if config.lanes else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
+        )
+        assert count([start, *same]) - count([start, *apart]) == dots - beats
 
 
 def test_more_words_never_take_less():
