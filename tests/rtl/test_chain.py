@@ -172,3 +172,21 @@ def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
     assert ports["raster__payload"]["direction"] == "output"
     assert (description["engines"], description["link"]) == (4, "merge")
     assert description["latency"]["codeword_to_memory_cycles"] == 4
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_engines_whose_beats_have_two_words(link):
+    """They are joined as others are, and cut in two where they are loaded."""
+    config = SMALL.replace(lanes=False, pixels_per_word=4, window_lines=16, raster_words=2)
+    rng = np.random.default_rng(12)
+    jobs = [
+        ChainJob.dealt(
+            shapes(rng, 150, 50, 40, config=config),
+            engines=2,
+            rates=rates,
+            seed=seed,
+            initial=random_raster(rng, 50, 40, 0.2, config=config) if seed % 2 else None,
+        )
+        for seed, rates in enumerate(RATES)
+    ]
+    check(jobs, link=link)
