@@ -4,7 +4,6 @@ import os
 from unittest import mock
 
 from splatline.rtl.format import PAPER, PRESETS, get_preset
-from splatline.rtl.window import Window
 from splatline.sim.cosim import blocks, simulator
 
 __all__ = ["CONFIG", "OTHERS", "run_bench"]
@@ -23,6 +22,8 @@ def run_bench(config, component, bench, **options):
     That is Icarus, which builds in no time, but for a whole window of banks: that takes it twice as
     long to run as Verilator takes for both.
     """
+    from splatline.rtl.window import Window  # not above, which every bench imports
+
     small = component is not Window and simulator.available("icarus")
     options = {"simulator_name": "icarus" if small else "verilator", **options}
     with mock.patch.dict(os.environ, {VARIABLE: config.name}):

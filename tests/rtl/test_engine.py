@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from engines import engine
 from random_frames import frame_of, nonsense, random_raster, shapes, word
 
 from splatline.host.order import advance_word
@@ -23,7 +24,7 @@ RATES = [
 
 def check(jobs, simulator_name="verilator"):
     """Play the jobs in one run and compare every picture; return the outcomes."""
-    outcomes = play(jobs, simulator_name=simulator_name)
+    outcomes = play(jobs, built=engine(PAPER, simulator_name))
     for number, (job, outcome) in enumerate(zip(jobs, outcomes, strict=True)):
         expected = golden.render(job.frame, job.initial)
         assert outcome.raster.mismatches(expected) == 0, number
