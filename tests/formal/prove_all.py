@@ -13,9 +13,12 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from prove import Proof, run
+from prove import Outcome, Proof, run
 
 __all__ = ["all_proofs", "main", "table"]
+
+TAIL = 6
+"""Of the log of a run that broke so many lines are told."""
 
 
 def all_proofs() -> list[Proof]:
@@ -32,6 +35,13 @@ def table(proofs: list[Proof]) -> str:
     ]
     head = "| proof | shows | extent | engine | planted faults |\n|---|---|---|---|---:|"
     return "\n".join([head, *rows]) + "\n"
+
+
+def told(outcome: Outcome) -> str:
+    """Return in a line what became of a run: its status, or how its log ends if it has none."""
+    if outcome.status != "broken":
+        return outcome.status
+    return "broken: " + " / ".join(outcome.log.split("\n")[-TAIL:])
 
 
 def main() -> int:
@@ -68,7 +78,10 @@ def main() -> int:
             folder = options.keep / re.sub(
                 r"\W+", "_", f"{proof.name} {fault.name if fault else ''}"
             )
-        return run(proof, fault, folder)
+        try:
+            return run(proof, fault, folder)
+        except Exception as error:  # one that cannot be run must not keep the others from it
+            return Outcome("broken", 0.0, f"{type(error).__name__}: {error}")
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         plans = [
@@ -84,14 +97,19 @@ def main() -> int:
         ]
         for proof, whole, broken in plans:
             outcome = whole.result()
-            found = [fault.name for fault, future in broken if future.result().status == "fails"]
-            missed = [fault.name for fault, _ in broken if fault.name not in found]
+            ends = {fault.name: future.result() for fault, future in broken}
+            found = [name for name, end in ends.items() if end.status == "fails"]
             line = f"{proof.name:32} {outcome.status:8} {proof.extent:22} {outcome.seconds:6.1f} s"
             if broken:
                 line += f"   {len(found)} of {len(broken)} faults found"
             print(f"{line}\n    {proof.shows}", flush=True)
-            wrong += [f"{proof.name} {outcome.status}"] * (outcome.status != "holds")
-            wrong += [f"{proof.name} does not find: {name}" for name in missed]
+            if outcome.status != "holds":
+                wrong.append(f"{proof.name} {told(outcome)}")
+            wrong += [
+                f"{proof.name} does not find: {name} ({told(end)})"
+                for name, end in ends.items()
+                if name not in found
+            ]
     for text in wrong:
         print(text, file=sys.stderr)
     print(f"{len(proofs)} proofs in {time.monotonic() - begin:.0f} s")

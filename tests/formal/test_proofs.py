@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+import prove_all
 import pytest
-from prove import run
+from prove import Outcome, run
 from prove_all import all_proofs, table
 
 QUICK = [proof for proof in all_proofs() if not proof.slow]
@@ -35,3 +36,17 @@ def test_every_proof_has_a_planted_fault():
 def test_the_page_lists_every_proof():
     page = Path(__file__).parents[2] / "docs" / "formal.md"
     assert table(all_proofs()) in page.read_text()
+
+
+def test_a_run_that_breaks_is_told_in_a_line_and_the_others_go_on(monkeypatch, capsys):
+    def one_breaks(proof, fault, folder):
+        if fault is None and proof.name == "queue: order, 2 beats":
+            raise RuntimeError("sby failed:\nmuch\nis\nin\nits\nlog\nno space left")
+        return Outcome("fails" if fault else "holds", 0.0, "")
+
+    monkeypatch.setattr(prove_all, "run", one_breaks)
+    monkeypatch.setattr("sys.argv", ["prove_all.py", "queue"])
+    assert prove_all.main() == 1
+    said = capsys.readouterr()
+    assert "queue: order, 256 beats          holds" in said.out
+    assert said.err == "queue: order, 2 beats broken: much / is / in / its / log / no space left\n"

@@ -159,4 +159,6 @@ async def what_passes_through(dut):
 
 
 def test_decoder_covers_the_pixels_of_the_contract(simulator_name):
-    run_bench(Decoder(PAPER), __file__, simulator_name=simulator_name)
+    """In Icarus the random ones alone: all pairs of rows take half a minute there."""
+    test = None if simulator_name == "verilator" else "all_columns"
+    run_bench(Decoder(PAPER), __file__, simulator_name=simulator_name, test=test)

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from engines import engine
 from random_frames import frame_of, nonsense, random_raster, shapes, word
 
 from splatline.host.order import advance_word
 from splatline.rtl.engine import engine_latency
 from splatline.rtl.format import PAPER
 from splatline.sim import golden
+from splatline.sim.cosim import simulator
 from splatline.sim.cosim.frames import Job, play
 
 FULL = [(0, 7)] * 4
@@ -22,14 +24,14 @@ RATES = [
 
 def check(jobs, simulator_name="verilator"):
     """Play the jobs in one run and compare every picture; return the outcomes."""
-    outcomes = play(jobs, simulator_name=simulator_name)
+    outcomes = play(jobs, built=engine(PAPER, simulator_name))
     for number, (job, outcome) in enumerate(zip(jobs, outcomes, strict=True)):
         expected = golden.render(job.frame, job.initial)
         assert outcome.raster.mismatches(expected) == 0, number
     return outcomes
 
 
-def test_random_elements_under_every_pattern_of_stalls(simulator_name):
+def test_random_elements_under_every_pattern_of_stalls():
     rng = np.random.default_rng(1)
     frames = [shapes(rng, 400, 64, 48), shapes(rng, 300, 61, 40), shapes(rng, 200, 509, 30)]
     jobs = [
@@ -37,18 +39,30 @@ def test_random_elements_under_every_pattern_of_stalls(simulator_name):
         for frame in frames
         for seed, rates in enumerate(RATES)
     ]
-    pictures = [outcome.raster for outcome in check(jobs, simulator_name)]
+    pictures = [outcome.raster for outcome in check(jobs)]
     assert pictures[0].drawn.mean() > 0.3
 
 
-def test_any_64_bits_draw_what_the_contract_says(simulator_name):
+def test_any_64_bits_draw_what_the_contract_says():
     rng = np.random.default_rng(2)
     sizes = [(64, 64), (512, 20), (1, 1), (3, 100), (510, 9)]
     jobs = [
         Job(frame=nonsense(rng, 1500, *size), rates=RATES[n % len(RATES)], seed=n)
         for n, size in enumerate(sizes)
     ]
-    check(jobs, simulator_name)
+    check(jobs)
+
+
+@pytest.mark.skipif(not simulator.available("icarus"), reason="Icarus is not installed")
+def test_icarus_draws_the_same_with_and_without_stalls():
+    """Small frames: it takes a hundred times as long as Verilator."""
+    rng = np.random.default_rng(12)
+    jobs = [
+        Job(frame=draw(rng, count, 29, 24), rates=rates, seed=seed)
+        for draw, count in ((shapes, 60), (nonsense, 150))
+        for seed, rates in enumerate((RATES[0], RATES[3]))
+    ]
+    check(jobs, "icarus")
 
 
 def test_elements_that_all_fall_on_one_word():

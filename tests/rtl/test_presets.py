@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from engines import engine
 from presets import OTHERS
 from random_frames import frame_of, nonsense, random_raster, shapes, word
 
@@ -128,13 +129,13 @@ def test_every_preset_draws_what_the_contract_says(config):
         made = list(case(rng, config))
         jobs += made
         names += [f"{case.__name__} {n}" for n in range(len(made))]
-    wrong = dict(zip(names, mismatches(jobs, play(jobs)), strict=True))
+    wrong = dict(zip(names, mismatches(jobs, play(jobs, built=engine(config))), strict=True))
     assert {name: count for name, count in wrong.items() if count} == {}
 
 
 def test_the_corners_of_the_paper_s_colours():
     jobs = list(extreme_colours(None, PAPER))
-    assert mismatches(jobs, play(jobs)) == [0] * len(jobs)
+    assert mismatches(jobs, play(jobs, built=engine())) == [0] * len(jobs)
 
 
 @pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
@@ -149,7 +150,8 @@ def test_what_a_drawn_word_costs(config):
         return Job(frame=frame_of(start + words, 128, 40, config=config))
 
     # The first waits for the memories to be cleared.
-    _, hidden, drawn = (outcome.cycles for outcome in play([job(1), job(1), job(-1)]))
+    outcomes = play([job(1), job(1), job(-1)], built=engine(config))
+    _, hidden, drawn = (outcome.cycles for outcome in outcomes)
     assert 200 < hidden < 200 + 300  # four lines are flushed at the end
     if config.colour_planes == 1:
         assert drawn == hidden
