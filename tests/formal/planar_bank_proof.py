@@ -189,6 +189,22 @@ SEEN = tuple(
     for name in ("reading", "writing")
 )
 
+FAULTS = (
+    Fault("planes of all pixels", PlanarBank, r"writing\.mask, passes", "-1, passes"),
+    Fault("planes not written", PlanarBank, r"clear \| late_write", "clear"),
+    Fault(
+        "no depth test",
+        PlanarBank,
+        r"Cat\(self\.new\.depth\[pixel\], 1\)",
+        "Cat(self.new.depth[pixel] & 0, 1)",
+    ),
+    Fault("ties drawn", PlanarBank, r"< Cat\(self\.old", "<= Cat(self.old"),
+    Fault("no conflict", PlanarBank, r"same \| reading\.read", "reading.read"),
+    Fault("the port not kept for planes", PlanarBank, r"same \| reading\.read", "same"),
+    Fault("planes given up unread", PlanarBank, r"given_up \| drawn", "drawn"),
+    Fault("does not stand still", PlanarBank, r"m\.If\(self\.enable\)", "m.If(1)"),
+)
+
 PROOFS = [
     Proof(
         name=f"planar bank: pixel, {config.colour_planes} planes",
@@ -200,21 +216,8 @@ PROOFS = [
         slow=config.colour_planes > 2,
         endless=True,
         changes=SEEN,
-        faults=(
-            Fault(
-                "no depth test",
-                PlanarBank,
-                r"Cat\(self\.new\.depth\[pixel\], 1\)",
-                "Cat(self.new.depth[pixel] & 0, 1)",
-            ),
-            Fault("ties drawn", PlanarBank, r"< Cat\(self\.old", "<= Cat(self.old"),
-            Fault("no conflict", PlanarBank, r"same \| reading\.read", "reading.read"),
-            Fault("the port not kept for planes", PlanarBank, r"same \| reading\.read", "same"),
-            Fault("planes given up unread", PlanarBank, r"given_up \| drawn", "drawn"),
-            Fault("does not stand still", PlanarBank, r"m\.If\(self\.enable\)", "m.If(1)"),
-            Fault("planes of all pixels", PlanarBank, r"writing\.mask, passes", "-1, passes"),
-            Fault("planes not written", PlanarBank, r"clear \| late_write", "clear"),
-        ),
+        # The first two are of the planes; the others are in the same lines for any number of them.
+        faults=FAULTS if config.colour_planes == 2 else FAULTS[:2],
     )
     for config in (PRESETS["rgb18"], PRESETS["rgb24"])
 ]

@@ -125,8 +125,10 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     mode, depth = ("prove" if proof.endless else "bmc"), proof.depth
     if proof.endless and fault:
         mode, depth = "bmc", max(depth, proof.fault_depth)
+    # That a fault is found is enough to know; ABC's trace of it would be simulated by the solver.
+    traces = "none" if fault else "boolector"
     (folder / "proof.sby").write_text(
-        f"[options]\nmode {mode}\ndepth {depth}\ntimeout {TIMEOUT}\naigsmt boolector\n"
+        f"[options]\nmode {mode}\ndepth {depth}\ntimeout {TIMEOUT}\naigsmt {traces}\n"
         f"[engines]\n{proof.engine}\n"
         "[script]\nread_rtlil proof.il\nhierarchy -top top\nflatten\n"
         "setattr -unset init w:*\nprep -top top\nmemory_map -formal\nopt -full\n"

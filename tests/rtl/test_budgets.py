@@ -1,8 +1,10 @@
+import counted
 import pytest
+from counted import counts_of
 
 from splatline.rtl import budgets
 from splatline.rtl.format import PRESETS
-from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, count_engine
+from splatline.rtl.synth import DEVICE, PAPER_TABLE_1
 from splatline.rtl.tops import TOPS
 from splatline.rtl.variants import SHAPED
 
@@ -17,20 +19,20 @@ def test_every_preset_has_a_budget():
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"paper"}))
 def test_a_preset_does_not_outgrow_its_budget(preset):
     """A change that needs more says so: ``splatline synth --preset NAME --record``."""
-    counts = count_engine(PRESETS[preset])
+    counts = counts_of(PRESETS[preset])
     assert budgets.over_budget(counts, budgets.read_budgets()[preset]) == {}
 
 
 def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s():
     """Nor more than its budget."""
-    counts = count_engine(PRESETS["paper"], "pins")
+    counts = counts_of(PRESETS["paper"], "pins")
     assert budgets.over_budget(counts, PAPER_TABLE_1) == {}
     recorded = budgets.read_budgets()[budgets.budget_name("paper", "pins")]
     assert budgets.over_budget(counts, recorded) == {}
 
 
 def test_the_engine_on_its_buses_keeps_to_its_budget_and_fits():
-    counts = count_engine(PRESETS["paper"], "axi")
+    counts = counts_of(PRESETS["paper"], "axi")
     recorded = budgets.read_budgets()[budgets.budget_name("paper", "axi")]
     assert budgets.over_budget(counts, recorded) == {}
     assert all(counts[kind] <= DEVICE[kind] for kind in counts)
@@ -56,7 +58,24 @@ def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
 
 def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget():
     config = SHAPED[0]
-    counts = count_engine(config)
+    counts = counts_of(config)
     assert budgets.over_budget(counts, {kind: DEVICE[kind] for kind in counts}) == {}
     assert budgets.over_budget(counts, budgets.read_budgets()[config.name]) == {}
     assert counts["bram"] - budgets.read_budgets()["paper"]["bram"] == 4
+
+
+def test_what_changed_is_counted_and_nothing_else(tmp_path, monkeypatch):
+    """Another Verilog, another budget: Yosys is asked again."""
+    config = PRESETS["wide"]
+    budget = budgets.read_budgets()["wide"]
+    book = tmp_path / "counted.json"
+    book.write_text(f'{{"wide": "{counted.digest(config, "engine", budget)}"}}')
+    monkeypatch.setattr(counted, "DIGESTS", book)
+    monkeypatch.setattr(counted.synth, "count_engine", lambda *engine: engine)
+    assert counts_of(config) == budget
+    assert counts_of(PRESETS["deep"]) == (PRESETS["deep"], "engine")
+    with monkeypatch.context() as patch:
+        patch.setitem(TOPS, "engine", lambda *_: ("module another; endmodule", {}))
+        assert counts_of(config) == (config, "engine")
+    monkeypatch.setattr(budgets, "read_budgets", lambda: {"wide": {**budget, "lut4": 9999}})
+    assert counts_of(config) == (config, "engine")
