@@ -24,22 +24,23 @@ class LaneWindow(wiring.Component):
     pixels, so that a tile has each lane once, wherever it lies. Three stages: *request* (an address
     a lane), *write* (the lanes write over what is behind; a flushed word stands on its lanes'
     outputs) and *emit* (the word waits on ``raster``). In the request stage the initial raster goes
-    first, then the tile, and the flush takes a row of lanes that the tile leaves. A word that
-    ``raster`` does not take stops all three.
+    first. A tile and a word that is flushed go together if their rows of lanes differ; if not, the
+    tile goes first, or the word (see ``lagging``). A word that ``raster`` does not take stops all
+    three stages.
 
     A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
     the lanes are cleared, which takes as many cycles as a lane has pixels.
 
-    **Latency**: 4 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
-    for that, and for a cycle for each stretch of 32 words whose marks are taken (see
-    :class:`Walker`); a word a cycle of the initial raster; a word a cycle of ``raster``, of those
-    that were written, while a row of lanes is free.
+    **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
+    for that, for a cycle for each stretch of 32 words whose marks are taken (see :class:`Walker`),
+    and for words that go first; a word a cycle of the initial raster; a word a cycle of ``raster``,
+    of those that were written, but for what the walker takes and for tiles that go first.
 
     Members
     -------
     i : In(stream of TileLayout)
-        Tiles in the order of their lines, which are in the window; the ``end`` token is taken when
-        its frame is out.
+        Tiles in the order of their lines, which are in the window and were so a cycle before; the
+        ``end`` token is taken when its frame is out.
     shade : In(colour_bits)
         Colour of the tile that is offered on ``i``.
     oldest : Out(line_bits + 1)
@@ -129,8 +130,10 @@ class LaneWindow(wiring.Component):
         line = Signal(SIDE)  # the row of lanes that it lies in
         m.d.comb += line.eq(1 << service.line[:2])
 
-        # Request: the initial raster, else the tile, and the flush in a row that neither wants.
+        # Request: the initial raster, else the tile and the flush, in rows of lanes that differ.
         offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
+        wanted = Signal(SIDE)  # rows of lanes that the tile draws into
+        first, meeting, lagging = Signal(), Signal(), Signal()
         drawn, loaded, cleared = Signal(), Signal(), Signal()  # in the cycle before
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
@@ -145,14 +148,24 @@ class LaneWindow(wiring.Component):
             walker.restart.eq(self.finished),
             offered.eq(self.i.valid & ~tile.end & ~loader.o.valid),
             going.eq(
-                offered & running & ~swept & loader.loaded & ~walker.taking & ~loaded & ~conflict
+                offered
+                & running
+                & ~swept
+                & loader.loaded
+                & ~walker.taking
+                & ~loaded
+                & ~conflict
+                & ~(first & meeting)
             ),
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of it or of a word that left if all stood still since.
             conflict.eq((drawn & tile.meets) | stopped),
             self.i.ready.eq(going | self.finished),
+            first.eq(walker.flush.valid & lagging),
+            meeting.eq(wanted.bit_select(walker.oldest[:2], 1)),
             # Whether the tile goes is known late; its lanes are kept for it in any case.
-            busy.eq(Cat(row.any() for row in tile.mask) & offered.replicate(SIDE)),
+            wanted.eq(Cat(row.any() for row in tile.mask)),
+            busy.eq(wanted & offered.replicate(SIDE) & ~(line & first.replicate(SIDE))),
             # A word does not follow at once on what may still write it.
             loading.eq(
                 loader.o.valid & running & ~sweeping & ~walker.taking & ~drawn & ~cleared & ~loaded
@@ -164,14 +177,19 @@ class LaneWindow(wiring.Component):
                 running
                 & ~sweeping
                 & ~loader.o.valid
-                & ~(line & busy).any()
+                & (first | ~(offered & meeting))
                 # The line of a tile that stood still may leave since, while it is still written.
                 & ~(stopped & drawn)
             ),
             emitter.flush.eq(flushing),
             emitter.place.eq(service),
         ]
-        m.d.sync += stopped.eq(~running)
+        # Which of them goes first. Elements of up to three lines lie about the fourth line from
+        # ``top`` on and leave the row of lanes of the line two above ``top``: that one leaves
+        # beside them. So the line three above goes first, modulo 4, and that one itself where
+        # larger elements want its row. Were all to go first, there would be none left to leave
+        # beside the elements, and each would hold up those of the line that completes it.
+        m.d.sync += [stopped.eq(~running), lagging.eq((tile.top[:2] - walker.oldest[:2])[1])]
         with m.If(running):
             m.d.sync += [
                 drawn.eq(going),
@@ -215,7 +233,11 @@ class LaneWindow(wiring.Component):
     def _touch(self, m, walker, load, going, loading, line):
         """Tell the walker which words are written."""
         tile = self.i.payload
-        m.d.comb += [walker.words.eq(tile.words), walker.group.eq(tile.group)]
+        m.d.comb += [
+            walker.words.eq(tile.words),
+            walker.group.eq(tile.group),
+            walker.reaching.eq((self.i.valid & ~tile.end) | load.valid),
+        ]
         with m.If(load.valid):  # then no tile goes
             m.d.comb += walker.words[0].eq(load.payload.word)
         for i in range(SIDE):

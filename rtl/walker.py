@@ -19,9 +19,11 @@ class Walker(wiring.Component):
     first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
     above ``top`` are on their way out. A line that nothing was written into leaves in one cycle,
     and all at once if none was written. Of others the marks are taken a stretch at a time, in
-    cycles in which nothing is written (``taking``), and each marked pair of words is asked for.
+    cycles in which nothing is written (``taking``), and each marked pair of words is asked for. A
+    stretch that nothing has reached for long is passed over (see ``_reached``).
 
-    **Latency**: 2 cycles. **Throughput**: one word a cycle, one cycle more a stretch.
+    **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle;
+    one cycle more a stretch, or two if it turns out to have no marks, and two a line.
 
     Members
     -------
@@ -40,6 +42,8 @@ class Walker(wiring.Component):
         Places in the window of those lines, but for the two lowest bits.
     words : In(2 x word_bits)
         The two words.
+    reaching : In(1)
+        Something may be written in this cycle into ``words``; at least if ``touch``.
     wipe : In(1)
         Clear the marks of all lines' stretches at ``wipe_row``.
     wipe_row : In
@@ -67,6 +71,7 @@ class Walker(wiring.Component):
                 "touch": In(data.ArrayLayout(2, RESIDUES)),
                 "group": In(data.ArrayLayout(config.group_bits, RESIDUES)),
                 "words": In(data.ArrayLayout(config.word_bits, 2)),
+                "reaching": In(1),
                 "wipe": In(1),
                 "wipe_row": In((stretches(config) - 1).bit_length() + config.group_bits),
                 "restart": In(1),
@@ -85,27 +90,41 @@ class Walker(wiring.Component):
         m.submodules.marks = marks = Marks(config)
         written = Signal(config.window_lines)
         place = self.oldest[: config.slot_bits]
-        leaving = Signal()
-        walking = Signal()  # the oldest line leaves, and was written; known one cycle later
+        leaving = Signal()  # the oldest line is on its way out
+        here = Signal()  # it was written
+        m.d.comb += [
+            leaving.eq((self.oldest < self.top) & self.loaded),
+            here.eq(written.bit_select(place, 1)),
+            self.clean.eq(~written.any()),
+        ]
+
+        # Its stretches that are still to be taken: none that nothing reached.
+        ahead = Signal(stretches(config), init=-1)
+        wanted = Signal.like(ahead)
+        stretch_bit = Signal.like(ahead)
+        next_stretch = Signal(stretch_bits)
+        m.d.comb += [
+            wanted.eq(self._reached(m) & ahead),
+            stretch_bit.eq(wanted & (~wanted + 1)),
+            next_stretch.eq(number_of(stretch_bit)),
+        ]
 
         # The stretch at hand: its marked pairs, but for the one that is asked for. The next stretch
         # is taken as soon as that is the last.
         pairs = Signal(1 << mark_bits(config))
         first = Signal.like(pairs)
         second_word = Signal()
-        next_stretch = Signal(stretch_bits + 1)  # its top bit: all were taken
-        stretch = Signal(stretch_bits)  # the one before the next
+        stretch = Signal(stretch_bits)
         asking, asked, left = Signal(), Signal(), Signal()
+        moves = Signal()
         pair = Signal(mark_bits(config) + stretch_bits)
         m.d.comb += [
-            leaving.eq((self.oldest < self.top) & self.loaded),
             first.eq(pairs & (~pairs + 1)),
-            stretch.eq(next_stretch - 1),
-            self.clean.eq(~written.any()),
             self.flush.valid.eq(asking),
             self.flush.payload.word.eq(Cat(second_word, pair)),
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
+            moves.eq(~asking | (asked & second_word)),
             marks.take.eq(self.taking | self.wipe),
             marks.wipe.eq(self.wipe),
             marks.line.eq(Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)),
@@ -113,25 +132,25 @@ class Walker(wiring.Component):
             marks.touch.eq(self.touch),
             marks.group.eq(self.group),
             marks.words.eq(self.words),
-            left.eq(~asking & ~pairs.any() & next_stretch[-1]),
+            left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any()),
         ]
-        m.d.sync += [
-            walking.eq(leaving & written.bit_select(place, 1) & ~left),
-            # Known a cycle ahead, because whatever is drawn waits for it.
-            self.taking.eq(walking & ~pairs.any() & ~next_stretch[-1] & self.enable & ~self.taking),
-        ]
+        # Known a cycle ahead, because whatever is drawn waits for it.
+        m.d.sync += self.taking.eq(
+            leaving & here & ~pairs.any() & wanted.any() & self.enable & ~self.taking
+        )
         with m.If(asked):
             m.d.sync += second_word.eq(~second_word)
-        with m.If(~asking | (asked & second_word)):
+        with m.If(moves):
             m.d.sync += [
                 asking.eq(pairs.any()),
                 pair.eq(Cat(number_of(first), stretch)),
                 pairs.eq(pairs & ~first),
             ]
         with m.If(self.taking):
-            m.d.sync += [pairs.eq(marks.taken), next_stretch.eq(next_stretch + 1)]
+            m.d.sync += [pairs.eq(marks.taken), stretch.eq(next_stretch)]
+            m.d.sync += ahead.eq(ahead & ~stretch_bit)
         with m.If(left):
-            m.d.sync += next_stretch.eq(0)
+            m.d.sync += ahead.eq(-1)
 
         for slot in range(config.window_lines):
             touched = self.touch[slot % 4].any() & (self.group[slot % 4] == slot // 4)
@@ -139,8 +158,30 @@ class Walker(wiring.Component):
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
         with m.If(leaving & self.jump & self.clean):
             m.d.sync += self.oldest.eq(self.top)
-        with m.Elif(left | (leaving & ~written.bit_select(place, 1))):
+        with m.Elif(left | (leaving & ~here)):
             m.d.sync += self.oldest.eq(self.oldest + 1)
         with m.If(self.restart):
             m.d.sync += self.oldest.eq(0)
         return m
+
+    def _reached(self, m):
+        """Return which stretches may have marks, for all lines of the window together.
+
+        Those reached since the window was last clean, and since ``oldest`` last passed a multiple
+        of the window's height but one: all that was written before that has left.
+        """
+        config = self.config
+        now, before = (Signal(stretches(config), name=name) for name in ("now", "before"))
+        reach = Signal.like(now)
+        turn, turned = Signal(), Signal()
+        reach = Signal.like(now)
+        m.d.comb += turned.eq(self.oldest[config.slot_bits] != turn)
+        own = [1 << word[1 + mark_bits(config) :] for word in self.words]
+        with m.If(self.reaching):
+            m.d.comb += reach.eq(own[0] | own[1])
+        m.d.sync += [
+            turn.eq(self.oldest[config.slot_bits]),
+            now.eq(Mux(self.clean | turned, 0, now) | reach),
+            before.eq(Mux(self.clean, 0, Mux(turned, now, before))),
+        ]
+        return now | before

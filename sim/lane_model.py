@@ -55,7 +55,7 @@ class Lanes(NamedTuple):
     marks
         Pairs of words that were written, by place of their line: shape (lines, pairs).
     walk
-        See ``OLDEST`` and what follows: shape (10,).
+        See ``OLDEST`` and what follows: shape (12,).
     """
 
     tiles: Any
@@ -64,12 +64,26 @@ class Lanes(NamedTuple):
     walk: Any
 
 
-OLDEST, TOP, WRITTEN, PAIRS, SECOND, NEXT, FLUSHED, WALKING, TAKING, ASKING = range(10)
+(
+    OLDEST,
+    TOP,
+    WRITTEN,
+    PAIRS,
+    SECOND,
+    AHEAD,
+    FLUSHED,
+    TAKING,
+    ASKING,
+    NOW,
+    BEFORE,
+    TURN,
+) = range(12)
 """Registers of the walker: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
-whether the second word of the one that is asked for is next; the next stretch; whether a word left
-one cycle before; whether the oldest line was on its way out then; whether a stretch's marks are
-taken, and whether a pair is asked for."""
+whether the second word of the one that is asked for is next; stretches that the line still has, a
+bit each; whether a word left one cycle before; whether a stretch's marks are taken, and whether a
+pair is asked for; stretches that tiles reached since the window moved on by its own height, and
+those before, a bit each; and which of these heights it is in, modulo 2."""
 
 
 @nb.njit(cache=True)
@@ -90,17 +104,17 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     """
     across = BLOCK // machine.pixels
     pairs = machine.half_words
-    stretches = pairs // min(STRETCH // PAIR, pairs)
     lanes = Lanes(
         np.zeros((2 * across, SIDE), np.int64),
         np.zeros(1, np.int64),
         np.zeros((machine.lines, pairs), np.bool_),
-        np.zeros(10, np.int64),
+        np.zeros(12, np.int64),
     )
     walk = lanes.walk
-    walk[TOP] = -ABOVE
+    walk[TOP], walk[AHEAD] = -ABOVE, -1
     tile, coming = np.zeros(2 + SIDE, np.int64), np.zeros(2 + SIDE, np.int64)
     given, meets, drawn, ending = NOTHING, False, False, False
+    lagging = False  # in the cycle before, for lines that leave to go before tiles
     near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
     x = 0
     front = new_front()
@@ -112,11 +126,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             return cycle + 2  # the end beat is on the port in the next cycle
         ending = given == END and walk[WRITTEN] == 0
 
-        leaving = walk[OLDEST] < walk[TOP]
-        taken = walk[NEXT] == stretches
         taking = walk[TAKING]
-        wanting = walk[WALKING] and walk[PAIRS] == 0 and not (taken or clearing or taking)
-        left_line = taken and walk[PAIRS] == 0 and not walk[ASKING]
         oldest = walk[OLDEST]
         conflict = machine.hazard and meets and drawn
         going = given == TILE and not settling and not taking and not conflict
@@ -124,9 +134,12 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         for k in range(SIDE):
             if given == TILE and tile[2 + k]:
                 rows |= 1 << (tile[0] + k) % SIDE
-        flushing = walk[ASKING] and not clearing and not rows >> walk[OLDEST] % SIDE & 1
-        _step(lanes, leaving, taking, flushing, left_line)
-        walk[TAKING] = wanting
+        meeting = rows >> walk[OLDEST] % SIDE & 1  # the line that leaves, with the tile
+        first, lagging = lagging, (walk[TOP] - walk[OLDEST]) % SIDE >= SIDE // 2
+        flushing = walk[ASKING] and not clearing and (first or not meeting)
+        going = going and not (walk[ASKING] and first and meeting)
+        reach = _reach(tile, machine) if given == TILE else 0
+        _step(lanes, flushing, reach, not clearing)
         if going:
             _mark(tile, lanes, machine)
         drawn = going
@@ -255,29 +268,53 @@ def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
 
 
 @nb.njit(cache=True)
-def _step(lanes: Lanes, leaving: bool, taking: bool, flushing: bool, left: bool) -> None:
+def _reach(tile: Any, machine: Machine) -> int:
+    """Return the stretches that a tile's two words lie in, a bit each, whatever it draws there."""
+    words = 2 * machine.half_words
+    word = tile[1] // machine.pixels
+    reach = 0
+    for number in (word % words, (word + 1) % words):
+        reach |= 1 << number // STRETCH
+    return reach
+
+
+@nb.njit(cache=True)
+def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
     """Move the walker on: by a word, a stretch, a line that has left, or over all not written."""
     walk, marks = lanes.walk, lanes.marks
     oldest = walk[OLDEST]
     place = oldest % len(marks)
-    written = walk[WRITTEN] >> place & 1
+    leaving, written = oldest < walk[TOP], walk[WRITTEN] >> place & 1
+    wanted = (walk[NOW] | walk[BEFORE]) & walk[AHEAD]
+    walks = leaving and written and walk[PAIRS] == 0
+    moves = not walk[ASKING] or (flushing and walk[SECOND])
+    taking, left = walk[TAKING], walks and moves and not wanted
+    walk[TAKING] = walks and wanted and enable and not taking
     walk[FLUSHED] = flushing
     if flushing:
         walk[SECOND] ^= 1
-    if not walk[ASKING] or (flushing and not walk[SECOND]):
+    if moves:
         walk[ASKING] = walk[PAIRS] > 0
         walk[PAIRS] -= walk[ASKING]
     if taking:
-        stretch = min(STRETCH // PAIR, marks.shape[1])
-        found = marks[place, walk[NEXT] * stretch : (walk[NEXT] + 1) * stretch]
+        stretch = 0
+        while not wanted >> stretch & 1:
+            stretch += 1
+        found = marks[place, stretch * STRETCH // PAIR : (stretch + 1) * STRETCH // PAIR]
         walk[PAIRS] = found.sum()
         found[:] = False
-        walk[NEXT] += 1
-    walk[WALKING] = leaving and written and not left
+        walk[AHEAD] &= ~(1 << stretch)
+    turn = oldest // len(marks) % 2
+    if walk[WRITTEN] == 0:
+        walk[NOW] = walk[BEFORE] = 0
+    elif turn != walk[TURN]:
+        walk[BEFORE], walk[NOW] = walk[NOW], 0
+    walk[NOW] |= reach
+    walk[TURN] = turn
     if leaving and walk[WRITTEN] == 0:
         walk[OLDEST] = walk[TOP]
     elif left or (leaving and not written):
         walk[OLDEST] = oldest + 1
     if left:
-        walk[NEXT] = 0
+        walk[AHEAD] = -1
         walk[WRITTEN] &= ~(1 << place)

@@ -90,6 +90,8 @@ class LaneWindowProperties(Properties):
         top = Signal.like(tile.top, name="top_before", init=-4)
         opened, ended = Signal(), Signal()
         lowest = (1 << len(tile.top) - 1) - 1
+        oldest = Signal.like(dut.oldest, name="oldest_before")
+        m.d.sync += oldest.eq(Mux(dut.finished, 0, dut.oldest))
         m.d.sync += [top.eq(tile.top), opened.eq(dut.active), ended.eq(dut.finished)]
         with m.If(dut.finished):
             m.d.sync += [top.eq(-4), opened.eq(0)]
@@ -109,6 +111,8 @@ class LaneWindowProperties(Properties):
             masked = dut.i.valid & tile.mask[row].any()
             own = (line >= tile.top) & (line < tile.top + 8) & (line <= self.last_line)
             self.given(m, f"row_{row}", ~masked | (own & ~tile.end))
+            # And was there a cycle before.
+            self.given(m, f"settled_{row}", ~masked | (line < oldest + config.window_lines))
         for column in range(config.pixels_per_word):
             masked = dut.i.valid & Cat(tile.mask[row][column] for row in range(4)).any()
             word = Mux(tile.next[column], tile.words[1], tile.words[0])
@@ -300,10 +304,17 @@ PROOFS = [
         0,
         18,
         Fault("no conflict", LaneWindow, r"\(drawn & tile\.meets\)", "(0)"),
-        Fault("drawn while marks are taken", LaneWindow, r"loaded & ~walker\.taking", "loaded"),
+        Fault("drawn while marks are taken", LaneWindow, r"loaded\s+& ~walker\.taking", "loaded"),
         Fault("a word leaves where a tile stood still", LaneWindow, r"& ~\(stopped & drawn\)", ""),
-        Fault("lanes not kept for a tile", LaneWindow, r"& ~\(line & busy\)\.any\(\)", ""),
-        Fault("a line left too early", Walker, r"left\.eq\(~asking & ", "left.eq("),
+        Fault(
+            "lanes not kept for a tile",
+            LaneWindow,
+            r"& \(first \| ~\(offered & meeting\)\)",
+            "",
+        ),
+        Fault("a tile goes where a word does", LaneWindow, r"& ~\(first & meeting\)", ""),
+        Fault("a line left too early", Walker, r"here & moves & ", "here & "),
+        Fault("reached at the moment", Walker, r", now\) \| reach", ", now | reach)", "_reached"),
         Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
     ),
     plan(

@@ -1,6 +1,6 @@
 """What is offered on a stream stays until it is taken, on every stream that a component drives."""
 
-from amaranth.hdl import Signal
+from amaranth.hdl import Cat, Const, Signal
 from amaranth.lib.wiring import Out
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
@@ -18,6 +18,7 @@ from splatline.rtl.halver import Halver
 from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.layouts import CodeWordLayout
 from splatline.rtl.loader import Loader
+from splatline.rtl.marks import RESIDUES
 from splatline.rtl.pins import Gatherer, Splitter
 from splatline.rtl.register_map import register_map
 from splatline.rtl.sequencer import Sequencer
@@ -114,6 +115,19 @@ def not_over(properties, m, dut):
     properties.given(m, "restart", ~dut.restart | (dut.clean & ~dut.flush.valid))
 
 
+def within_reach(properties, m, dut):
+    """And what is written may be, and lies on lines that do not leave."""
+    not_over(properties, m, dut)
+    properties.given(m, "reach", ~dut.touch.as_value().any() | (dut.reaching & ~dut.taking))
+    lines = dut.config.window_lines
+    for row in range(RESIDUES):
+        ahead = Signal(dut.config.slot_bits, name=f"ahead_{row}")
+        m.d.comb += ahead.eq(Cat(Const(row, 2), dut.group[row]) - dut.oldest)
+        late = ~dut.loaded | (~dut.jump & (ahead == lines - 1))  # of an initial raster
+        stays = (dut.oldest + ahead >= dut.top) | late
+        properties.given(m, f"touch_{row}", ~dut.touch[row].any() | stays)
+
+
 def while_running(properties, m, dut):
     """Nothing is requested while all stands still."""
     properties.given(m, "flush", ~dut.flush | dut.running)
@@ -166,7 +180,7 @@ PROOFS = [
         "walker",
         lambda: Walker(PAPER),
         Fault("next word unasked", Walker, r"If\(asked\)", "If(asking)"),
-        given=not_over,
+        given=within_reach,
         depth=10,
         endless=False,
     ),

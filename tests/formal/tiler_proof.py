@@ -98,6 +98,14 @@ class TilerProperties(Properties):
             distance.eq(dut.oldest + place - tile.top),
         ]
         self.always(m, "in_window", ~draws | ((distance >= 0) & (distance < 8)))
+        # And in the window as it was a cycle ago: the word that left is still being cleared.
+        place_before = Signal.like(place)
+        before = Signal.like(distance)
+        m.d.comb += [
+            place_before.eq(slot - oldest),
+            before.eq(oldest + place_before - tile.top),
+        ]
+        self.always(m, "settled", ~draws | ((before >= 0) & (before < 8)))
         drew = Signal()
         m.d.sync += drew.eq(drawn)
         self.always(m, "meets", ~(drew & draws) | tile.meets)

@@ -27,7 +27,7 @@ class LaneSlide(Slide):
 
     async def start(self, jump=1):
         self.dut.loaded.value, self.dut.jump.value = 0, jump
-        inputs = ("touch", "group", "words", "restart", "enable", "top")
+        inputs = ("touch", "group", "words", "reaching", "restart", "enable", "top")
         await self.reset(inputs, 4 * STRETCHES)
 
     def line_of(self, place, lowest):
@@ -45,6 +45,7 @@ class LaneSlide(Slide):
         assert self.enabled or not taking
         assert not taking or oldest < top
         touch.drive(dut, idle=taking)
+        dut.reaching.value = int(bool(touch.marks()))
 
         def observe():
             assert int(dut.taking.value) == taking, "taking is known before all else"
@@ -124,10 +125,11 @@ async def loaded_words_too(dut):
 
 @cocotb.test()
 async def a_full_window_takes_a_cycle_a_word(dut):
-    """And one for each stretch, and four for each line; lines that wait take none.
+    """And one for each stretch, and two for each line; lines that wait take none.
 
-    A line's first marks are there four cycles after the line before has left. Those of the others
-    are taken while the last word is asked for, and the first of them is picked one cycle later.
+    A line's first word is asked for four cycles after the last one of the line before. The marks of
+    other stretches are taken while the last word is asked for, and the first of them is picked one
+    cycle later.
     """
     rng, slide = random.Random(7), LaneSlide(dut, 7)
     await slide.start()
@@ -137,9 +139,43 @@ async def a_full_window_takes_a_cycle_a_word(dut):
             await slide.cycle(0, Touch(word, [(1, 1)] * 4, [group] * 4))
     begin = slide.bench.cycles
     while int(dut.oldest.value) < lines:
-        assert slide.bench.cycles - begin <= lines * (WORDS + STRETCHES + 4)
+        assert slide.bench.cycles - begin <= lines * (WORDS + STRETCHES + 2) + 3
         await slide.cycle(lines)
     await slide.finish(rng)
+
+
+@cocotb.test()
+async def a_stretch_that_nothing_reached_is_passed_over(dut):
+    """A pair a line takes five cycles, in whatever stretch, though the window is never clean.
+
+    What was reached in another one is forgotten once the window has twice moved on.
+    """
+    rng, slide = random.Random(3), LaneSlide(dut, 3)
+    await slide.start()
+    lines, line = 11, 0
+    for stretch in range(STRETCHES):
+        for _ in range(4):
+            for _ in range(lines):
+                word, groups = stretch * WORDS // STRETCHES + 5, [line // 4 % 4] * 4
+                touch = Touch(word, [(q == line % 4, 0) for q in range(4)], groups)
+                while not await slide.cycle(line - lines, touch):
+                    pass
+                line += 1
+            begin = slide.bench.cycles
+            while int(dut.oldest.value) < line - 1:
+                await slide.cycle(line - 1)
+        assert slide.bench.cycles - begin <= 5 * lines + 1
+    await slide.finish(rng)
+
+
+@cocotb.test()
+async def a_tile_on_two_stretches_reaches_both(dut):
+    """From a clean window, so that nothing else has."""
+    for stretch in range(1, STRETCHES):
+        rng, slide = random.Random(stretch), LaneSlide(dut, stretch)
+        await slide.start()
+        await slide.cycle(0, Touch(stretch * WORDS // STRETCHES - 1, [(1, 1)] * 4, [0] * 4))
+        await slide.finish(rng)
 
 
 @cocotb.test()
