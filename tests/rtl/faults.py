@@ -5,7 +5,7 @@ import linecache
 import re
 import textwrap
 
-__all__ = ["LANE_WRITES", "fault", "rewrite"]
+__all__ = ["LANE_WRITES", "fault", "rewrite", "switched"]
 
 LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
 """In place of a lane's comparison: it writes whatever it is asked to draw or to clear."""
@@ -13,20 +13,22 @@ LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
 
 def fault(module, signal, value):
     """An edit that fixes a signal of a module's Verilog at a value."""
+    return lambda text: _assign(text, module, signal, lambda _: value)
 
-    def edit(text):
-        begin = re.search(rf"^module \\?{re.escape(module)} ?\(", text, re.MULTILINE).start()
-        end = text.index("endmodule", begin)
-        body, count = re.subn(
-            rf"^(  assign \\?{re.escape(signal)} ?=)[^;]*;",
-            rf"\g<1> {value};",
-            text[begin:end],
-            flags=re.MULTILINE,
-        )
-        assert count == 1, f"{module} has no {signal} to break"
-        return text[:begin] + body + text[end:]
 
-    return edit
+def _assign(text, module, signal, change):
+    """Change what a signal of a module is assigned."""
+    begin = re.search(rf"^module \\?{re.escape(module)} ?\(", text, re.MULTILINE).start()
+    end = text.index("endmodule", begin)
+    body, count = re.subn(
+        rf"^(  assign \\?{re.escape(signal)} ?=)([^;]*);",
+        # An escaped name ends at a space.
+        lambda found: f"{found[1]} {change(found[2].strip())} ;",
+        text[begin:end],
+        flags=re.MULTILINE,
+    )
+    assert count == 1, f"{module} has no {signal} to break"
+    return text[:begin] + body + text[end:]
 
 
 def rewrite(monkeypatch, part, method, pattern, replacement):
@@ -42,3 +44,20 @@ def rewrite(monkeypatch, part, method, pattern, replacement):
     linecache.cache[name] = len(broken), None, broken.splitlines(keepends=True), name
     exec(compile(broken, name, "exec"), scope)
     monkeypatch.setattr(part, method, scope[method])
+
+
+def switched(top, faults):
+    """An edit that plants faults, as arguments of :func:`fault`, and ``+fault=N`` chooses the Nth.
+
+    One build then serves them all, and with ``+fault=0`` none is there.
+    """
+
+    def edit(text):
+        for number, (module, signal, value) in enumerate(faults, 1):
+            chosen = f"{top}.planted == {number} ? {value}"
+            text = _assign(text, module, signal, lambda old, new=chosen: f"{new} : {old}")
+        head = re.search(rf"^module \\?{re.escape(top)} ?\(.*?;", text, re.MULTILINE | re.DOTALL)
+        choice = 'integer planted = 0; initial if ($value$plusargs("fault=%d", planted)) ;'
+        return f"{text[: head.end()]}\n  {choice}\n{text[head.end() :]}"
+
+    return edit

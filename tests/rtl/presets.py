@@ -1,12 +1,13 @@
 """Which preset a bench tests: it runs inside a simulator, and the environment tells it."""
 
 import os
+from pathlib import Path
 from unittest import mock
 
 from splatline.rtl.format import PAPER, PRESETS, get_preset
 from splatline.sim.cosim import blocks, simulator
 
-__all__ = ["CONFIG", "OTHERS", "run_bench"]
+__all__ = ["CONFIG", "OTHERS", "run_bench", "run_built"]
 
 VARIABLE = "SPLATLINE_TEST_PRESET"
 
@@ -28,3 +29,15 @@ def run_bench(config, component, bench, **options):
     options = {"simulator_name": "icarus" if small else "verilator", **options}
     with mock.patch.dict(os.environ, {VARIABLE: config.name}):
         blocks.run_bench(component(config), bench, **options)
+
+
+def run_built(config, built, bench, test, fault):
+    """Run one of a file's cocotb tests on a build of several faults: see ``faults.switched``."""
+    with mock.patch.dict(os.environ, {VARIABLE: config.name}):
+        simulator.run(
+            built,
+            Path(bench).stem,
+            test=test,
+            plusargs=[f"+fault={fault}"],
+            module_folder=Path(bench).parent,
+        )

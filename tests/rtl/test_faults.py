@@ -1,5 +1,7 @@
 """Planted faults: the benches must notice a broken circuit, or they prove nothing."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import test_bank
@@ -11,8 +13,9 @@ import test_planar_bank
 import test_scatter
 import test_sequencer
 import test_window
-from faults import LANE_WRITES, fault, rewrite
+from faults import LANE_WRITES, fault, rewrite, switched
 from presets import run_bench as run_preset
+from presets import run_built
 from random_frames import shapes
 
 from splatline.rtl.bank import Bank
@@ -24,10 +27,10 @@ from splatline.rtl.format import BAYER, PAPER, PRESETS
 from splatline.rtl.planar_bank import PlanarBank
 from splatline.rtl.scatter import Scatter
 from splatline.rtl.sequencer import Sequencer
+from splatline.rtl.verilog import convert
 from splatline.rtl.window import Window
 from splatline.sim import golden
 from splatline.sim.cosim import frames, simulator
-from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.simulator import SimulationError
 
 BLOCK_FAULTS = [
@@ -48,20 +51,13 @@ BLOCK_FAULTS = [
         Decoder, test_decoder, "all_columns", fault("dut", "words_left", "8'h7f"), id="right border"
     ),
     pytest.param(Scatter, test_scatter, "free_banks", fault("dut", "end_3", "2'h3"), id="mask"),
-    pytest.param(
-        Window,
-        test_window,
-        "with_stalls",
-        fault("dut.loader", "loaded", "1'h1"),
-        id="load late",
-    ),
 ]
 
 
 @pytest.mark.parametrize(("component", "bench", "test", "edit"), BLOCK_FAULTS)
 def test_a_fault_in_a_block_is_noticed(component, bench, test, edit):
     with pytest.raises(SimulationError):
-        run_bench(component(PAPER), bench.__file__, test=test, edit=edit)
+        run_preset(PAPER, component, bench.__file__, test=test, edit=edit)
 
 
 ASKS = "drawn_words_are_asked_for_once_and_in_order"
@@ -81,11 +77,7 @@ BANK_WINDOW_FAULTS = [
         "1'h1",
         "lines leave early",
     ),
-    (Window, test_window, "in_short", "walker.leaving", "1'h1", "lines leave the window early"),
     (BankWalker, test_bank_walker, ASKS, "marks.clear_2", "1'h0", "words are asked for twice"),
-    (Window, test_window, "in_short", "walker.clean", "1'h1", "the end comes early"),
-    (Window, test_window, "in_short", "bank_3.drawn", "1'h0", "a bank marks nothing"),
-    (Window, test_window, "in_short", "emitter.raster__valid", "emit_valid", "background is sent"),
 ]
 
 
@@ -93,7 +85,7 @@ BANK_WINDOW_FAULTS = [
     ("component", "bench", "test", "signal", "value"),
     [pytest.param(*fault[:5], id=fault[5]) for fault in BANK_WINDOW_FAULTS],
 )
-def test_a_fault_in_the_window_of_banks_is_noticed(component, bench, test, signal, value):
+def test_a_fault_in_a_part_of_the_window_is_noticed(component, bench, test, signal, value):
     *inner, name = signal.split(".")
     with pytest.raises(SimulationError):
         run_preset(
@@ -103,6 +95,46 @@ def test_a_fault_in_the_window_of_banks_is_noticed(component, bench, test, signa
             test=test,
             edit=fault(".".join(["dut", *inner]), name, value),
         )
+
+
+WINDOW_FAULTS = {
+    "lines leave the window early": ("wide", "dut.walker", "leaving", "1'h1"),
+    "the end comes early": ("wide", "dut.walker", "clean", "1'h1"),
+    "a bank marks nothing": ("wide", "dut.bank_3", "drawn", "1'h0"),
+    "background is sent": ("wide", "dut.emitter", "raster__valid", "emit_valid"),
+    "load late": ("wide", "dut.loader", "loaded", "1'h1"),
+    "drawn after a load": ("rgb18", "dut.paint", "may_draw", "1'h1"),
+    "loaded after a draw": ("rgb18", "dut.paint", "may_load", "1'h1"),
+    "flushed words meet": ("rgb18", "dut.emitter", "ready", "1'h1"),
+}
+
+
+def planted(preset):
+    """The faults of a preset's window, which are in one build: the longest part of a test."""
+    return [planted[1:] for planted in WINDOW_FAULTS.values() if planted[0] == preset]
+
+
+@cache
+def window(preset):
+    text = convert(Window(PRESETS[preset]), "dut")
+    return simulator.build({"dut.v": switched("dut", planted(preset))(text)}, "dut")
+
+
+def run_window(preset, number):
+    run_built(PRESETS[preset], window(preset), test_window.__file__, "in_short", number)
+
+
+@pytest.mark.parametrize("broken", WINDOW_FAULTS.values(), ids=WINDOW_FAULTS)
+def test_a_fault_in_the_window_of_banks_is_noticed(broken):
+    """Of planes: two words meet in what planes share."""
+    preset, *edit = broken
+    with pytest.raises(SimulationError, match="FAIL=1"):
+        run_window(preset, planted(preset).index(tuple(edit)) + 1)
+
+
+@pytest.mark.parametrize("preset", ["wide", "rgb18"])
+def test_without_a_fault_nothing_is_noticed_in_the_window(preset):
+    run_window(preset, 0)
 
 
 STRETCH_FAULTS = {
@@ -120,31 +152,25 @@ def test_a_stretch_that_is_passed_over_is_noticed(monkeypatch, broken):
 
 
 PLANE_FAULTS = [
-    ("rgb18", PlanarBank, "late_colour_write", "1'h0", "plane 1 not written"),
-    ("rgb24", PlanarBank, "late_depth_write", "1'h0", "plane 2 not written"),
-    ("rgb18", PlanarBank, "conflict", "same", "requests meet the planes"),
-    ("rgb18", Window, "paint.may_draw", "1'h1", "drawn after a load"),
-    ("rgb24", Window, "paint.may_load", "1'h1", "loaded after a draw"),
-    ("rgb18", Window, "emitter.ready", "1'h1", "flushed words meet"),
+    ("rgb18", "late_colour_write", "1'h0", "plane 1 not written"),
+    ("rgb24", "late_depth_write", "1'h0", "plane 2 not written"),
+    ("rgb18", "conflict", "same", "requests meet the planes"),
 ]
 
 
 @pytest.mark.parametrize(
-    ("preset", "component", "signal", "value"),
-    [pytest.param(*fault[:4], id=fault[4]) for fault in PLANE_FAULTS],
+    ("preset", "signal", "value"),
+    [pytest.param(*fault[:3], id=fault[3]) for fault in PLANE_FAULTS],
 )
-def test_a_fault_in_the_planes_is_noticed(preset, component, signal, value):
-    """Either a plane is lost, or two words meet in what planes share."""
-    *inner, name = signal.split(".")
-    bench = test_window if component is Window else test_planar_bank
-    test = "in_short" if component is Window else "random_requests"
+def test_a_fault_in_the_planes_is_noticed(preset, signal, value):
+    """Either a plane is lost, or requests meet in what planes share."""
     with pytest.raises(SimulationError):
         run_preset(
             PRESETS[preset],
-            component,
-            bench.__file__,
-            test=test,
-            edit=fault(".".join(["dut", *inner]), name, value),
+            PlanarBank,
+            test_planar_bank.__file__,
+            test="random_requests",
+            edit=fault("dut", signal, value),
         )
 
 
@@ -189,9 +215,11 @@ def test_a_fault_in_the_engine_is_noticed(monkeypatch, preset, edit):
         return edit(text), sidecar
 
     monkeypatch.setattr(verilog, "generate", broken)
-    frame = shapes(np.random.default_rng(1), 2000, 64, 48, config=PRESETS[preset])
+    # Small frames are quicker in Icarus, but for banks: see ``presets.run_bench``.
+    quickest = "icarus" if preset == "paper" and simulator.available("icarus") else "verilator"
+    frame = shapes(np.random.default_rng(1), 400, 32, 24, config=PRESETS[preset])
     try:
-        outcome = frames.play([frames.Job(frame=frame)])[0]
+        outcome = frames.play([frames.Job(frame=frame)], simulator_name=quickest)[0]
     except SimulationError:  # words outside the image
         return
     assert outcome.raster.mismatches(golden.render(frame)) > 0
@@ -231,8 +259,6 @@ def test_a_port_that_breaks_the_stream_rules_is_noticed():
 
 def verilog_with_a_restless_raster():
     """The engine behind a wrapper that flips a colour bit every cycle."""
-    from splatline.rtl.verilog import convert
-
     text = convert(Engine(PAPER), "inner")
     ports = "codewords", "tables", "initial", "raster"
     widths = {"codewords": 64, "tables": 44, "initial": 90, "raster": 90}
