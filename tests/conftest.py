@@ -9,3 +9,8 @@ settings.register_profile("dev", deadline=None)
 # On CI the same examples every time: a change that breaks one must be the change under test.
 settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
+
+
+def pytest_collection_modifyitems(items):
+    """The proofs first: one process does them while another compiles what numba is to compile."""
+    items.sort(key=lambda item: item.path.parent.name != "formal")
