@@ -179,8 +179,9 @@ def partial_words(device):
     _, frame = setup(device, 7)
     words = list(frame.codewords)
     keep = np.ones((len(words), 8), np.uint8)
-    keep[3, 7], keep[9, 0], keep[20] = 0, 0, 0
-    drawn = [each for n, each in enumerate(words) if n not in (3, 9, 20)]
+    # Many: a guard that lets them through is seen where the engine takes one and it shows.
+    keep[3:-1:6, 7], keep[5:-1:6, 0], keep[7:-1:6] = 0, 0, 0
+    drawn = [each for each, kept in zip(words, keep, strict=True) if kept.all()]
     expect(device, frame, words, ["PARTIAL_WORD"], drawn=drawn, keep=keep.tobytes())
 
 
