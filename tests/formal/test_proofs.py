@@ -29,6 +29,13 @@ def test_a_planted_fault_is_found(proof, fault):
     assert outcome.status == "fails", outcome.log
 
 
+def test_abc_finds_a_fault_wherever_its_folder_lies(tmp_path):
+    """In /tmp as well, of which YoWASP's tools have one of their own."""
+    proof = next(proof for proof in all_proofs() if proof.name == "tiler: pixels, words of 2")
+    assert proof.engine.startswith("abc")
+    assert run(proof, proof.faults[0], tmp_path).status == "fails"
+
+
 def test_every_proof_has_a_planted_fault():
     assert all(proof.faults for proof in all_proofs())
 
