@@ -195,6 +195,7 @@ PROOFS = [
         endless=True,
         changes=(SEEN,),
         fault_depth=28,
+        fault_engine="abc bmc3",
         slow=engines > 2,
         faults=(
             Fault("none begins again", Chain, r"ahead\.eq\(0\)", "ahead.eq(ahead)", "_frames"),

@@ -213,6 +213,7 @@ PROOFS = [
         build=lambda config=config: PlanarBankProperties(config),
         depth=4,
         fault_depth=15,
+        fault_engine="abc bmc3",
         slow=config.colour_planes > 2,
         endless=True,
         changes=SEEN,

@@ -78,6 +78,8 @@ class Proof:
         What it must find.
     fault_depth
         Cycles in which a fault in an endless proof has to show, at least ``depth``.
+    fault_engine
+        What finds the faults, if another engine does so sooner.
     changes
         What is rewritten for the proof itself, faults or not: what it takes for granted.
     slow
@@ -92,6 +94,7 @@ class Proof:
     engine: str = "smtbmc boolector"
     faults: tuple[Fault, ...] = ()
     fault_depth: int = 12
+    fault_engine: str = ""
     changes: tuple[Fault, ...] = ()
     slow: bool = False
 
@@ -129,7 +132,7 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     traces = "none" if fault else "boolector"
     (folder / "proof.sby").write_text(
         f"[options]\nmode {mode}\ndepth {depth}\ntimeout {TIMEOUT}\naigsmt {traces}\n"
-        f"[engines]\n{proof.engine}\n"
+        f"[engines]\n{(fault and proof.fault_engine) or proof.engine}\n"
         "[script]\nread_rtlil proof.il\nhierarchy -top top\nflatten\n"
         "setattr -unset init w:*\nprep -top top\nmemory_map -formal\nopt -full\n"
         "[files]\nproof.il\n"

@@ -189,6 +189,7 @@ PROOFS = [
         lambda: BankWalker(WIDE),
         Fault("next word unasked", BankWalker, r"& self\.flush\.ready\)", ")"),
         given=not_over,
+        fault_engine="abc bmc3",
     ),
     plan(
         "emitter",
