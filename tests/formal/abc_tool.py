@@ -4,8 +4,8 @@ ABC comes linked into Yosys, and what it prints is lost there. So its commands r
 Yosys' pass ``abc``, beside a circuit that does not matter, and the verdict is told by the files
 that they leave: a counterexample, and at the very end a network.
 
-YoWASP's tools have a /tmp of their own, and ABC's script needs an absolute path: so the folder where
-sby calls is made their root, wherever it really lies.
+YoWASP's tools have a /tmp of their own, and ABC's script needs an absolute path: so the folder in
+which sby calls is made their root, wherever it lies.
 """
 
 import os
