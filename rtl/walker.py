@@ -174,7 +174,6 @@ class Walker(wiring.Component):
         now, before = (Signal(stretches(config), name=name) for name in ("now", "before"))
         reach = Signal.like(now)
         turn, turned = Signal(), Signal()
-        reach = Signal.like(now)
         m.d.comb += turned.eq(self.oldest[config.slot_bits] != turn)
         own = [1 << word[1 + mark_bits(config) :] for word in self.words]
         with m.If(self.reaching):
