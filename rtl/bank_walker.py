@@ -1,11 +1,12 @@
 """The way along the lines that leave the banks: to each word that was drawn into, and no other."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .bank import bank_address_bits
 from .bank_marks import BankMarks, column_bits, stretch_bits
+from .changeover import Changeover
 from .choose import number_of
 from .format import EngineConfig
 from .layouts import FlushLayout
@@ -20,7 +21,8 @@ class BankWalker(wiring.Component):
     Line n of the image stands in place n mod 16 of the window. ``oldest`` is the first line that
     has not left: lines ``oldest .. oldest + 15`` are in the window, those above ``top`` are on
     their way out. A line that nothing was drawn into takes one cycle, and all are stepped over at
-    once if none was.
+    once if none was. Once a frame was closed, all its lines are on their way out, and ``top`` and
+    what is drawn are the next frame's (see :class:`Changeover`).
 
     Marks are read ahead: while the words of a stretch are asked for, the next one that has any is
     fetched, in a cycle in which its line's banks mark nothing. So flushing waits for marks only
@@ -56,12 +58,18 @@ class BankWalker(wiring.Component):
         Clear the marks at ``wipe_row``, as after a reset.
     wipe_row : In(stretch_bits + 2)
         See :class:`BankMarks`.
+    close : In(1)
+        The frame at hand is complete; not while ``closing``.
     restart : In(1)
-        The frame is over: go back to line 0.
+        The closed frame is over: go on with line 0 of the next.
     oldest : Out(line_bits + 1)
-        First line in the window.
-    clean : Out(1)
-        Nothing in the window is drawn.
+        First line in the window, of the frame that leaves.
+    front : Out(signed(line_bits + 2))
+        First line in the window, of the frame that is drawn.
+    closing : Out(1)
+        A frame was closed and is not over.
+    over : Out(1)
+        Nothing of the closed frame is in the window any more.
     flush : Out(stream of FlushLayout)
         Words to read and clear.
     """
@@ -80,9 +88,12 @@ class BankWalker(wiring.Component):
                 "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
                 "wipe": In(1),
                 "wipe_row": In(stretch_bits(config) + 2),
+                "close": In(1),
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
-                "clean": Out(1),
+                "front": Out(signed(config.line_bits + 2)),
+                "closing": Out(1),
+                "over": Out(1),
                 "flush": Out(stream.Signature(FlushLayout(config))),
             }
         )
@@ -92,8 +103,11 @@ class BankWalker(wiring.Component):
         m = Module()
         config = self.config
         m.submodules.marks = marks = BankMarks(config)
+        m.submodules.changeover = changeover = Changeover(config)
         written = Signal(config.window_lines)
         clean = Signal()
+        closing = Signal()
+        leaves = Signal()
 
         # The stretch that is read next, the one that was read, and the one at hand, on ``oldest``.
         line = Signal(len(self.oldest))
@@ -106,6 +120,7 @@ class BankWalker(wiring.Component):
         left = Signal.like(read)
 
         # Reading: on through the stretches, past those without marks, until one has some.
+        loaded = Signal()
         leaving = Signal()
         here = Signal()
         reading = Signal()
@@ -115,7 +130,8 @@ class BankWalker(wiring.Component):
         ended = Signal()
         m.d.comb += [
             # An initial raster may be on its way to all lines but the first ones.
-            leaving.eq((line < self.top) & self.loaded & (self.jump | (line[0] == self.oldest[0]))),
+            loaded.eq(self.loaded & (self.jump | (line[0] == self.oldest[0]))),
+            leaving.eq((((line < self.top) & loaded) | closing) & ~changeover.halted),
             here.eq(written.bit_select(line[:4], 1)),
             reading.eq(leaving & here & ~marks.busy),
             free.eq(~read.any() | moves),
@@ -129,8 +145,18 @@ class BankWalker(wiring.Component):
             marks.wipe.eq(self.wipe),
             marks.wipe_row.eq(self.wipe_row),
             clean.eq(~written.any()),
+            changeover.oldest.eq(self.oldest),
+            changeover.line.eq(line),
+            changeover.leaves.eq(leaves),
+            changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(BANKS)).any()),
             # What is drawn at the moment is written one cycle later.
-            self.clean.eq(clean & ~self.drawn.any() & ~read.any() & ~left.any()),
+            changeover.clean.eq(clean & ~self.drawn.any()),
+            changeover.close.eq(self.close),
+            changeover.restart.eq(self.restart),
+            closing.eq(changeover.closing),
+            self.front.eq(changeover.front),
+            self.closing.eq(closing),
+            self.over.eq(changeover.over & ~read.any() & ~left.any()),
         ]
         with m.If(free):
             m.d.sync += [read.eq(marks.bits), line_read.eq(line), stretch_read.eq(stretch)]
@@ -142,9 +168,10 @@ class BankWalker(wiring.Component):
             m.d.comb += last.eq(stretch == self.last_word[column_bits(config) + 1 :])
             with m.If(passed):
                 m.d.sync += stretch.eq(Mux(last, 0, stretch + 1))
-        with m.If(leaving & self.jump & clean):
+        m.d.comb += leaves.eq(ended | (leaving & ~here))
+        with m.If(leaving & self.jump & clean & ~closing):
             m.d.sync += line.eq(self.top)
-        with m.Elif(ended | (leaving & ~here)):
+        with m.Elif(leaves & ~changeover.last):
             m.d.sync += line.eq(line + 1)
 
         # Asking: the words that are left of the stretch at hand.
@@ -185,6 +212,11 @@ class BankWalker(wiring.Component):
         with m.If(self.restart):
             m.d.sync += [line.eq(0), line_read.eq(0), self.oldest.eq(0)]
         return m
+
+    def _wraps(self, bank, line):
+        """Return whether a bank writes into a line whose place is before that of ``line``."""
+        place = Cat(Const(bank % 4, 2), self.addresses[bank][-2:])
+        return self.drawn[bank] & (place < line[: self.config.slot_bits])
 
     def _reached(self, m, stretch, last, passed, clean):
         """Choose the first stretch that was reached, of those that the line still has."""

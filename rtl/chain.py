@@ -175,14 +175,10 @@ class Chain(wiring.Component):
         for n, engine in enumerate(engines):
             words = getattr(self, f"codewords_{n}")
             may = Signal(name=f"may_{n}")
-            # Between frames too, but then an engine takes no table writes: it must not begin one.
-            ending = Signal(name=f"ending_{n}")
             m.d.comb += [
-                ending.eq(engine.raster.valid & engine.raster.payload.end),
-                # An engine takes table writes between frames: then its next code word begins one.
                 idle[n].eq(engine.tables.ready),
-                may.eq(~(idle[n] & ahead[n]) & ~ending),
-                begins[n].eq(words.valid & words.ready & idle[n]),
+                may.eq(engine.in_frame | ~ahead[n]),
+                begins[n].eq(words.valid & words.ready & ~engine.in_frame),
                 engine.codewords.payload.eq(words.payload),
                 engine.codewords.valid.eq(words.valid & may),
                 words.ready.eq(engine.codewords.ready & may),

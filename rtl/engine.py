@@ -28,8 +28,9 @@ def engine_latency(config: EngineConfig) -> int:
 class Engine(wiring.Component):
     """Draws frames of code words; the contract is ``docs/contract.md``.
 
-    A frame opens with its first code word and closes with its end beat on ``raster``. Between
-    frames, table writes go before the next frame's first code word.
+    A frame opens with its first code word and closes with its end beat on ``raster``. The next one
+    opens right behind its end word, while its last lines are still on their way out; or, where a
+    table write is offered, behind that, which waits until nothing is left of the frame.
 
     **Latency**: 3 cycles from a code word to its pixels, 4 with lanes, and 3 more with a shape ROM;
     a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
@@ -56,6 +57,8 @@ class Engine(wiring.Component):
         What the frame starts from, if the control register's load bit is set; else ignored.
     raster : Out(stream of RasterLayout)
         The picture: the words in which something was drawn, sorted; then the end beat.
+    in_frame : Out(1)
+        Between the first code word of a frame and its end word.
     """
 
     @property
@@ -81,6 +84,7 @@ class Engine(wiring.Component):
                 "tables": In(stream.Signature(TableWriteLayout(config))),
                 "initial": In(stream.Signature(RasterLayout(config))),
                 "raster": Out(stream.Signature(RasterLayout(config))),
+                "in_frame": Out(1),
             }
         )
 
@@ -117,19 +121,21 @@ class Engine(wiring.Component):
         else:
             m.d.comb += decoder.shade.eq(colour.shade)
 
-        # From the end word until the end beat the frame's last lines are still on their way out.
-        draining = Signal()
-        with m.If(window.finished):
-            m.d.sync += draining.eq(0)
-        with m.Elif(sequencer.o.valid & sequencer.o.ready & sequencer.o.payload.end):
-            m.d.sync += draining.eq(1)
-        between = Signal()  # two frames
+        # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
+        frames = Signal(2)
+        opens = Signal()
+        waits = Signal()  # a code word that was offered: no table write goes before it any more
         registers = tables.registers
+        m.d.comb += opens.eq(self.codewords.valid & self.codewords.ready & ~sequencer.open)
+        m.d.sync += [
+            frames.eq(frames + opens - window.finished),
+            waits.eq(sequencer.o.valid & ~sequencer.o.ready),
+        ]
         m.d.comb += [
-            between.eq(~sequencer.open & ~draining),
+            self.in_frame.eq(sequencer.open),
             # A size that is written while the end beat waits would change the beat.
-            tables.idle.eq(between & ~(self.raster.valid & self.raster.payload.end)),
-            sequencer.admit.eq(between & ~self.tables.valid),
+            tables.idle.eq((frames == 0) & ~(self.raster.valid & self.raster.payload.end)),
+            sequencer.admit.eq((~self.tables.valid | waits) & ~frames[1]),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
             decoder.last_column.eq(registers.last_column),
@@ -137,6 +143,6 @@ class Engine(wiring.Component):
             window.last_column.eq(registers.last_column),
             window.last_line.eq(registers.last_line),
             window.load.eq(registers.load if self.load is None else self.load),
-            window.active.eq(sequencer.open | draining),
+            window.active.eq(frames[1] | (frames[0] & ~window.closing)),
         ]
         return m

@@ -1,6 +1,6 @@
 """The sliding window in lanes of pixels: the least silicon for small elements."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
@@ -39,22 +39,25 @@ class LaneWindow(wiring.Component):
     Members
     -------
     i : In(stream of TileLayout)
-        Tiles in the order of their lines, which are in the window and were so a cycle before; the
-        ``end`` token is taken when its frame is out.
+        Tiles in the order of their lines, which are in the window and were so a cycle before. An
+        ``end`` token is taken once nothing more comes of its frame's initial raster, and the frame
+        before is out; then tiles of the next frame may follow.
     shade : In(colour_bits)
         Colour of the tile that is offered on ``i``.
-    oldest : Out(line_bits + 1)
-        First line in the window.
+    oldest : Out(signed(line_bits + 2))
+        First line in the window, of the frame that is drawn: negative while one leaves.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
         The words in which something was drawn, then an ``end`` beat.
     last_column, last_line : In
-        Size of the image less 1; steady during a frame, as is ``load``.
+        Size of the image less 1; steady until ``finished``, as is ``load``.
     load : In(1)
         The frame starts from the initial raster.
     active : In(1)
-        A frame is open: from its first code word until ``finished``.
+        A frame is open: from its first code word until its ``end`` token is taken.
+    closing : Out(1)
+        A frame whose ``end`` token was taken is not out.
     finished : Out(1)
         High for one cycle: the frame's end beat goes into the emit stage.
     """
@@ -65,13 +68,14 @@ class LaneWindow(wiring.Component):
             {
                 "i": In(stream.Signature(TileLayout(config))),
                 "shade": In(config.colour_bits),
-                "oldest": Out(config.line_bits + 1),
+                "oldest": Out(signed(config.line_bits + 2)),
                 "initial": In(stream.Signature(RasterLayout(config))),
                 "raster": Out(stream.Signature(RasterLayout(config))),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
                 "load": In(1),
                 "active": In(1),
+                "closing": Out(1),
                 "finished": Out(1),
             }
         )
@@ -91,6 +95,7 @@ class LaneWindow(wiring.Component):
             for j, lane in enumerate(row):
                 m.submodules[f"lane_{i}_{j}"] = lane
         running = emitter.running
+        close = Signal()  # the end token is taken
         ending = Signal()
 
         sweeping = Signal(init=1)
@@ -107,17 +112,17 @@ class LaneWindow(wiring.Component):
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
             loader.last_word.eq(self.last_column[config.pixel_bits :]),
-            loader.oldest.eq(walker.oldest),
-            loader.restart.eq(self.finished),
+            loader.oldest.eq(walker.front),
+            loader.restart.eq(close),
+            loader.moves.eq(self.finished),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(ending),
             self.finished.eq(emitter.finished),
+            close.eq(self.i.valid & tile.end & loader.finished & ~walker.closing),
+            walker.close.eq(close),
+            self.closing.eq(walker.closing),
         ]
-
-        # Known a cycle ahead, because what stands before the window waits for it.
-        m.d.sync += ending.eq(
-            self.i.valid & tile.end & walker.clean & loader.finished & ~self.finished
-        )
+        m.d.sync += ending.eq(walker.over & ~self.finished)
 
         # What is served beside the tile: a word of the initial raster, or one that leaves.
         service = Signal(PlaceLayout(config))
@@ -139,7 +144,7 @@ class LaneWindow(wiring.Component):
         busy = Signal(SIDE)
         m.d.comb += [
             walker.top.eq(tile.top),
-            self.oldest.eq(walker.oldest),
+            self.oldest.eq(walker.front),
             walker.loaded.eq(loader.loaded),
             walker.jump.eq(loader.finished),
             walker.enable.eq(~sweeping),
@@ -160,7 +165,7 @@ class LaneWindow(wiring.Component):
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of it or of a word that left if all stood still since.
             conflict.eq((drawn & tile.meets) | stopped),
-            self.i.ready.eq(going | self.finished),
+            self.i.ready.eq(going | close),
             first.eq(walker.flush.valid & lagging),
             meeting.eq(wanted.bit_select(walker.oldest[:2], 1)),
             # Whether the tile goes is known late; its lanes are kept for it in any case.

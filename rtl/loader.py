@@ -35,10 +35,12 @@ class Loader(wiring.Component):
         Height of the image less 1.
     last_word : In(word_bits)
         Number of the last word of a line.
-    oldest : In(line_bits + 1)
+    oldest : In(signed(line_bits + 2))
         First line in the window.
     restart : In(1)
-        The frame is over.
+        The frame is complete: what comes is of the next one.
+    moves : In(1)
+        The window moves on by many lines in this cycle.
     finished : Out(1)
         No initial raster will come any more in this frame.
     loaded : Out(1)
@@ -49,7 +51,6 @@ class Loader(wiring.Component):
 
     def __init__(self, config: EngineConfig):
         self.config = config
-        lines = config.line_bits + 1
         super().__init__(
             {
                 "i": In(stream.Signature(LoadLayout(config))),
@@ -58,8 +59,9 @@ class Loader(wiring.Component):
                 "active": In(1),
                 "last_line": In(config.line_bits),
                 "last_word": In(config.word_bits),
-                "oldest": In(lines),
+                "oldest": In(signed(config.line_bits + 2)),
                 "restart": In(1),
+                "moves": In(1),
                 "finished": Out(1),
                 "loaded": Out(1),
             }
@@ -98,7 +100,7 @@ class Loader(wiring.Component):
         ]
         m.d.sync += [
             offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready)),
-            beyond.eq(waiting & ~drop & ~in_window),
+            beyond.eq(waiting & ~drop & ~in_window & ~self.moves),
         ]
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)

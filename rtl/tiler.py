@@ -32,13 +32,14 @@ class Tiler(wiring.Component):
     Members
     -------
     i : In(stream of GeometryLayout)
-        Elements, and ``end`` tokens; after one, nothing until it was taken from ``o``.
+        Elements, and ``end`` tokens.
     o : Out(stream of TileLayout)
         Tiles; for an ``end`` token one without pixels, to be taken when its frame is out.
     moves : Out(1)
         What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
-    oldest : In(line_bits + 1)
-        First line in the window.
+    oldest : In(signed(line_bits + 2))
+        First line in the window, of the frame that is drawn: which is the next one as soon as an
+        ``end`` token was taken from ``o``.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
@@ -53,7 +54,7 @@ class Tiler(wiring.Component):
                 "i": In(stream.Signature(GeometryLayout(config))),
                 "o": Out(stream.Signature(TileLayout(config))),
                 "moves": Out(1),
-                "oldest": In(config.line_bits + 1),
+                "oldest": In(signed(config.line_bits + 2)),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
             }
@@ -99,10 +100,10 @@ class Tiler(wiring.Component):
                 given.eq(tile),
                 given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
             ]
-            with m.If(valid & given.end):
-                m.d.sync += top.eq(-SIDE)  # of the next frame
-            with m.Elif(there):
+            with m.If(there):
                 m.d.sync += top.eq(held["top"])
+            with m.Elif(valid & given.end):
+                m.d.sync += top.eq(-SIDE)  # of the next frame
 
         lower = Signal()
         column = Signal(range(self.across))  # of tiles, from the left
@@ -117,7 +118,9 @@ class Tiler(wiring.Component):
             waiting.eq(there & ~near.all()),
             behind.eq(self.oldest - Mux(waiting, held["top"], element.top)),
         ]
-        with m.If(waiting & self.i.ready):
+        # Until an end token was taken, ``oldest`` is not of the frame behind it.
+        ending = (there & held["end"]) | (valid & given.end)
+        with m.If((waiting & self.i.ready) | ending):
             m.d.sync += near.eq(0)
         with m.Elif(waiting | self.i.ready):
             # A line takes the place of one that left some cycles ago. So less than 12 lines ahead

@@ -21,6 +21,7 @@ MEANINGS = {
     "tables": "writes to the material table and the frame registers, taken between frames",
     "initial": "raster that the frame starts from, if the control register asks for it",
     "raster": "words of the picture with their places, then the end of the frame",
+    "in_frame": "between the first code word of a frame and its end word",
 }
 
 
@@ -82,14 +83,14 @@ def describe(
     name
         Name of the top module.
     meanings
-        What travels on each of its streams.
+        What travels on each of its streams, and what its wires say.
     ports
-        Its ports, where they are no streams of Amaranth's.
+        Its ports, where its streams are none of Amaranth's.
     """
     return {
         "top": name,
         "config": dataclasses.asdict(engine.config),
-        "ports": _streams(engine, meanings) if ports is None else ports,
+        "ports": _ports(engine, meanings) if ports is None else ports,
         "latency": {
             "codeword_to_memory_cycles": engine.latency,
             "clear_after_reset_cycles": engine.clear_cycles,
@@ -103,33 +104,43 @@ def describe(
     }
 
 
-def _streams(engine: wiring.Component, meanings: dict[str, str]) -> list[dict]:
-    """Return the ports of a component that has streams alone, with clock and reset."""
+def _ports(engine: wiring.Component, meanings: dict[str, str]) -> list[dict]:
+    """Return the ports of a component, streams or wires, with clock and reset."""
     ports = [
         {"name": "clk", "direction": "input", "width": 1, "meaning": "clock, rising edge"},
         {"name": "rst", "direction": "input", "width": 1, "meaning": "synchronous reset"},
     ]
-    for stream_name, member in engine.signature.members.items():
+    for name, member in engine.signature.members.items():
         incoming = member.flow is wiring.In
+        if member.is_port:
+            ports.append(
+                {
+                    "name": name,
+                    "direction": "input" if incoming else "output",
+                    "width": Shape.cast(member.shape).width,
+                    "meaning": meanings[name],
+                }
+            )
+            continue
         payload = member.signature.members["payload"].shape
         width = Shape.cast(payload).width
         forward, backward = ("input", "output") if incoming else ("output", "input")
         ports += [
             {
-                "name": f"{stream_name}__payload",
+                "name": f"{name}__payload",
                 "direction": forward,
                 "width": width,
-                "meaning": meanings[stream_name],
+                "meaning": meanings[name],
                 "fields": _fields(payload) if isinstance(payload, data.Layout) else [],
             },
             {
-                "name": f"{stream_name}__valid",
+                "name": f"{name}__valid",
                 "direction": forward,
                 "width": 1,
                 "meaning": "the payload is valid, and stays until it is taken",
             },
             {
-                "name": f"{stream_name}__ready",
+                "name": f"{name}__ready",
                 "direction": backward,
                 "width": 1,
                 "meaning": "a valid payload is taken at this clock edge",

@@ -4,6 +4,7 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from .changeover import Changeover
 from .choose import number_of
 from .format import EngineConfig
 from .layouts import PlaceLayout
@@ -17,10 +18,11 @@ class Walker(wiring.Component):
 
     Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
     first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
-    above ``top`` are on their way out. A line that nothing was written into leaves in one cycle,
-    and all at once if none was written. Of others the marks are taken a stretch at a time, in
-    cycles in which nothing is written (``taking``), and each marked pair of words is asked for. A
-    stretch that nothing has reached for long is passed over (see ``_reached``).
+    above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
+    is written are the next frame's (see :class:`Changeover`). A line that nothing was written into
+    leaves in one cycle, and all at once if none was written. Of others the marks are taken a
+    stretch at a time, in cycles in which nothing is written (``taking``), and each marked pair of
+    words is asked for. A stretch that nothing has reached for long is passed over (``_reached``).
 
     **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle;
     one cycle more a stretch, or two if it turns out to have no marks, and two a line.
@@ -29,6 +31,8 @@ class Walker(wiring.Component):
     -------
     top : In(signed(line_bits + 2))
         Lines above this one are complete. Never falls during a frame.
+    close : In(1)
+        The frame at hand is complete; not while ``closing``.
     loaded : In(1)
         Line ``oldest`` has received all of the initial raster that is meant for it.
     jump : In(1)
@@ -49,11 +53,15 @@ class Walker(wiring.Component):
     wipe_row : In
         Group of lines (high bits) and stretch.
     restart : In(1)
-        The frame is over: go back to line 0.
+        The closed frame is over: go on with line 0 of the next.
     oldest : Out(line_bits + 1)
-        First line in the window.
-    clean : Out(1)
-        No line of the window is written.
+        First line in the window, of the frame that leaves.
+    front : Out(signed(line_bits + 2))
+        First line in the window, of the frame that is drawn.
+    closing : Out(1)
+        A frame was closed and is not over.
+    over : Out(1)
+        Nothing of the closed frame is in the window any more.
     taking : Out(1)
         Marks are taken in this cycle: nothing may be written.
     flush : Out(stream of PlaceLayout)
@@ -75,8 +83,11 @@ class Walker(wiring.Component):
                 "wipe": In(1),
                 "wipe_row": In((stretches(config) - 1).bit_length() + config.group_bits),
                 "restart": In(1),
+                "close": In(1),
                 "oldest": Out(config.line_bits + 1),
-                "clean": Out(1),
+                "front": Out(signed(config.line_bits + 2)),
+                "closing": Out(1),
+                "over": Out(1),
                 "taking": Out(1),
                 "flush": Out(stream.Signature(PlaceLayout(config))),
             }
@@ -92,10 +103,25 @@ class Walker(wiring.Component):
         place = self.oldest[: config.slot_bits]
         leaving = Signal()  # the oldest line is on its way out
         here = Signal()  # it was written
+        clean = Signal()
+        left = Signal()
+        m.submodules.changeover = changeover = Changeover(config)
         m.d.comb += [
-            leaving.eq((self.oldest < self.top) & self.loaded),
+            leaving.eq(
+                (changeover.closing | ((self.oldest < self.top) & self.loaded)) & ~changeover.halted
+            ),
             here.eq(written.bit_select(place, 1)),
-            self.clean.eq(~written.any()),
+            clean.eq(~written.any()),
+            changeover.oldest.eq(self.oldest),
+            changeover.line.eq(self.oldest),
+            changeover.leaves.eq(left | (leaving & ~here)),
+            changeover.wraps.eq(Cat(self._wraps(residue) for residue in range(RESIDUES)).any()),
+            changeover.clean.eq(clean),
+            changeover.close.eq(self.close),
+            changeover.restart.eq(self.restart),
+            self.front.eq(changeover.front),
+            self.closing.eq(changeover.closing),
+            self.over.eq(changeover.over),
         ]
 
         # Its stretches that are still to be taken: none that nothing reached.
@@ -104,7 +130,7 @@ class Walker(wiring.Component):
         stretch_bit = Signal.like(ahead)
         next_stretch = Signal(stretch_bits)
         m.d.comb += [
-            wanted.eq(self._reached(m) & ahead),
+            wanted.eq(self._reached(m, clean) & ahead),
             stretch_bit.eq(wanted & (~wanted + 1)),
             next_stretch.eq(number_of(stretch_bit)),
         ]
@@ -115,7 +141,7 @@ class Walker(wiring.Component):
         first = Signal.like(pairs)
         second_word = Signal()
         stretch = Signal(stretch_bits)
-        asking, asked, left = Signal(), Signal(), Signal()
+        asking, asked = Signal(), Signal()
         moves = Signal()
         pair = Signal(mark_bits(config) + stretch_bits)
         m.d.comb += [
@@ -156,15 +182,20 @@ class Walker(wiring.Component):
             touched = self.touch[slot % 4].any() & (self.group[slot % 4] == slot // 4)
             gone = left & (place == slot)
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
-        with m.If(leaving & self.jump & self.clean):
+        with m.If(leaving & self.jump & clean & ~changeover.closing):
             m.d.sync += self.oldest.eq(self.top)
-        with m.Elif(left | (leaving & ~here)):
+        with m.Elif(changeover.leaves & ~changeover.last):
             m.d.sync += self.oldest.eq(self.oldest + 1)
         with m.If(self.restart):
             m.d.sync += self.oldest.eq(0)
         return m
 
-    def _reached(self, m):
+    def _wraps(self, residue):
+        """Return whether a line is written whose place is before that of ``oldest``."""
+        place = Cat(Const(residue, 2), self.group[residue])
+        return self.touch[residue].any() & (place < self.oldest[: self.config.slot_bits])
+
+    def _reached(self, m, clean):
         """Return which stretches may have marks, for all lines of the window together.
 
         Those reached since the window was last clean, and since ``oldest`` last passed a multiple
@@ -180,7 +211,7 @@ class Walker(wiring.Component):
             m.d.comb += reach.eq(own[0] | own[1])
         m.d.sync += [
             turn.eq(self.oldest[config.slot_bits]),
-            now.eq(Mux(self.clean | turned, 0, now) | reach),
-            before.eq(Mux(self.clean, 0, Mux(turned, now, before))),
+            now.eq(Mux(clean | turned, 0, now) | reach),
+            before.eq(Mux(clean, 0, Mux(turned, now, before))),
         ]
         return now | before

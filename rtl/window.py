@@ -43,17 +43,20 @@ class Window(wiring.Component):
     Members
     -------
     i : In(stream of FootprintLayout)
-        Elements in the order of their lines; the ``end`` token is taken when its frame is out.
+        Elements in the order of their lines. An ``end`` token is taken once nothing more comes of
+        its frame's initial raster, and the frame before is out; then the next frame may follow.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
         The words in which something was drawn, then an ``end`` beat.
     last_column, last_line : In
-        Size of the image less 1; steady during a frame, as is ``load``.
+        Size of the image less 1; steady until ``finished``, as is ``load``.
     load : In(1)
         The frame starts from the initial raster.
     active : In(1)
-        A frame is open: from its first code word until ``finished``.
+        A frame is open: from its first code word until its ``end`` token is taken.
+    closing : Out(1)
+        A frame whose ``end`` token was taken is not out.
     finished : Out(1)
         High for one cycle: the frame's end beat goes into the emit stage.
     """
@@ -69,6 +72,7 @@ class Window(wiring.Component):
                 "last_line": In(config.line_bits),
                 "load": In(1),
                 "active": In(1),
+                "closing": Out(1),
                 "finished": Out(1),
             }
         )
@@ -96,6 +100,7 @@ class Window(wiring.Component):
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
 
+        close = Signal()  # the end token is taken
         last_word = self.last_column[2:]
         m.d.comb += [
             walker.last_word.eq(last_word),
@@ -108,8 +113,12 @@ class Window(wiring.Component):
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
             loader.last_word.eq(last_word),
-            loader.oldest.eq(walker.oldest),
-            loader.restart.eq(self.finished),
+            loader.oldest.eq(walker.front),
+            loader.restart.eq(close),
+            loader.moves.eq(self.finished),
+            close.eq(self.i.valid & footprint.end & loader.finished & ~walker.closing),
+            walker.close.eq(close),
+            self.closing.eq(walker.closing),
         ]
         if config.raster_words == 1:
             connect(m, flipped(self.initial), loader.i)
@@ -126,7 +135,7 @@ class Window(wiring.Component):
         held = Signal(BANKS)
         m.d.comb += [
             walker.top.eq(top),
-            ahead.eq(footprint.top - walker.oldest),
+            ahead.eq(footprint.top - walker.front),
             scatter.footprint.eq(footprint),
             scatter.go.eq(
                 self.i.valid
@@ -141,7 +150,9 @@ class Window(wiring.Component):
             scatter.whole.eq(loader.o.valid),
             scatter.conflict.eq(Cat(bank.conflict for bank in banks) | held),
         ]
-        with m.If(self.i.valid):
+        with m.If(close):
+            m.d.sync += top.eq(top.init)  # of the next frame
+        with m.Elif(self.i.valid):
             m.d.sync += top.eq(footprint.top)
 
         service = Signal(FlushLayout(config))
@@ -217,9 +228,9 @@ class Window(wiring.Component):
             emitter.flush.eq(flushing),
             emitter.request.eq(service),
             emitter.last_column.eq(self.last_column),
-            emitter.end.eq(self.i.valid & footprint.end & walker.clean & loader.finished),
+            emitter.end.eq(walker.over),
             self.finished.eq(emitter.finished),
-            self.i.ready.eq(scatter.done | self.finished),
+            self.i.ready.eq(scatter.done | close),
         ]
         for index, bank in enumerate(banks):
             m.d.comb += [
@@ -228,6 +239,4 @@ class Window(wiring.Component):
                 walker.drawn[index].eq(bank.drawn),
                 walker.addresses[index].eq(bank.drawn_address),
             ]
-        with m.If(self.finished):
-            m.d.sync += top.eq(top.init)
         return m

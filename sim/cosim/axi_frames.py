@@ -53,4 +53,4 @@ def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Out
             raise SimulationError(str(error)) from error
         cycles = engine.counters()["cycles"]
     seconds["run"] = time.perf_counter() - begin
-    return Outcome(raster, beats, cycles, seconds)
+    return Outcome([raster], beats, cycles, seconds)

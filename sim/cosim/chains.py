@@ -7,7 +7,6 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -25,13 +24,15 @@ from .frames import (
     STREAMS,
     Outcome,
     check_report,
+    frames_with_tables,
     pictures,
     read_hex,
     scaled_rates,
+    starts,
     table_writes,
-    without_tools,
     write_hex,
 )
+from .player import wrap
 from .simulator import Build
 
 __all__ = [
@@ -42,10 +43,7 @@ __all__ = [
     "compose",
     "play_chain",
     "simulate_parts",
-    "wrap",
 ]
-
-PLAYER = ("stream_source.v", "stream_sink.v", "stream_check.v", "chain_player.v")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +55,7 @@ class ChainJob:
     frames
         The parts of each frame: shape (frames, engines). All parts of a frame have its tables.
     initial
-        Raster that the first frame starts from; none if not given.
+        Raster that every frame starts from whose table writes ask for it; see :class:`.frames.Job`.
     rates
         Share of the cycles in which each stream is willing, as of :class:`.frames.Job`. Every
         engine's code words come at the same rate, and each at times of its own.
@@ -66,7 +64,7 @@ class ChainJob:
     reset_after
         Cycles after which the chain is reset and the frames started anew.
     write_tables
-        ``every``: all tables before every frame; ``first``: before the first alone; ``none``.
+        ``every``, ``first`` or ``none``, as of :class:`.frames.Job`.
     most_cycles
         After so many the job counts as stuck; more than enough if not given.
     """
@@ -89,8 +87,14 @@ class ChainJob:
 
     def pictures(self) -> list[Raster]:
         """Return what golden makes of each frame."""
-        starts = [self.initial, *[None] * (len(self.frames) - 1)]
-        return [compose(parts, start) for parts, start in zip(self.frames, starts, strict=True)]
+        return [
+            compose(parts, start) for parts, start in zip(self.frames, self.starts, strict=True)
+        ]
+
+    @property
+    def starts(self) -> list[Raster | None]:
+        """What each frame starts from."""
+        return starts(self.initial, len(self.frames), self.write_tables)
 
 
 @dataclass(frozen=True)
@@ -161,23 +165,6 @@ def build_chain(
     return wrap(text, config, engines, simulator_name=simulator_name)
 
 
-def wrap(
-    text: str, config: EngineConfig, engines: int, *, simulator_name: str = "verilator"
-) -> Build:
-    """Build the player around a chain's Verilog, which may be a changed one."""
-    sources = {
-        "splatline.v": without_tools(text),
-        "chain_ports.v": _ports(config, engines),
-        **{name: resources.files(__package__).joinpath(name).read_text() for name in PLAYER},
-    }
-    parameters = {
-        "ENGINES": engines,
-        "TABLE_BITS": config.table_address.end,
-        "RASTER_BITS": config.raster_end.end,
-    }
-    return simulator.build(sources, "chain_player", simulator=simulator_name, parameters=parameters)
-
-
 def play_chain(
     jobs: Sequence[ChainJob],
     *,
@@ -197,7 +184,7 @@ def play_chain(
     simulator_name
         One of ``simulator.SIMULATORS``.
     built
-        A build of ``chain_player`` to use instead of the chain's own, such as a broken one.
+        A build of ``frame_player`` to use instead of the chain's own, such as a broken one.
 
     Raises
     ------
@@ -257,7 +244,7 @@ def simulate_parts(
     rates = dict.fromkeys(STREAMS, 1.0 - stall)
     job = ChainJob(frames=[parts], rates=rates, seed=seed)
     outcome = play_chain([job], link=link)[0]
-    return Outcome(outcome.rasters[0], outcome.beats, outcome.cycles, outcome.seconds)
+    return Outcome(outcome.rasters, outcome.beats, outcome.cycles, outcome.seconds)
 
 
 def _write(folder: Path, index: int, job: ChainJob, config: EngineConfig) -> dict[str, object]:
@@ -265,23 +252,16 @@ def _write(folder: Path, index: int, job: ChainJob, config: EngineConfig) -> dic
     for engine, parts in enumerate(zip(*job.frames, strict=True)):
         words = np.concatenate([part.codewords for part in parts])
         write_hex(folder / f"{index}.codewords_{engine:02}", words[:, np.newaxis], 64)
-    if job.write_tables not in ("every", "first", "none"):
-        raise ValueError(f"tables are written every, first or none, not {job.write_tables!r}")
-    written = {"every": len(job.frames), "first": 1, "none": 0}[job.write_tables]
+    written = frames_with_tables(job.write_tables, len(job.frames))
     writes = [
-        table_writes(
-            parts[0].tables,
-            parts[0].width,
-            parts[0].height,
-            job.initial is not None and number == 0,
-            config,
-        )
-        for number, parts in enumerate(job.frames[:written])
+        table_writes(first.tables, first.width, first.height, start is not None, config)
+        for (first, *_), start in zip(job.frames[:written], job.starts, strict=False)
     ]
     if writes:
         write_hex(folder / f"{index}.tables", np.concatenate(writes), config.table_address.end)
-    if job.initial is not None:
-        write_hex(folder / f"{index}.initial", to_beats(job.initial), config.raster_end.end)
+    beats = [to_beats(start) for start in job.starts if start is not None]
+    if beats:
+        write_hex(folder / f"{index}.initial", np.concatenate(beats), config.raster_end.end)
     rates, slowest = scaled_rates(job.rates)
     # What one engine would take for everything, which is more than a chain may.
     work = 20_000 + sum(
@@ -291,6 +271,7 @@ def _write(folder: Path, index: int, job: ChainJob, config: EngineConfig) -> dic
     )
     description: dict[str, object] = {
         "tables_first": len(writes[0]) if writes else 0,
+        "table_frames": len(writes),
         "frames": len(job.frames),
         "seed": job.seed,
         "rates": rates,
@@ -316,36 +297,3 @@ def _times(path: Path, frames: int, engines: int) -> list[Times]:
         )
         for frame in range(frames)
     ]
-
-
-def _ports(config: EngineConfig, engines: int) -> str:
-    """Return the module between the player's vectors and the chain's ports."""
-    streams = {
-        "tables": ("input", config.table_address.end),
-        "initial": ("input", config.raster_end.end),
-        "raster": ("output", config.raster_end.end),
-    }
-    ports = [
-        "input clk, input rst",
-        f"input [{64 * engines - 1}:0] codewords, input [{engines - 1}:0] codewords_valid"
-        f", output [{engines - 1}:0] codewords_ready",
-    ]
-    links = [".clk(clk), .rst(rst)"]
-    for name, (way, bits) in streams.items():
-        back = "output" if way == "input" else "input"
-        payload = "initial_beat" if name == "initial" else name  # initial is a word of Verilog
-        ports.append(f"{way} [{bits - 1}:0] {payload}, {way} {name}_valid, {back} {name}_ready")
-        links.append(
-            f".{name}__payload({payload}), .{name}__valid({name}_valid)"
-            f", .{name}__ready({name}_ready)"
-        )
-    links += [
-        f".codewords_{n}__payload(codewords[{64 * n + 63}:{64 * n}])"
-        f", .codewords_{n}__valid(codewords_valid[{n}])"
-        f", .codewords_{n}__ready(codewords_ready[{n}])"
-        for n in range(engines)
-    ]
-    return (
-        f"module chain_ports({', '.join(ports)});\n"
-        f"  splatline chain (\n    {f',{chr(10)}    '.join(links)});\nendmodule\n"
-    )

@@ -1,11 +1,18 @@
-// Plays whole frames to an engine: files in, files out, at the simulator's own speed.
+// Plays whole frames to an engine, or a chain of them: files in, files out, at the simulator's own speed. Each engine has a
+// file of code words, "<folder>/<frame>.codewords_00" and so on.
 //
-// cocotb sets the rates and the seed, pulses `start`, disturbs, and waits for `finished`. The first `tables_first` table
-// writes go before the first code word; all else is offered as fast as it is taken, the tables and code words of
-// further frames too, of which there are `frames` in all. `cycles` counts from the first code word taken to the last end
-// beat, both included.
+// cocotb sets the rates and the seed, pulses `start`, disturbs, and waits for `finished`.
+//
+// `tables_first` table writes go before the first code word, and as many more before each of the first `table_frames`
+// frames: they are offered once the frame before is open, and its own code words once the first of them is. All else is
+// offered as fast as it is taken, the code words of further frames too, of which there are `frames` in all. `cycles`
+// counts from the first code word taken to the last end beat, both included. "<folder>/<frame>.events" tells when what
+// began and ended: lines of a name, an engine's number and a cycle, counted from `start`.
+//
+// The ports come as vectors (module `player_ports`, written by player.py), engine 0 lowest.
 `timescale 1ns / 1ps
 module frame_player #(
+    parameter ENGINES = 1,
     parameter TABLE_BITS = 44,
     parameter RASTER_BITS = 90
 ) (
@@ -15,6 +22,7 @@ module frame_player #(
     input [31:0] frame,
     input [31:0] seed,
     input [31:0] tables_first,
+    input [31:0] table_frames,
     input [31:0] frames,
     input [7:0] codeword_rate,
     input [7:0] table_rate,
@@ -27,24 +35,23 @@ module frame_player #(
     output [31:0] breaches
 );
     reg [31:0] tables_taken;
-    wire [63:0] codeword;
-    wire codeword_valid, codeword_ready;
+    wire [64*ENGINES-1:0] codewords;
+    wire [ENGINES-1:0] codeword_valid, codeword_ready;
     wire [TABLE_BITS-1:0] table_write;
     wire table_valid, table_ready;
     wire [RASTER_BITS-1:0] initial_beat;
     wire initial_valid, initial_ready;
     wire [RASTER_BITS-1:0] beat;
     wire beat_valid, beat_ready;
+    wire [ENGINES-1:0] takes = codeword_valid & codeword_ready;
+    reg [31:0] clock;
 
-    // Further tables wait for the first frame to open: an engine between frames would take them at once.
+    // Those of a frame wait until the one before has begun: engines between frames would take them at once.
+    reg [31:0] begun;
     stream_source #(.WIDTH(TABLE_BITS), .NAME("tables"), .SALT(11)) tables (
         .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(table_rate),
-        .run(tables_taken + table_valid < tables_first || taken != 0),
+        .run(tables_taken + table_valid < tables_first * (begun + 1)),
         .valid(table_valid), .payload(table_write), .ready(table_ready));
-    stream_source #(.WIDTH(64), .NAME("codewords"), .SALT(22)) codewords (
-        .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(codeword_rate),
-        .run(tables_taken >= tables_first),
-        .valid(codeword_valid), .payload(codeword), .ready(codeword_ready));
     stream_source #(.WIDTH(RASTER_BITS), .NAME("initial"), .SALT(33)) initials (
         .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(initial_rate), .run(1'b1),
         .valid(initial_valid), .payload(initial_beat), .ready(initial_ready));
@@ -54,14 +61,82 @@ module frame_player #(
     stream_check #(.WIDTH(RASTER_BITS)) check (
         .clk(clk), .rst(rst), .valid(beat_valid), .payload(beat), .ready(beat_ready), .breaches(breaches));
 
-    splatline engine (
+    player_ports engines (
         .clk(clk), .rst(rst),
-        .codewords__payload(codeword), .codewords__valid(codeword_valid), .codewords__ready(codeword_ready),
-        .tables__payload(table_write), .tables__valid(table_valid), .tables__ready(table_ready),
-        .initial__payload(initial_beat), .initial__valid(initial_valid), .initial__ready(initial_ready),
-        .raster__payload(beat), .raster__valid(beat_valid), .raster__ready(beat_ready));
+        .codewords(codewords), .codewords_valid(codeword_valid), .codewords_ready(codeword_ready),
+        .tables(table_write), .tables_valid(table_valid), .tables_ready(table_ready),
+        .initial_beat(initial_beat), .initial_valid(initial_valid), .initial_ready(initial_ready),
+        .raster(beat), .raster_valid(beat_valid), .raster_ready(beat_ready));
+
+    reg [8*512-1:0] folder;
+    reg [8*600-1:0] path;
+    integer events;
+    initial begin
+        events = 0;
+        if (!$value$plusargs("folder=%s", folder)) folder = ".";
+    end
+
+    always @(posedge clk) begin
+        if (start) begin
+            if (events != 0) $fclose(events);
+            $sformat(path, "%0s/%0d.events", folder, frame);
+            events = $fopen(path, "w");
+        end
+    end
+
+    // Frames that each engine has begun, and the most of them.
+    reg [32*ENGINES-1:0] opened;
+    wire [ENGINES-1:0] opens;
+    integer e;
+    initial begun = 0;
+    always @(posedge clk) begin
+        if (rst || start) begin
+            begun <= 0;
+            opened <= 0;
+        end else begin
+            for (e = 0; e < ENGINES; e = e + 1)
+                if (opens[e]) begin
+                    opened[32*e +: 32] <= opened[32*e +: 32] + 1;
+                    if (opened[32*e +: 32] == begun) begun <= begun + 1;
+                end
+        end
+    end
+
+    genvar n;
+    generate
+        for (n = 0; n < ENGINES; n = n + 1) begin : engine
+            wire [63:0] word = codewords[64*n +: 64];
+            // A control word, MODE 1 with four empty rows, and its bit for the end of the frame.
+            wire ends = word[0] && word[25] && word[3:1] > word[6:4] && word[9:7] > word[12:10]
+                && word[15:13] > word[18:16] && word[21:19] > word[24:22];
+            reg open;
+            // Where a chain begins the frame that follows before its table writes are offered, it goes without them.
+            reg [31:0] ended;
+            wire [31:0] following = ended + (codeword_valid[n] && ends);
+            wire may = following >= table_frames || tables_taken + (table_valid && following != 0) > tables_first * following;
+            assign opens[n] = takes[n] && !open;
+            localparam [7:0] TENS = 48 + n / 10;
+            localparam [7:0] ONES = 48 + n % 10;
+            stream_source #(.WIDTH(64), .NAME({"codewords_", TENS, ONES}), .SALT(22 + 101 * n)) source (
+                .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(codeword_rate),
+                .run(tables_taken >= tables_first && may),
+                .valid(codeword_valid[n]), .payload(codewords[64*n +: 64]), .ready(codeword_ready[n]));
+            always @(posedge clk) begin
+                if (rst || start) begin
+                    open <= 0;
+                    ended <= 0;
+                end else if (takes[n]) begin
+                    open <= !ends;
+                    ended <= ended + ends;
+                    if (opens[n]) $fdisplay(events, "open %0d %0d", n, clock);
+                    if (ends) $fdisplay(events, "close %0d %0d", n, clock);
+                end
+            end
+        end
+    endgenerate
 
     reg counting;
+    reg first;
     reg [31:0] ended;
     wire last_beat = beat_valid && beat_ready && beat[RASTER_BITS-1];
 
@@ -73,9 +148,12 @@ module frame_player #(
         counting = 0;
         tables_taken = 0;
         ended = 0;
+        clock = 0;
+        first = 1;
     end
 
     always @(posedge clk) begin
+        clock <= clock + 1;
         if (rst || start) begin
             finished <= 0;
             cycles <= 0;
@@ -84,13 +162,20 @@ module frame_player #(
             counting <= 0;
             tables_taken <= 0;
             ended <= 0;
+            clock <= 0;
+            first <= 1;
         end else begin
             if (table_valid && table_ready) tables_taken <= tables_taken + 1;
-            if (codeword_valid && codeword_ready) begin
+            if (takes != 0) begin
                 taken <= taken + 1;
                 if (!finished) counting <= 1;
             end
-            if (counting || (codeword_valid && codeword_ready && !finished)) cycles <= cycles + 1;
+            if (counting || (takes != 0 && !finished)) cycles <= cycles + 1;
+            if (beat_valid && beat_ready && events != 0) begin
+                first <= last_beat;
+                if (first) $fdisplay(events, "beat 0 %0d", clock);
+                if (last_beat) $fdisplay(events, "end 0 %0d", clock);
+            end
             if (last_beat) begin
                 ended <= ended + 1;
                 if (ended + 1 >= frames) begin

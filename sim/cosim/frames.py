@@ -8,7 +8,6 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from ...rtl.format import EngineConfig, Register
 from ..beats import from_beats, put_field, to_beats
 from ..raster import Raster
 from . import simulator
+from .player import wrap
 from .simulator import Build, SimulationError
 
 __all__ = [
@@ -27,13 +27,14 @@ __all__ = [
     "Outcome",
     "build_engine",
     "check_report",
+    "frames_with_tables",
     "pictures",
     "play",
     "read_hex",
     "scaled_rates",
     "simulate_frame",
+    "starts",
     "table_writes",
-    "without_tools",
     "write_hex",
 ]
 
@@ -42,14 +43,15 @@ STREAMS = ("codeword", "table", "initial", "raster")
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """A frame to play, and how to disturb it.
+    """A frame to play, those right behind it, and how to disturb them.
 
     Parameters
     ----------
     frame
         Code words, tables and size.
     initial
-        Raster to start from; none if not given.
+        Raster that every frame starts from whose table writes ask for it: the first, and those
+        without writes of their own. None if not given.
     rates
         Share of the cycles in which each stream is willing, 1/256..1 (1 if not named): code words,
         table writes and the initial raster are offered, the result is taken.
@@ -58,10 +60,11 @@ class Job:
     reset_after
         Cycles after which the engine is reset and the frame started anew.
     write_tables
-        False leaves the tables as the frame before set them.
+        ``every``: all tables before every frame; ``first``: before the first alone, so that no
+        frame waits for the one before to leave; ``none``: they are as the job before left them.
     followed_by
-        A frame whose table writes and code words are offered right behind, while this one is still
-        being drawn.
+        Frames whose table writes and code words are offered right behind, while those before are
+        still being drawn.
     """
 
     frame: Frame
@@ -69,13 +72,18 @@ class Job:
     rates: dict[str, float] = field(default_factory=dict)
     seed: int = 1
     reset_after: int | None = None
-    write_tables: bool = True
-    followed_by: Frame | None = None
+    write_tables: str = "every"
+    followed_by: Sequence[Frame] = ()
 
     @property
     def frames(self) -> list[Frame]:
-        """The frames of the job, one or two."""
-        return [self.frame] if self.followed_by is None else [self.frame, self.followed_by]
+        """The frames of the job."""
+        return [self.frame, *self.followed_by]
+
+    @property
+    def starts(self) -> list[Raster | None]:
+        """What each frame starts from."""
+        return starts(self.initial, len(self.frames), self.write_tables)
 
 
 @dataclass(frozen=True)
@@ -84,23 +92,25 @@ class Outcome:
 
     Parameters
     ----------
-    raster
-        The picture.
+    rasters
+        The pictures, one a frame.
     beats
         The stream it came in: shape (n, words of 64 bits), uint64.
     cycles
         From the first code word taken to the end beat, both included.
     seconds
         Time the simulator took to build and to run, which all jobs of a run share.
-    following
-        The picture of the frame that followed, if there was one.
     """
 
-    raster: Raster
+    rasters: list[Raster]
     beats: npt.NDArray[np.uint64]
     cycles: int
     seconds: dict[str, float]
-    following: Raster | None = None
+
+    @property
+    def raster(self) -> Raster:
+        """The first frame's picture."""
+        return self.rasters[0]
 
 
 def simulate_frame(
@@ -132,11 +142,7 @@ def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Bui
     """Build the player around the engine's Verilog, or find it built."""
     from ...rtl.verilog import generate
 
-    sources = {"splatline.v": without_tools(generate(config)[0])}
-    for name in ("stream_source.v", "stream_sink.v", "stream_check.v", "frame_player.v"):
-        sources[name] = resources.files(__package__).joinpath(name).read_text()
-    parameters = {"TABLE_BITS": config.table_address.end, "RASTER_BITS": config.raster_end.end}
-    return simulator.build(sources, "frame_player", simulator=simulator_name, parameters=parameters)
+    return wrap(generate(config)[0], config, simulator_name=simulator_name)
 
 
 def play(
@@ -185,9 +191,7 @@ def play(
             check_report(index, reports[index] if index < len(reports) else None)
             beats = read_hex(folder / f"{index}.raster", config.raster_end.end)
             rasters = pictures(index, beats, job.frames)
-            outcomes.append(
-                Outcome(rasters[0], beats, reports[index]["cycles"], seconds, *rasters[1:])
-            )
+            outcomes.append(Outcome(rasters, beats, reports[index]["cycles"], seconds))
     return outcomes
 
 
@@ -245,28 +249,39 @@ def _write_job(folder: Path, index: int, job: Job) -> None:
     """Write the files that the player reads for a job."""
     config = job.frame.config
     codewords = np.concatenate([frame.codewords for frame in job.frames])
-    write_hex(folder / f"{index}.codewords", codewords[:, np.newaxis], 64)
-    if job.write_tables:
-        write_hex(folder / f"{index}.tables", _table_writes(job), config.table_address.end)
-    if job.initial is not None:
-        beats = to_beats(job.initial)
-        write_hex(folder / f"{index}.initial", beats, config.raster_end.end)
+    write_hex(folder / f"{index}.codewords_00", codewords[:, np.newaxis], 64)
+    writes = _table_writes(job)
+    if writes:
+        write_hex(folder / f"{index}.tables", np.concatenate(writes), config.table_address.end)
+    beats = [to_beats(start) for start in job.starts if start is not None]
+    if beats:
+        write_hex(folder / f"{index}.initial", np.concatenate(beats), config.raster_end.end)
 
 
-def _table_writes(job: Job) -> npt.NDArray[np.uint64]:
-    """Return the table writes of all of a job's frames."""
-    return np.concatenate(
-        [
-            table_writes(
-                frame.tables,
-                frame.width,
-                frame.height,
-                job.initial is not None and frame is job.frame,
-                frame.config,
-            )
-            for frame in job.frames
-        ]
-    )
+def _table_writes(job: Job) -> list[npt.NDArray[np.uint64]]:
+    """Return the table writes of each of a job's frames that has any."""
+    return [
+        table_writes(frame.tables, frame.width, frame.height, start is not None, frame.config)
+        for frame, start in zip(
+            job.frames[: frames_with_tables(job.write_tables, len(job.frames))],
+            job.starts,
+            strict=False,
+        )
+    ]
+
+
+def frames_with_tables(write_tables: str, frames: int) -> int:
+    """Return how many of a job's frames have table writes, the first ones."""
+    written = {"every": frames, "first": 1, "none": 0}
+    if write_tables not in written:
+        raise ValueError(f"tables are written every, first or none, not {write_tables!r}")
+    return written[write_tables]
+
+
+def starts(initial: Raster | None, frames: int, write_tables: str) -> list[Raster | None]:
+    """Return what each frame of a job starts from: the load bit stays as it was written last."""
+    own = frames_with_tables(write_tables, frames) > 1
+    return [None if own and number else initial for number in range(frames)]
 
 
 def pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]) -> list[Raster]:
@@ -293,9 +308,10 @@ def _describe(job: Job) -> dict[str, object]:
         4 * len(frame.codewords) + 2 * frame.width * frame.height + 20 * frame.height
         for frame in job.frames
     )
-    writes = len(_table_writes(job)) // len(job.frames) if job.write_tables else 0
+    writes = _table_writes(job)
     description: dict[str, object] = {
-        "tables_first": writes,
+        "tables_first": len(writes[0]) if writes else 0,
+        "table_frames": len(writes),
         "frames": len(job.frames),
         "seed": job.seed,
         "rates": scaled,
@@ -332,8 +348,3 @@ def check_report(index: int, report: dict[str, int] | None) -> None:
         raise SimulationError(f"frame {index}: {report['breaches']} breaches of the stream rules")
     if report["stray"]:
         raise SimulationError(f"frame {index}: beats outside the frame in {report['stray']} cycles")
-
-
-def without_tools(text: str) -> str:
-    """Drop comments, which carry versions: only the circuit decides whether to build anew."""
-    return "\n".join(line for line in text.splitlines() if not line.startswith(("//", "/*")))

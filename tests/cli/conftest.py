@@ -64,7 +64,7 @@ def verilog(monkeypatch):
         raster = golden.render(frame)
         for place in spoilt:
             raster.colour[place] ^= 1
-        return Outcome(raster, np.zeros((0, 2), np.uint64), 4321, {"build": 1.0, "run": 2.0})
+        return Outcome([raster], np.zeros((0, 2), np.uint64), 4321, {"build": 1.0, "run": 2.0})
 
     monkeypatch.setattr(engines, "_simulate", simulate)
     return spoilt, calls

@@ -48,7 +48,7 @@ def test_a_picture_by_a_chain_is_compared_with_golden_s(run, folder, cloud, monk
         raster = compose(parts)
         raster.colour[raster.drawn] ^= np.uint8(bool(wrong))
         assert (len(parts), link) == (3, "load")
-        return Outcome(raster, np.zeros((0, 2), np.uint64), 4321, {"build": 1.0, "run": 2.0})
+        return Outcome([raster], np.zeros((0, 2), np.uint64), 4321, {"build": 1.0, "run": 2.0})
 
     monkeypatch.setattr(chains, "simulate_parts", simulate)
     arguments = ("render", cloud, *SMALL, "--engine", "rtl", "--engines", 3, "--link", "load")

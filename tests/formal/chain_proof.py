@@ -30,17 +30,18 @@ COUNT = 4
 class AnyEngine(wiring.Component):
     """Takes words and gives beats as an engine may, whatever it draws and however long it takes.
 
-    Between frames it takes table writes, and a word, which begins a frame. Then a word that it
-    takes makes a beat, any beat, in any order, that waits on ``raster``; the end beat ends the
-    frame. While a beat waits it takes no word. It stalls as it likes, but not when all is calm.
+    Between frames it takes a word, which begins a frame, unless a table write was offered before;
+    and table writes, once no beat is left. In a frame a word that it takes makes a beat, any beat,
+    in any order, that waits on ``raster``; with the end beat the frame is complete. While a beat
+    waits it takes no other word of that frame. It stalls as it likes, but not when all is calm.
     """
 
     def __init__(self, config, calm):
         self.config = config
         self.calm = calm
-        self.is_open = Signal()
         self.begins = Signal()
         self.gives_end = Signal()
+        self.gives_more = Signal()
         beats = stream.Signature(RasterLayout(config))
         super().__init__(
             {
@@ -48,27 +49,30 @@ class AnyEngine(wiring.Component):
                 "tables": In(stream.Signature(TableWriteLayout(config))),
                 "initial": In(beats),
                 "raster": Out(beats),
+                "in_frame": Out(1),
             }
         )
 
     def elaborate(self, platform):
         """Build the engine."""
         m = Module()
-        is_open, offered, goes, taken = self.is_open, Signal(), Signal(), Signal()
+        is_open, offered, goes, taken = self.in_frame, Signal(), Signal(), Signal()
+        may_begin, waited = Signal(), Signal()
         beat, drawn = (Signal(RasterLayout(self.config), name=name) for name in ("beat", "drawn"))
         m.d.comb += [
             drawn.eq(any_value(m, len(Value.cast(drawn)), "any_beat")),
             goes.eq(self.calm | any_value(m, 1, "any_goes")),
-            self.tables.ready.eq(~is_open),
-            self.codewords.ready.eq(
-                goes & Mux(is_open, ~offered | self.raster.ready, ~self.tables.valid)
-            ),
+            self.tables.ready.eq(~is_open & ~offered),
+            may_begin.eq(~self.tables.valid | waited),
+            self.codewords.ready.eq(goes & Mux(is_open, ~offered | self.raster.ready, may_begin)),
             taken.eq(self.codewords.valid & self.codewords.ready),
             self.raster.valid.eq(offered),
             self.raster.payload.eq(beat),
             self.begins.eq(taken & ~is_open),
             self.gives_end.eq(offered & beat.end),
+            self.gives_more.eq(offered & ~beat.end),
         ]
+        m.d.sync += waited.eq(self.codewords.valid & ~self.codewords.ready & ~is_open & may_begin)
         with m.If(~offered | self.raster.ready):
             m.d.sync += [offered.eq(taken & is_open), beat.eq(drawn)]
         with m.If(taken):
@@ -173,7 +177,8 @@ class ChainProperties(Properties):
         m.d.sync += rounds.eq(rounds + (ahead | begins).all())
         self.lemma(m, "ahead", ~ahead.all())
         for n, (engine, queue) in enumerate(zip(engines, queues, strict=True)):
-            ended = (queue.entered + engine.gives_end + engine.is_open)[:COUNT]
+            ended = (queue.entered + engine.gives_end + engine.in_frame)[:COUNT]
+            self.lemma(m, f"in_frame_{n}", engine.in_frame | ~engine.gives_more)
             self.lemma(m, f"begun_{n}", ended == (rounds + ahead[n])[:COUNT])
         for n, (before, own, after) in enumerate(
             zip(queues[:1] + mergers, queues[1:], mergers, strict=False)

@@ -2,9 +2,10 @@
 
 from amaranth.hdl import Cat, Const, Mux, Signal, signed
 from amaranth.lib import data
-from properties import OneWord, Properties, any_constant
+from properties import OneWord, Properties, any_constant, parts
 from prove import Fault, Proof
 
+from splatline.rtl.changeover import Changeover
 from splatline.rtl.format import EngineConfig
 from splatline.rtl.lane import Lane
 from splatline.rtl.lane_window import LaneWindow
@@ -65,7 +66,7 @@ class LaneWindowProperties(Properties):
         m.d.comb += address.eq(Cat(self.word, slot[2:]))
         self.memories = OneWord(address, init=-1)  # the background
         self.dut = dut = LaneWindow(config)
-        self.add(m, dut)
+        fragment = self.add(m, dut)
         self.free(
             m,
             dut,
@@ -74,13 +75,36 @@ class LaneWindowProperties(Properties):
             load=Signal(init=self.load, reset_less=True, name="load"),
             shade=dut.i.payload.z,
         )
-        # The line that has the place at the moment.
-        self.line = line = Signal(config.line_bits + 2)
-        place = Signal(config.slot_bits)
-        m.d.comb += [place.eq(slot - dut.oldest), line.eq(dut.oldest + place)]
+        (walker,) = parts(fragment, Walker)
+        self._own(m, walker.oldest, dut.oldest)
         drawn = self._tiles(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
+
+    def _own(self, m, oldest, front):
+        """Say which line has the place at the moment: of the frame drawn, or of that which leaves.
+
+        ``front`` is the window's first line in the one, ``oldest`` in the other.
+        """
+        config, dut = self.config, self.dut
+        place = Signal(config.slot_bits)
+        line = Signal(signed(config.line_bits + 3))
+        self.is_drawn = Signal()  # it is of the frame that is drawn
+        self.front = front
+        self.line = Signal(config.line_bits + 2)
+        self.close = Signal()
+        self.frame = Signal()  # that is drawn, by turns 0 and 1
+        self.owner = Signal()  # whose line it is
+        m.d.comb += [
+            place.eq(self.slot - front),
+            line.eq(front + place),
+            self.is_drawn.eq(line >= 0),
+            self.line.eq(Mux(self.is_drawn, line, oldest + place)),
+            self.close.eq(dut.i.valid & dut.i.ready & dut.i.payload.end),
+            self.owner.eq(self.frame ^ ~self.is_drawn),
+        ]
+        m.d.sync += self.frame.eq(self.frame ^ self.close)
+        self.always(m, "front", (front == oldest) | (dut.closing & (front < 0)))
 
     def _tiles(self, m):
         """Assume of the tiles what they are; return whether one draws the pixel now."""
@@ -88,15 +112,17 @@ class LaneWindowProperties(Properties):
         tile = dut.i.payload
         taken = dut.i.valid & dut.i.ready
         top = Signal.like(tile.top, name="top_before", init=-4)
-        opened, ended = Signal(), Signal()
+        opened, closed = Signal(), Signal()
         lowest = (1 << len(tile.top) - 1) - 1
         oldest = Signal.like(dut.oldest, name="oldest_before")
-        m.d.sync += oldest.eq(Mux(dut.finished, 0, dut.oldest))
-        m.d.sync += [top.eq(tile.top), opened.eq(dut.active), ended.eq(dut.finished)]
-        with m.If(dut.finished):
+        m.d.sync += [oldest.eq(dut.oldest), closed.eq(self.close)]
+        m.d.sync += [top.eq(tile.top), opened.eq(dut.active)]
+        with m.If(self.close):
             m.d.sync += [top.eq(-4), opened.eq(0)]
         self.given(m, "tiles_steady", self.steady(m, dut.i, "i"))
-        self.given(m, "sorted", (tile.top >= top) & (~ended | (tile.top == -4)))
+        self.given(m, "sorted", tile.top >= top)
+        # A tile of the next frame does not come at once: its lines are in no window as yet.
+        self.given(m, "behind_the_end", ~(closed & dut.i.valid) | tile.end)
         self.given(m, "end_top", ~dut.i.valid | ~tile.end | (tile.top == lowest))
         self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
         self.given(m, "words", tile.words[1] == (tile.words[0] + 1)[: config.word_bits])
@@ -109,8 +135,9 @@ class LaneWindowProperties(Properties):
                 line.eq(dut.oldest + place),
             ]
             masked = dut.i.valid & tile.mask[row].any()
-            own = (line >= tile.top) & (line < tile.top + 8) & (line <= self.last_line)
-            self.given(m, f"row_{row}", ~masked | (own & ~tile.end))
+            own = (line >= tile.top) & (line < tile.top + 8)
+            inside = (line >= 0) & (line <= self.last_line)
+            self.given(m, f"row_{row}", ~masked | (own & inside & ~tile.end))
             # And was there a cycle before.
             self.given(m, f"settled_{row}", ~masked | (line < oldest + config.window_lines))
         for column in range(config.pixels_per_word):
@@ -141,6 +168,7 @@ class LaneWindowProperties(Properties):
         """Assume of the initial raster what it is; return whether the pixel is loaded now."""
         config, dut = self.config, self.dut
         initial, beat = dut.initial, dut.initial.payload
+        beat_bits = config.raster_pixels.bit_length() - 1
         self.given(m, "initial_steady", self.steady(m, initial, "initial"))
         for n in range(config.raster_pixels):
             colour = beat.pixels.colour[n]
@@ -150,15 +178,20 @@ class LaneWindowProperties(Properties):
             m.d.comb += place.eq(Cat(beat.word, beat.line) + 1)
             with m.If(initial.valid & initial.ready):
                 m.d.sync += last.eq(place)
-            with m.If(dut.finished):
+            with m.If(self.close):
                 m.d.sync += last.eq(0)
             self.given(m, "initial_order", ~initial.valid | beat.end | (place > last))
+            # Then none comes for a line that has left.
+            inside = (beat.line <= self.last_line) & (beat.word <= self.last_column >> beat_bits)
+            kept = initial.valid & initial.ready & ~beat.end & inside
+            self.always(m, "not_dropped", ~kept | (self.front <= beat.line))
         loaded = Signal()
         m.d.comb += loaded.eq(
             initial.valid
             & initial.ready
             & ~beat.end
             & (beat.line == self.line)
+            & self.is_drawn
             & self._is_mine(beat)
             & (beat.line <= self.last_line)
             & (self.word <= self.last_word)
@@ -188,7 +221,9 @@ class LaneWindowProperties(Properties):
         m.d.comb += inside.eq(Cat(self.number, self.word) <= self.last_column)
 
         # What was drawn on the line that has the place, and whether that has left already.
-        line_before, over = Signal.like(self.line), Signal()
+        place_of_a_line = data.StructLayout({"line": len(self.line), "frame": 1})
+        owner, owner_before = Signal(place_of_a_line), Signal(place_of_a_line)
+        m.d.comb += [owner.line.eq(self.line), owner.frame.eq(self.owner)]
         due_before, gone_before = Signal(width, init=background), Signal()
         due, gone = Signal(width), Signal()
         new = Signal(width)
@@ -196,12 +231,12 @@ class LaneWindowProperties(Properties):
         again = Signal()  # it was loaded once more, and has to leave once more
         m.d.comb += [
             # The line that has the place is another: the one before is on its way out, or empty.
-            passed.eq((self.line != line_before) | over),
+            passed.eq(owner.as_value() != owner_before.as_value()),
             due.eq(Mux(passed, background, due_before)),
             gone.eq(~passed & gone_before),
             new.eq(Mux(drawn, dut.i.payload.z, self._depth(dut.initial.payload))),
         ]
-        m.d.sync += [line_before.eq(self.line), over.eq(dut.finished), due_before.eq(due)]
+        m.d.sync += [owner_before.eq(owner), due_before.eq(due)]
         with m.If((drawn | loaded) & inside & (new < due)):
             m.d.sync += due_before.eq(new)
         if self.ordered:
@@ -211,7 +246,7 @@ class LaneWindowProperties(Properties):
                 m.d.comb += again.eq(1)
 
         # Of lines that lost their place, those that are still to leave.
-        pixel = data.StructLayout({"line": len(self.line), "depth": width})
+        pixel = data.StructLayout({"owner": place_of_a_line, "depth": width})
         kept = [Signal(pixel, name=f"kept_{n}") for n in range(2)]
         queue = [Signal(pixel, name=f"queue_{n}") for n in range(2)]
         length_before, length = Signal(2), Signal(2)
@@ -222,12 +257,15 @@ class LaneWindowProperties(Properties):
         ]
         for n in range(2):
             with m.If(pushed & (length_before == n)):
-                m.d.comb += [queue[n].line.eq(line_before), queue[n].depth.eq(due_before)]
+                m.d.comb += [queue[n].owner.eq(owner_before), queue[n].depth.eq(due_before)]
             with m.Else():
                 m.d.comb += queue[n].eq(kept[n])
         self.always(m, "room", length <= 2)
 
         mine, first, second = Signal(), Signal(), Signal()
+        source = Signal(place_of_a_line)  # the line and the frame that the beat is of
+        frame = Signal()
+        m.d.sync += frame.eq(frame ^ (taken & beat.end))
         depth = Signal(width)
         m.d.comb += [
             depth.eq(self._depth(beat)),
@@ -237,8 +275,10 @@ class LaneWindowProperties(Properties):
                 & (beat.line[: config.slot_bits] == self.slot)
                 & self._is_mine(beat)
             ),
-            first.eq(mine & (length != 0) & (beat.line == queue[0].line)),
-            second.eq(mine & ~first & (beat.line == self.line) & ~gone),
+            source.line.eq(beat.line),
+            source.frame.eq(frame),
+            first.eq(mine & (length != 0) & (source.as_value() == queue[0].owner.as_value())),
+            second.eq(mine & ~first & (source.as_value() == owner.as_value()) & ~gone),
         ]
         m.d.sync += [kept[n].eq(queue[n]) for n in range(2)]
         m.d.sync += [
@@ -260,7 +300,9 @@ class LaneWindowProperties(Properties):
         left = length - (first & raster.ready)
         self.always(m, "complete", ~dut.finished | (left == 0))
         with m.If(dut.finished):
-            self.always(m, "empty", (due == background) | gone | (second & raster.ready))
+            # Of the frame that leaves; the next one's lines may be drawn by now.
+            left = (due == background) | gone | (second & raster.ready)
+            self.always(m, "empty", left | (self.is_drawn & dut.closing))
 
         # The stream as such.
         place = Signal(config.word_bits + config.line_bits + 1)
@@ -315,6 +357,10 @@ PROOFS = [
         Fault("a tile goes where a word does", LaneWindow, r"& ~\(first & meeting\)", ""),
         Fault("a line left too early", Walker, r"here & moves & ", "here & "),
         Fault("reached at the moment", Walker, r", now\) \| reach", ", now | reach)", "_reached"),
+        Fault("a turn ahead unnoticed", Changeover, r"self\.wraps &", "0 &"),
+        Fault("frames meet", Changeover, r"turns\[1:\], self\.closing", "turns[1:], 0"),
+        Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
+        Fault("a frame closed twice", LaneWindow, r" & ~walker\.closing", ""),
         Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
     ),
     plan(
@@ -326,5 +372,6 @@ PROOFS = [
         Fault(
             "loaded beyond the window", Loader, r"waiting & ~drop & in_window", "waiting & ~drop"
         ),
+        Fault("a line left unloaded", Walker, r" & self\.loaded\)", ")"),
     ),
 ]

@@ -111,8 +111,9 @@ def window_stays(properties, m, dut):
 
 
 def not_over(properties, m, dut):
-    """A frame ends when nothing is asked for any more."""
-    properties.given(m, "restart", ~dut.restart | (dut.clean & ~dut.flush.valid))
+    """One frame is closed at a time, and is over when nothing of it is asked for any more."""
+    properties.given(m, "close", ~dut.close | ~dut.closing)
+    properties.given(m, "restart", ~dut.restart | (dut.over & ~dut.flush.valid))
 
 
 def within_reach(properties, m, dut):
@@ -122,9 +123,10 @@ def within_reach(properties, m, dut):
     lines = dut.config.window_lines
     for row in range(RESIDUES):
         ahead = Signal(dut.config.slot_bits, name=f"ahead_{row}")
-        m.d.comb += ahead.eq(Cat(Const(row, 2), dut.group[row]) - dut.oldest)
+        m.d.comb += ahead.eq(Cat(Const(row, 2), dut.group[row]) - dut.front)
         late = ~dut.loaded | (~dut.jump & (ahead == lines - 1))  # of an initial raster
-        stays = (dut.oldest + ahead >= dut.top) | late
+        line = dut.front + ahead
+        stays = (line >= 0) & ((line >= dut.top) | late)
         properties.given(m, f"touch_{row}", ~dut.touch[row].any() | stays)
 
 
@@ -281,7 +283,7 @@ PROOFS = [
         "engine with lanes",
         lambda: Engine(PAPER.replace(window_lines=8, **NARROW)),
         Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
-        Fault("a size while the end waits", Engine, r"between & ~\(self\.raster.*\)\)", "between)"),
+        Fault("a size while the end waits", Engine, r"== 0\) & ~\(self\.raster.*\)\)", "== 0))"),
         depth=14,
         endless=False,
         engine="abc bmc3",

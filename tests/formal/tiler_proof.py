@@ -33,22 +33,21 @@ class TilerProperties(Properties):
         taken, given = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
         lowest = (1 << len(element.top) - 1) - 1
 
-        # Elements are sorted, and after the end of a frame comes nothing until it is out.
+        # Elements are sorted, and those of the next frame follow right behind the end of one.
         top = Signal.like(element.top, name="last_top", init=-4)
-        ended = Signal()
         with m.If(taken):
-            m.d.sync += [top.eq(element.top), ended.eq(element.end)]
-        with m.If(given & tile.end):
-            m.d.sync += [top.eq(-4), ended.eq(0)]
+            m.d.sync += top.eq(Mux(element.end, -4, element.top))
         oldest = Signal.like(dut.oldest)
-        m.d.sync += oldest.eq(Mux(given & tile.end, 0, dut.oldest))
+        ended = Signal()  # in the cycle before an end token was given
+        m.d.sync += [oldest.eq(dut.oldest), ended.eq(given & tile.end)]
         self.given(m, "steady", self.steady(m, dut.i, "i"))
         self.given(m, "sorted", ~dut.i.valid | (element.top >= top))
         self.given(m, "end_top", ~dut.i.valid | ~element.end | (element.top == lowest))
-        self.given(m, "one_frame", ~(dut.i.valid & ended))
-        # The window moves on, no further than the elements, and starts anew with the frame.
-        self.given(m, "oldest", dut.oldest >= oldest)
-        self.given(m, "not_past", (dut.oldest == 0) | (dut.oldest <= tile.top))
+        # The window moves on, no further than the elements, and lies before the frame when the one
+        # before has ended.
+        anew = (dut.oldest <= 0) & (dut.oldest >= -2 * config.window_lines)
+        self.given(m, "oldest", Mux(ended, anew, dut.oldest >= oldest))
+        self.given(m, "not_past", (dut.oldest <= 0) | (dut.oldest <= tile.top))
 
         # The line of the element's block that has the place, if there is one.
         row = Signal(config.slot_bits)
@@ -90,7 +89,19 @@ class TilerProperties(Properties):
         m.d.sync += length.eq(length + wanted - drawn)
         self.always(m, "room", length < 3)
         self.always(m, "drawn", ~draws | ((length != 0) & (tile.z == queue[0])))
-        self.always(m, "complete", ~(dut.o.valid & tile.end) | (length == 0))
+        # Those of them that came behind the first end token which is inside.
+        ends, behind = Signal(2), Signal(2)
+        ends_left = Signal(2)
+        m.d.comb += ends_left.eq(ends - (given & tile.end))
+        m.d.sync += [
+            ends.eq(ends_left + (taken & element.end)),
+            behind.eq(Mux(given & tile.end, 0, behind) + (wanted & (ends_left != 0))),
+        ]
+        self.always(m, "complete", ~(dut.o.valid & tile.end) | (length == behind))
+        shown = Signal.like(tile.top, init=-4)
+        m.d.sync += shown.eq(Mux(given & tile.end, -4, tile.top))
+        self.always(m, "top", tile.top >= shown)
+        self.always(m, "behind_the_end", ~(ended & dut.o.valid) | tile.end)
         place = Signal(config.slot_bits)
         distance = Signal.like(element.top)
         m.d.comb += [
@@ -119,6 +130,7 @@ FAULTS = (
     Fault("a tile lost", Tiler, r"left\.eq\(rest\)", "left.eq(0)"),
     Fault("a line misplaced", Tiler, r"past\.eq\(top\[:2\] > i\)", "past.eq(0)", "_lines"),
     Fault("not turned", Tiler, r"\[::-1\]", "", "_turn"),
+    Fault("not yet the next frame's window", Tiler, r" \| \(valid & given\.end\)", ""),
     Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & "),
 )
 

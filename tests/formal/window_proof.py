@@ -7,6 +7,7 @@ from prove import Fault, Proof
 
 from splatline.rtl.bank import Bank
 from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.changeover import Changeover
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.halver import Halver
 from splatline.rtl.loader import Loader
@@ -63,10 +64,7 @@ class WindowProperties(LaneWindowProperties):
             last_line=self.last_line,
             load=Signal(init=self.load, reset_less=True, name="load"),
         )
-        # The line that has the place at the moment.
-        self.line = line = Signal(config.line_bits + 2)
-        place = Signal(config.slot_bits)
-        m.d.comb += [place.eq(slot - walker.oldest), line.eq(walker.oldest + place)]
+        self._own(m, walker.oldest, walker.front)
         drawn = self._elements(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
@@ -82,7 +80,7 @@ class WindowProperties(LaneWindowProperties):
         m.d.sync += opened.eq(dut.active)
         with m.If(dut.i.valid):
             m.d.sync += top.eq(footprint.top)
-        with m.If(dut.finished):
+        with m.If(self.close):
             m.d.sync += [top.eq(-4), opened.eq(0)]
         self.given(m, "elements_steady", self.steady(m, dut.i, "i"))
         self.given(m, "sorted", ~dut.i.valid | (footprint.top >= top))
@@ -122,6 +120,7 @@ class WindowProperties(LaneWindowProperties):
                     )
                 hits.append(
                     (line == self.line)
+                    & self.is_drawn
                     & (self.word >= footprint.word)
                     & span.words.bit_select(distance, 1)
                     & (span.first <= column)
@@ -163,6 +162,7 @@ PROOFS = [
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
         Fault("beyond the window", Window, r"config\.window_lines - BANKS", "config.window_lines"),
         Fault("flushed beside an element", Window, r"has_line & ~wanted", "has_line"),
+        Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
         Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
     ),
     plan(
@@ -191,6 +191,7 @@ PROOFS = [
         NO_CONFLICT,
         Fault("loaded like an element", Scatter, r"self\.whole, 3, ", "self.whole, 0, ", "_deal"),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
+        Fault("left before it was loaded", Loader, r" & ~self\.moves", ""),
     ),
     plan(
         "window of banks, initial raster of two words",

@@ -1,14 +1,23 @@
-"""Engines that several tests of a process play frames to."""
+"""Engines that several tests of a process play frames to, and what golden says of the pictures."""
 
 from functools import cache
 
 from splatline.rtl.format import PAPER
+from splatline.sim import golden
 from splatline.sim.cosim import frames
 
-__all__ = ["engine"]
+__all__ = ["engine", "mismatches"]
 
 
 @cache
 def engine(config=PAPER, simulator_name="verilator"):
     """Return an engine's build. Its Verilog is made once, so a broken one is not for this."""
     return frames.build_engine(config, simulator_name)
+
+
+def mismatches(job, outcome):
+    """Return how many pixels of a job's pictures differ from golden's."""
+    return sum(
+        picture.mismatches(golden.render(frame, start))
+        for frame, start, picture in zip(job.frames, job.starts, outcome.rasters, strict=True)
+    )

@@ -1,14 +1,17 @@
 """Frames for the engine's tests: random, and made to hurt."""
 
+import dataclasses
+
 import numpy as np
 
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word, end_word
 from splatline.rtl.format import PAPER
 from splatline.sim import golden
+from splatline.sim.cosim.frames import Job
 from splatline.sim.raster import Raster
 
-__all__ = ["frame_of", "nonsense", "random_raster", "random_tables", "shapes", "word"]
+__all__ = ["films", "frame_of", "nonsense", "random_raster", "random_tables", "shapes", "word"]
 
 
 def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, config=PAPER):
@@ -95,3 +98,32 @@ def random_raster(rng, width, height, share, config=PAPER):
     raster.depth[drawn] = config.background_depth // 15 * rng.integers(0, 15, drawn.sum())
     raster.colour[drawn] = rng.integers(0, config.channel_max + 1, (drawn.sum(), 3))
     return raster
+
+
+def films(rng, every_rates, config=PAPER):
+    """Frames of one size and with the same tables, the next one's words right behind each.
+
+    Full ones, and such as have something at the top, at the bottom, here and there or nowhere, in
+    every order; of heights that are and are not whole turns of the window; with and without an
+    initial raster, under every pattern of stalls.
+    """
+    for seed, rates in enumerate(every_rates):
+        for height, share in ((32, 0), (37, 0), (48, 0), (5, 0), (61, 0.05), (64, 0.3)):
+            frames = []
+            for kind in rng.permutation(["full", "full", "top", "bottom", "few", "none"] * 2):
+                count = {"full": 150, "few": 3, "none": 0}.get(kind, 30)
+                lines = {"top": height // 3, "bottom": height // 4}.get(kind, height)
+                frame = shapes(rng, count, 40, lines, config=config)
+                if kind == "bottom":
+                    words = [advance_word(height - lines, config), *frame.codewords[:-1]]
+                    frame = frame_of(words, config=config)
+                tables = frames[0].tables if frames else frame.tables
+                frames.append(dataclasses.replace(frame, width=40, height=height, tables=tables))
+            yield Job(
+                frame=frames[0],
+                followed_by=frames[1:],
+                initial=random_raster(rng, 40, height, share, config) if share else None,
+                write_tables="first",
+                rates=rates,
+                seed=seed,
+            )

@@ -35,15 +35,27 @@ class Slide:
             assert line == oldest < top
 
     async def leave(self, cycle):
-        """Let everything leave, in cycles of a kind, and some more; compare."""
+        """Close the frame, let everything leave, in cycles of a kind, and some more; compare.
+
+        Then another may begin.
+        """
+        dut = self.dut
+        dut.close.value = 1
         for _ in range(60_000):
             await cycle()
-            if int(self.dut.clean.value):
+            dut.close.value = 0
+            if int(dut.over.value):
                 break
         for _ in range(6):
             await cycle()
+            assert int(dut.over.value) and int(dut.closing.value)
         asked = [place for bits in self.flush.received for place in self.words_of(bits)]
         assert asked == sorted(self.expected)
+        dut.restart.value = 1
+        await cycle()
+        dut.restart.value = 0
+        self.expected.clear()
+        self.flush.received.clear()
 
     def words_of(self, bits):
         """Return the words (line, word) that are asked for at once, the left one first."""

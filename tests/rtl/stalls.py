@@ -24,7 +24,7 @@ class Stalled(wiring.Component):
         m.submodules.part = self.part
         for number, (name, member) in enumerate(self.signature.members.items()):
             inner, outer = getattr(self.part, name), getattr(self, name)
-            if not isinstance(member.signature, stream.Signature):
+            if not (member.is_signature and isinstance(member.signature, stream.Signature)):
                 raise TypeError(f"{name} is no stream")
             source, sink = (inner, outer) if member.flow is Out else (outer, inner)
             bits = Signal(31, init=(1 + self.seed * 7919 + number * 104729) % (1 << 31))

@@ -155,8 +155,8 @@ REWRITTEN = {
     "forgotten a turn later": (Walker, r"return now \| before", "return now", WALK, "_reached"),
     "never forgotten": (
         Walker,
-        r"self\.clean \| turned, 0",
-        "self.clean, 0",
+        r"clean \| turned, 0",
+        "clean, 0",
         "a_stretch_that_nothing_reached_is_passed_over",
         "_reached",
     ),
@@ -212,7 +212,12 @@ REWRITTEN = {
         "a_tile_comes_as_soon_as_its_lines",
     ),
     "another's lines": (Tiler, r"near\.eq\(0\)", "near.eq(near)", "a_window_that_lags_behind"),
-    "top once it goes": (Tiler, r"Elif\(there\)", "Elif(there & may)", "a_window_that_lags_behind"),
+    "top once it goes": (
+        Tiler,
+        r"m\.If\(there\)",
+        "m.If(there & may)",
+        "a_window_that_lags_behind",
+    ),
     "top of the last frame": (Tiler, r"top\.eq\(-SIDE\)", "top.eq(top)", "end_tokens"),
     "top outlasts a reset": (
         Tiler,

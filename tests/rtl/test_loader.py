@@ -23,7 +23,7 @@ def beat(line, word):
 def setup(dut, enable=1, active=1):
     dut.enable.value, dut.active.value = enable, active
     dut.last_line.value, dut.last_word.value = LAST_LINE, LAST_WORD
-    dut.oldest.value, dut.restart.value = 0, 0
+    dut.oldest.value, dut.restart.value, dut.moves.value = 0, 0, 0
 
 
 @cocotb.test()

@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pytest
 import test_presets
+from engines import mismatches
 from faults import rewrite
 from random_frames import frame_of, nonsense, random_raster, shapes, word
 
@@ -76,13 +77,14 @@ def test_every_variant_draws_what_the_contract_says_in_the_cycles_it_is_said_to(
         test_presets.with_stalls,
         test_presets.over_an_initial_raster,
         test_presets.back_to_back,
+        test_presets.behind_each_other,
         test_presets.reset_in_the_middle,
         test_presets.on_one_word,
     ]
     made = [(case.__name__, job) for case in cases for job in case(rng, config)]
     names, jobs = zip(*made, strict=True)
     outcomes = play(jobs)
-    wrong = zip(names, test_presets.mismatches(jobs, outcomes), strict=True)
+    wrong = zip(names, map(mismatches, jobs, outcomes), strict=True)
     assert [(name, count) for name, count in wrong if count] == []
     timed = [n for n, name in enumerate(names) if name == "at_full_rate"]
     counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in timed]
