@@ -18,7 +18,7 @@ from .statistics import tool_versions
 
 __all__ = ["chain"]
 
-CLOCK_MHZ = 104.4
+CLOCK_MHZ = 101.7
 """What ``splatline pnr`` reaches for the preset ``paper``."""
 
 MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide"))

@@ -97,8 +97,9 @@ def page(report: dict[str, Any]) -> str:
         " to the end beat.",
         "## Video",
         "Frames behind each other, without new tables and with all of them written before each"
-        " frame. Idle: between a frame's end word and the next frame's first code word an engine"
-        " takes none, as its window is still being sent.",
+        " frame, which wait until nothing is left of the one before. Idle: an engine takes no code"
+        " word between a frame's end word and the next frame's first; the mean of all engines, of"
+        " which those that are done wait for the last to begin the frame they are at.",
         _table(
             (
                 *("scene", "preset", "engines", "cycles a frame", "frames/s", "idle, cycles"),
