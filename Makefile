@@ -68,7 +68,7 @@ render: setup
 bench: setup
 	@$(VENV)/bin/splatline bench accuracy $(SCANS)
 	@$(VENV)/bin/splatline bench engine --luts $(SCANS)
-	@$(VENV)/bin/splatline bench chain --preset paper
+	@$(VENV)/bin/splatline bench chain
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..host.deal_methods import DEFAULT_METHOD, METHODS
@@ -19,13 +19,14 @@ PAPER_RATE = 1e8
 _Run = dict[str, Any]
 
 
-def rate(runs: Sequence[_Run], clock_mhz: float) -> list[_Run]:
+def rate(runs: Sequence[_Run], clocks_mhz: Mapping[str, float | None]) -> list[_Run]:
     """Return runs with what follows from their cycles.
 
     ``speedup``: over one engine that gets the elements in the same order; ``speedup_host``: over
     one that gets them as the host has sorted them. ``bound``: the most that the first can be, as
-    a word of the raster leaves in a cycle. ``seconds``, ``video_fps`` at the clock;
-    ``paper_seconds`` by the paper's formula. What there is nothing to compare with is None.
+    a word of the raster leaves in a cycle. ``seconds``, ``video_fps`` at the preset's clock;
+    ``paper_seconds`` by the paper's formula. What there is nothing to compare with, or no clock, is
+    None.
     """
     alone = {
         (run["scene"], run["preset"], run["method"]): run["cycles"]
@@ -38,23 +39,24 @@ def rate(runs: Sequence[_Run], clock_mhz: float) -> list[_Run]:
         # Whole lines come to one engine in the host's order.
         same = alone.get((run["scene"], run["preset"], run["method"]), host)
         least = None if same is None else max(same / run["engines"], run["beats"])
+        clock = clocks_mhz[run["preset"]]
         rated.append(
             {
                 **run,
                 "speedup": None if same is None else round(same / run["cycles"], 3),
                 "speedup_host": None if host is None else round(host / run["cycles"], 3),
                 "bound": None if same is None or least is None else round(same / least, 3),
-                "seconds": run["cycles"] / clock_mhz / 1e6,
+                "seconds": None if clock is None else run["cycles"] / clock / 1e6,
                 "paper_seconds": max(PAPER_IDLE, run["elements"] / PAPER_RATE),
-                "video_fps": _fps(run["video_cycles"], clock_mhz),
-                "video_table_fps": _fps(run["video_table_cycles"], clock_mhz),
+                "video_fps": _fps(run["video_cycles"], clock),
+                "video_table_fps": _fps(run["video_table_cycles"], clock),
             }
         )
     return rated
 
 
-def _fps(cycles: int | None, clock_mhz: float) -> float | None:
-    return None if cycles is None else round(clock_mhz * 1e6 / cycles, 1)
+def _fps(cycles: int | None, clock_mhz: float | None) -> float | None:
+    return None if cycles is None or clock_mhz is None else round(clock_mhz * 1e6 / cycles, 1)
 
 
 def page(report: dict[str, Any]) -> str:
@@ -64,14 +66,18 @@ def page(report: dict[str, Any]) -> str:
     versions = ", ".join(f"{name} {number}" for name, number in report["versions"].items())
     merged = [run for run in runs if run["link"] == "merge"]
     first = runs[0]["scene"]
+    rates = ", ".join(
+        f"{name} {'unknown' if clock is None else f'{clock:g} MHz'}"
+        for name, clock in report["clock_mhz"].items()
+    )
     parts = [
         "# Chains of engines",
         f"Made by `splatline bench chain`: {width} x {height} pixels, splats of 2.5 pixels;"
         f" {versions}. Cycles are counted in the Verilog, in Verilator, from the first code word to"
         " the end beat; every picture was compared with golden's:"
         f" {sum(run['mismatched_pixels'] for run in runs):,} pixels differ. Times are those of"
-        f" {report['clock_mhz']:g} MHz, the rate that one engine of the preset `paper` is routed at"
-        " on an ECP5 (`splatline pnr`); no chain was routed.",
+        f" the rate at which one engine is routed on an ECP5 (`splatline pnr`): {rates};"
+        " no chain was routed.",
         "A speed-up is over one engine that is given the elements in the same order, and over one"
         " that is given the frame as the host has sorted it. A word of the raster leaves in a"
         " cycle, so that no chain is faster than the bound: the cycles of one engine over the"
@@ -103,7 +109,7 @@ def page(report: dict[str, Any]) -> str:
         _table(
             (
                 *("scene", "preset", "engines", "cycles a frame", "frames/s", "idle, cycles"),
-                *("with tables", "frames/s", "table writes"),
+                *("with tables", "frames/s", "idle, cycles", "table writes"),
             ),
             (_video(run) for run in merged if run["method"] == DEFAULT_METHOD),
             words=("scene", "preset"),
@@ -146,7 +152,7 @@ def _engines(run: _Run) -> tuple[str, ...]:
         _number(run["speedup"]),
         _number(run["speedup_host"]),
         _number(run["bound"]),
-        f"{1e3 * run['seconds']:.2f}",
+        _number(None if run["seconds"] is None else 1e3 * run["seconds"]),
         f"{1e3 * run['paper_seconds']:.2f}",
         f"{run['fill_cycles']:,}",
         f"{run['drain_cycles']:,}",
@@ -159,10 +165,11 @@ def _video(run: _Run) -> tuple[str, ...]:
         run["preset"],
         f"{run['engines']}",
         f"{run['video_cycles']:,}",
-        f"{run['video_fps']:,.0f}",
-        f"{run['idle_cycles']:,.0f}",
+        _whole(run["video_fps"]),
+        _whole(run["idle_cycles"]),
         f"{run['video_table_cycles']:,}",
-        f"{run['video_table_fps']:,.0f}",
+        _whole(run["video_table_fps"]),
+        _whole(run["idle_table_cycles"]),
         f"{run['table_writes']}",
     )
 
@@ -181,6 +188,10 @@ def _dealing(run: _Run) -> tuple[str, ...]:
 
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}"
+
+
+def _whole(value: float | None) -> str:
+    return "-" if value is None else f"{value:,.0f}"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[str]) -> str:

@@ -152,6 +152,7 @@ def _row(
         "video_table_cycles": _period(outcomes[1]) if video else None,
         "table_writes": frame.config.register_base + 6,
         "idle_cycles": _idle(outcomes[0].times) if video else None,
+        "idle_table_cycles": _idle(outcomes[1].times) if video else None,
         "mismatched_pixels": wrong,
     }
 

@@ -110,7 +110,7 @@ def test_the_page_has_every_chain(run, folder, fast_chains):
         assert row["paper_seconds"] == 0.02
         if row["video_cycles"] is not None:
             assert row["video_fps"] == pytest.approx(50e6 / row["video_cycles"], abs=0.06)
-            assert row["idle_cycles"] == 39
+            assert row["idle_cycles"] == row["idle_table_cycles"] == 39
     page = (folder / "o/chain.md").read_text()
     assert page in result.stdout
     assert "| 4 | paper | knot | " in page
@@ -128,10 +128,12 @@ def test_speed_ups_are_over_one_engine_and_bound_by_the_raster():
             run | {"engines": 1, "cycles": 2000, "method": "elements"},
             run | {"engines": 8, "cycles": 400},
         ],
-        100.0,
+        {"p": 100.0},
     )
     assert (one["speedup"], host["speedup"]) == (1.0, 1.0)
     assert (eight["speedup"], eight["speedup_host"]) == (4.0, 5.0)
     assert eight["bound"] == pytest.approx(1600 / 300, abs=1e-3)
     assert eight["paper_seconds"] == 1.0
     assert eight["video_fps"] is None
+    (unknown,) = rate([run | {"engines": 1, "cycles": 1600, "video_cycles": 9}], {"p": None})
+    assert unknown["seconds"] is unknown["video_fps"] is None

@@ -30,18 +30,22 @@ COUNT = 4
 class AnyEngine(wiring.Component):
     """Takes words and gives beats as an engine may, whatever it draws and however long it takes.
 
-    Between frames it takes a word, which begins a frame, unless a table write was offered before;
-    and table writes, once no beat is left. In a frame a word that it takes makes a beat, any beat,
-    in any order, that waits on ``raster``; with the end beat the frame is complete. While a beat
-    waits it takes no other word of that frame. It stalls as it likes, but not when all is calm.
+    A word that it takes behind an end word begins a frame, and any word may be an end word. Beats
+    are any, in any order, and as many as it likes, but a frame's end beat comes behind its end
+    word, and before any beat of the next frame. Of two frames at most the end beat is still to
+    come. Table writes are taken when there is none and no end beat waits; one that is
+    offered keeps the next frame from beginning, unless a word of that was offered before.
+
+    It stalls as it likes. When all is calm it begins a frame where none is left, and gives beats
+    while there is one.
     """
 
     def __init__(self, config, calm):
         self.config = config
         self.calm = calm
         self.begins = Signal()
-        self.gives_end = Signal()
-        self.gives_more = Signal()
+        self.frames = Signal(2)  # of which the end beat is still to be given
+        self.offered, self.offers_end = Signal(), Signal()
         beats = stream.Signature(RasterLayout(config))
         super().__init__(
             {
@@ -56,27 +60,39 @@ class AnyEngine(wiring.Component):
     def elaborate(self, platform):
         """Build the engine."""
         m = Module()
-        is_open, offered, goes, taken = self.in_frame, Signal(), Signal(), Signal()
-        may_begin, waited = Signal(), Signal()
+        in_frame, frames, offered = self.in_frame, self.frames, self.offered
+        taken, ends, may_begin, waited = Signal(), Signal(), Signal(), Signal()
+        moves, gives, last = Signal(), Signal(), Signal()
         beat, drawn = (Signal(RasterLayout(self.config), name=name) for name in ("beat", "drawn"))
         m.d.comb += [
             drawn.eq(any_value(m, len(Value.cast(drawn)), "any_beat")),
-            goes.eq(self.calm | any_value(m, 1, "any_goes")),
-            self.tables.ready.eq(~is_open & ~offered),
-            may_begin.eq(~self.tables.valid | waited),
-            self.codewords.ready.eq(goes & Mux(is_open, ~offered | self.raster.ready, may_begin)),
+            ends.eq(any_value(m, 1, "any_ends")),
+            may_begin.eq((frames != 2) & (~self.tables.valid | waited)),
+            self.codewords.ready.eq(
+                Mux(
+                    in_frame,
+                    any_value(m, 1, "any_takes"),
+                    may_begin & (any_value(m, 1, "any_begins") | (self.calm & (frames == 0))),
+                )
+            ),
             taken.eq(self.codewords.valid & self.codewords.ready),
+            self.begins.eq(taken & ~in_frame),
+            self.tables.ready.eq((frames == 0) & ~self.offers_end),
+            moves.eq(~offered | self.raster.ready),
+            gives.eq(moves & (frames != 0) & (self.calm | any_value(m, 1, "any_gives"))),
+            last.eq(gives & drawn.end & ((frames == 2) | ~in_frame)),
             self.raster.valid.eq(offered),
             self.raster.payload.eq(beat),
-            self.begins.eq(taken & ~is_open),
-            self.gives_end.eq(offered & beat.end),
-            self.gives_more.eq(offered & ~beat.end),
+            self.offers_end.eq(offered & beat.end),
         ]
-        m.d.sync += waited.eq(self.codewords.valid & ~self.codewords.ready & ~is_open & may_begin)
-        with m.If(~offered | self.raster.ready):
-            m.d.sync += [offered.eq(taken & is_open), beat.eq(drawn)]
+        m.d.sync += [
+            waited.eq(self.codewords.valid & ~self.codewords.ready & ~in_frame & may_begin),
+            frames.eq(frames + self.begins - last),
+        ]
         with m.If(taken):
-            m.d.sync += is_open.eq(~is_open | ~drawn.end)
+            m.d.sync += in_frame.eq(~ends)
+        with m.If(moves):
+            m.d.sync += [offered.eq(gives), beat.eq(drawn), beat.end.eq(last)]
         return m
 
 
@@ -177,8 +193,10 @@ class ChainProperties(Properties):
         m.d.sync += rounds.eq(rounds + (ahead | begins).all())
         self.lemma(m, "ahead", ~ahead.all())
         for n, (engine, queue) in enumerate(zip(engines, queues, strict=True)):
-            ended = (queue.entered + engine.gives_end + engine.in_frame)[:COUNT]
-            self.lemma(m, f"in_frame_{n}", engine.in_frame | ~engine.gives_more)
+            ended = (queue.entered + engine.offers_end + engine.frames)[:COUNT]
+            more = engine.offered & ~engine.offers_end
+            self.lemma(m, f"frames_{n}", (engine.frames != 3) & (engine.frames >= engine.in_frame))
+            self.lemma(m, f"more_{n}", (engine.frames != 0) | ~more)
             self.lemma(m, f"begun_{n}", ended == (rounds + ahead[n])[:COUNT])
         for n, (before, own, after) in enumerate(
             zip(queues[:1] + mergers, queues[1:], mergers, strict=False)
