@@ -50,8 +50,8 @@ class Job:
     frame
         Code words, tables and size.
     initial
-        Raster that every frame starts from whose table writes ask for it: the first, and those
-        without writes of their own. None if not given.
+        Raster that the first frame starts from, and those without table writes of their own; or
+        one, or None, for each frame. Each is offered as soon as the one before it was taken.
     rates
         Share of the cycles in which each stream is willing, 1/256..1 (1 if not named): code words,
         table writes and the initial raster are offered, the result is taken.
@@ -68,7 +68,7 @@ class Job:
     """
 
     frame: Frame
-    initial: Raster | None = None
+    initial: Raster | Sequence[Raster | None] | None = None
     rates: dict[str, float] = field(default_factory=dict)
     seed: int = 1
     reset_after: int | None = None
@@ -278,8 +278,12 @@ def frames_with_tables(write_tables: str, frames: int) -> int:
     return written[write_tables]
 
 
-def starts(initial: Raster | None, frames: int, write_tables: str) -> list[Raster | None]:
+def starts(
+    initial: Raster | Sequence[Raster | None] | None, frames: int, write_tables: str
+) -> list[Raster | None]:
     """Return what each frame of a job starts from: the load bit stays as it was written last."""
+    if isinstance(initial, Sequence):
+        return list(initial)
     own = frames_with_tables(write_tables, frames) > 1
     return [None if own and number else initial for number in range(frames)]
 

@@ -3,11 +3,15 @@
 import random
 
 import cocotb
+import pytest
 from cocotb.triggers import Timer
+from faults import rewrite
 
 from splatline.rtl.changeover import Changeover
 from splatline.rtl.format import PAPER
+from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cosim.streams import StreamBench
 
 INPUTS = ("oldest", "line", "leaves", "wraps", "clean", "close", "restart")
@@ -99,3 +103,23 @@ async def no_place_is_taken_twice_and_no_line_leaves_with_another_frame(dut):
 
 def test_frames_change_over(simulator_name):
     run_bench(Changeover(PAPER), __file__, simulator_name=simulator_name)
+
+
+FAULTS = [
+    (r"self\.wraps & ~self\.closing", "0", "lines a turn ahead unnoticed"),
+    (r"self\.wraps & ~self\.closing", "self.wraps", "those of the next frame noticed"),
+    (r"turns\[1:\], self\.closing", "turns[1:], 0", "the next frame behind the first line"),
+    (r"turn_ends & self\.closing & ~wrapped", "turn_ends & self.closing", "halted a turn early"),
+    (r"self\.clean \| self\.halted", "1", "over at once"),
+]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "replacement"),
+    [pytest.param(*planted[:2], id=planted[2]) for planted in FAULTS],
+)
+def test_a_wrong_rule_is_noticed(monkeypatch, pattern, replacement):
+    rewrite(monkeypatch, Changeover, "elaborate", pattern, replacement)
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    with pytest.raises(SimulationError, match="failed"):
+        run_bench(Changeover(PAPER), __file__, simulator_name=quickest)

@@ -213,6 +213,30 @@ def back_to_back(rng):
     ]
 
 
+def rasters_ahead(rng):
+    """Frames with and without an initial raster, which is offered long before its frame."""
+    sizes = [(64, 40), (37, 52), (50, 33), (20, 60)]
+    return [
+        Job(
+            frame=shapes(rng, 100, *sizes[0]),
+            followed_by=[shapes(rng, 100, *size) for size in sizes[1:]],
+            initial=[
+                random_raster(rng, *sizes[0], 0.2),
+                None,
+                random_raster(rng, 50, 33, 0.5),
+                None,
+            ],
+            rates={**rates, "table": 1.0},
+            seed=seed,
+        )
+        for seed, rates in enumerate(RATES)
+    ]
+
+
+def test_an_initial_raster_waits_for_its_frame():
+    check(rasters_ahead(np.random.default_rng(13)))
+
+
 def test_tables_and_words_of_the_next_frame_wait_for_this_one_to_end():
     check(back_to_back(np.random.default_rng(10)))
 

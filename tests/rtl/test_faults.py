@@ -1,5 +1,6 @@
 """Planted faults: the benches must notice a broken circuit, or they prove nothing."""
 
+import re
 from functools import cache
 
 import numpy as np
@@ -227,12 +228,13 @@ def test_a_fault_in_the_engine_is_noticed(monkeypatch, preset, edit):
     assert outcome.raster.mismatches(golden.render(frame)) > 0
 
 
-@pytest.mark.parametrize("signal", ["idle", "admit"])
+@pytest.mark.parametrize("signal", ["tables.idle", "sequencer.admit", "window.active"])
 def test_an_engine_that_mixes_frames_is_noticed(monkeypatch, signal):
-    """Table writes taken in the middle of a frame, or a frame let in before its tables."""
-    expression = {"idle": r"tables\.idle\.eq\(", "admit": r"sequencer\.admit\.eq\("}[signal]
+    """Table writes taken within a frame, a frame before its tables, a raster before its frame."""
+    expression = re.escape(signal) + r"\.eq\("
     rewrite(monkeypatch, Engine, "elaborate", expression, r"\g<0>1 | ")
-    jobs = test_engine.back_to_back(np.random.default_rng(10))[:2]
+    rng = np.random.default_rng(10)
+    jobs = [*test_engine.back_to_back(rng)[:2], *test_engine.rasters_ahead(rng)[:2]]
     try:
         outcomes = frames.play(jobs)
     except SimulationError:
