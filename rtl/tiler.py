@@ -34,7 +34,7 @@ class Tiler(wiring.Component):
     i : In(stream of GeometryLayout)
         Elements, and ``end`` tokens.
     o : Out(stream of TileLayout)
-        Tiles; for an ``end`` token one without pixels, to be taken when its frame is out.
+        Tiles; for an ``end`` token one without pixels, to be taken when the frame before is out.
     moves : Out(1)
         What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
     oldest : In(signed(line_bits + 2))
