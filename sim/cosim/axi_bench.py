@@ -17,6 +17,7 @@ from typing import Any
 
 import cocotb
 from cocotb.clock import Clock
+from cocotb.task import Task
 from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
 from cocotbext.axi import (  # type: ignore[import-untyped]
     AxiLiteBus,
@@ -94,6 +95,8 @@ class AxiBench:
             source.bus.tdata.value = 0
         self.breaches: list[str] = []
         self.raster = [0, 0]
+        self.engine = [0, 0]
+        self.engine_watch: Task[None] | None = None
         dut.aresetn.value = 0
         Clock(dut.aclk, PERIOD_NS, unit="ns").start()
         for prefix, names in CHANNELS:
@@ -179,6 +182,17 @@ class AxiBench:
         counted, self.raster = self.raster, [0, 0]
         return counted[0], counted[1]
 
+    async def watch_engine(self) -> None:
+        """Begin to count what :meth:`engine_cycles` returns."""
+        self.engine = [0, 0]
+        self.engine_watch = cocotb.start_soon(self._watch_engine())
+
+    async def engine_cycles(self) -> tuple[int, int]:
+        """Return in how many cycles a frame was open, and a code word waited for the engine."""
+        assert self.engine_watch is not None
+        self.engine_watch.cancel()
+        return self.engine[0], self.engine[1]
+
     async def turn_over(self, cycles: int) -> list[str]:
         """Turn all inputs over in the middle of each cycle, and back; return which outputs moved.
 
@@ -217,6 +231,23 @@ class AxiBench:
             waiting = None if int(ready.value) else offered
             if offered is not None and prefix.startswith("m_axis"):
                 self.raster[waiting is not None] += 1
+
+    async def _watch_engine(self) -> None:
+        """Count at the ports of the engine itself, inside of the registers of the buses.
+
+        A frame is open from its first code word to its end beat, the cycles of both included.
+        """
+        inside = self.dut.engine
+        ready, valid, beat = inside.raster__ready, inside.raster__valid, inside.raster__payload
+        is_open = False
+        while True:
+            await RisingEdge(self.dut.aclk)
+            offered, taken = int(inside.codewords__valid.value), int(inside.codewords__ready.value)
+            is_open = is_open or bool(offered and taken)
+            self.engine[0] += is_open
+            self.engine[1] += offered and not taken
+            if int(valid.value) and int(ready.value) and int(beat.value) >> len(beat) - 1:
+                is_open = False
 
 
 def _pauses(rate: float, seed: str) -> Iterator[bool]:

@@ -35,6 +35,15 @@ __all__ = ["SimulatedDevice", "build_axi"]
 START_SECONDS = 120.0
 """How long a simulator may take to start: a machine may have much else to do."""
 
+VISIBLE = [
+    ("splatline.engine", name)
+    for name in (
+        *("codewords__valid", "codewords__ready"),
+        *("raster__valid", "raster__ready", "raster__payload"),
+    )
+]
+"""What the bench reads inside: where code words enter the engine, and where beats leave it."""
+
 _SERVE = "import sys; from splatline.sim.cosim.axi_device import serve; serve(sys.argv[1])"
 
 
@@ -44,7 +53,9 @@ def build_axi(config: EngineConfig = PAPER, simulator_name: str = "verilator") -
     from ...rtl.verilog import convert
 
     text = convert(AxiTop(config), "splatline")
-    return simulator.build({"splatline.v": text}, "splatline", simulator=simulator_name)
+    return simulator.build(
+        {"splatline.v": text}, "splatline", simulator=simulator_name, visible=VISIBLE
+    )
 
 
 class SimulatedDevice:

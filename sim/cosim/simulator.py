@@ -84,6 +84,7 @@ def build(
     *,
     simulator: str = "verilator",
     parameters: Mapping[str, int] | None = None,
+    visible: Sequence[tuple[str, str]] = (),
 ) -> Build:
     """Build Verilog into a simulator, or find the one that the same text gave before.
 
@@ -92,12 +93,14 @@ def build(
     sources
         Verilog texts by file name.
     top
-        Name of the top module. Its ports alone are visible to cocotb: hiding the rest builds and
-        runs twice as fast in Verilator.
+        Name of the top module. Its ports are visible to cocotb: hiding the rest builds and runs
+        twice as fast in Verilator.
     simulator
         One of ``SIMULATORS``.
     parameters
         Verilog parameters of the top module.
+    visible
+        What else cocotb may read: modules, and signals inside them.
 
     Raises
     ------
@@ -121,6 +124,7 @@ def build(
             _MAKE_FLAGS,
             [metadata.version(name) for name in ("cocotb", "verilator")],
             sys.prefix,  # the binary refers to this environment's libraries
+            *visible,
         )
     )
     digest = hashlib.sha256(key.encode()).hexdigest()[:20]
@@ -139,7 +143,9 @@ def build(
             paths[-1].write_text(text)
         if simulator == "verilator":
             control = work / "visible.vlt"
-            control.write_text(f'`verilator_config\npublic_flat_rw -module "{top}" -port "*"\n')
+            lines = ["`verilator_config", f'public_flat_rw -module "{top}" -port "*"']
+            lines += [f'public_flat_rd -module "{place}" -var "{name}"' for place, name in visible]
+            control.write_text("\n".join([*lines, ""]))
             paths.append(control)
         log = Path(scratch) / "build.log"
         try:

@@ -7,7 +7,10 @@ import pytest
 
 from splatline.cli import engines
 from splatline.cli.bench_chain_page import rate
+from splatline.host.deal import deal
 from splatline.host.deal_methods import METHODS
+from splatline.host.store import load_frame
+from splatline.sim import figure, golden
 from splatline.sim.cosim import chains
 from splatline.sim.cosim.chains import ChainOutcome, Times, compose
 from splatline.sim.cosim.frames import Outcome
@@ -62,9 +65,17 @@ def test_a_picture_by_a_chain_is_compared_with_golden_s(run, folder, cloud, monk
 
 def test_golden_draws_what_a_chain_would(run, folder, cloud, monkeypatch):
     monkeypatch.setattr(engines, "_simulate", None)
-    result = run("render", cloud, *SMALL, "--engines", 4, "-o", "four.png")
+    arguments = ("--engines", 4, "-o", "four.png", "--depth", "depth.png")
+    result = run("render", cloud, *SMALL, *arguments)
     assert result.exit_code == 0, result.output
-    assert (folder / "four.png").exists()
+    assert run("encode", cloud, *SMALL, "-o", "ball.frame").exit_code == 0
+    frame = load_frame("ball.frame")
+    expected = compose(deal(frame, 4))
+    assert expected.mismatches(golden.render(frame)) > 0  # where depths are equal
+    figure.save_rgb("expected.png", expected.to_rgb(figure.BACKGROUND))
+    figure.save_depth("expected_depth.png", expected)
+    assert (folder / "four.png").read_bytes() == (folder / "expected.png").read_bytes()
+    assert (folder / "depth.png").read_bytes() == (folder / "expected_depth.png").read_bytes()
 
 
 @pytest.fixture

@@ -1,5 +1,7 @@
 """What is offered on a stream stays until it is taken, on every stream that a component drives."""
 
+from types import SimpleNamespace
+
 from amaranth.hdl import Cat, Const, Signal
 from amaranth.lib.wiring import Out
 from properties import OneWord, Properties, any_constant
@@ -142,6 +144,16 @@ def none_begins(properties, m, dut):
     properties.given(m, "busy", ~(waited & dut.busy))
 
 
+def answers_stay(properties, m, dut):
+    """The bus's two channels of answers are streams as well, whatever its master does."""
+    none_begins(properties, m, dut)
+    bus = dut.bus
+    for name, payload in (("b", bus.bresp), ("r", Cat(bus.rdata, bus.rresp))):
+        valid, ready = getattr(bus, f"{name}valid"), getattr(bus, f"{name}ready")
+        channel = SimpleNamespace(payload=payload, valid=valid, ready=ready)
+        properties.always(m, f"bus_{name}", properties.steady(m, channel, f"bus_{name}"))
+
+
 def drops_nothing_open(properties, m, dut):
     """While the rest of a packet is dropped, no frame is open but one whose end is put in."""
     properties.lemma(m, "drops", ~(dut.dropping & dut.open) | dut.insert)
@@ -267,7 +279,11 @@ PROOFS = [
         "register file",
         lambda: RegisterFile(register_map(PAPER)),
         Fault("address overwritten", AxiLiteFront, r"bus\.awvalid & ~addressed", "bus.awvalid"),
-        given=none_begins,
+        Fault("B taken too early", AxiLiteFront, r"answered & bus\.bready", "answered"),
+        Fault("B overwritten", AxiLiteFront, r"addressed & given & ~answered", "addressed & given"),
+        Fault("R taken too early", AxiLiteFront, r"told & bus\.rready", "told"),
+        Fault("R overwritten", AxiLiteFront, r"asked & ~told", "asked"),
+        given=answers_stay,
     ),
     plan(
         "gatherer",

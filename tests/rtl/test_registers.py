@@ -9,6 +9,7 @@ import pytest
 from splatline.rtl.format import PAPER, PRESETS, EngineConfig
 from splatline.rtl.register_map import PARAMETERS, raster_stream_bytes, register_map
 from splatline.rtl.register_texts import c_header, json_map, markdown
+from splatline.rtl.registers import Access
 from splatline.rtl.variants import VARIANTS
 
 CONFIGS = {config.name: config for config in (*PRESETS.values(), *VARIANTS)}
@@ -75,6 +76,9 @@ def test_the_c_header_compiles_alone_and_says_the_same(config, tmp_path):
         for field in register.fields:
             names += [f"{register.name}_{field.name}_{what}" for what in ("SHIFT", "MASK")]
             expected += [field.place.lsb, field.mask]
+            if not field.live and field.access is not Access.WRITE_ONLY:
+                names.append(f"{register.name}_{field.name}_RESET")
+                expected.append(field.reset)
     window = registers.materials
     for what in ("OFFSET", "ENTRIES", "STRIDE", "WORDS"):
         names.append(f"MATERIAL_{what}")
@@ -101,17 +105,30 @@ def test_the_c_header_compiles_alone_and_says_the_same(config, tmp_path):
     assert said[-1] == f"31 {1 << registers['CONTROL']['ABORT'].place.lsb}"
 
 
-def test_the_json_map_has_every_register_and_field():
-    registers = register_map(PAPER)
+def compare_fields(rows, fields):
+    """What the JSON map says of fields is what the map has; no reset is told of what is not one."""
+    for row, field in zip(rows, fields, strict=True):
+        assert (row["name"], row["meaning"]) == (field.name, field.meaning)
+        assert (row["lsb"], row["width"]) == (field.place.lsb, field.place.width)
+        assert row["access"] == field.access.value
+        known = not field.live and field.access is not Access.WRITE_ONLY
+        assert row.get("reset") == (field.reset if known else None)
+
+
+@pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST], ids=lambda c: c.name)
+def test_the_json_map_has_every_register_and_field(config):
+    registers = register_map(config)
     found = json.loads(json.dumps(json_map(registers)))
-    assert [row["name"] for row in found["registers"]] == [r.name for r in registers.registers]
-    (control,) = [row for row in found["registers"] if row["name"] == "CONTROL"]
-    assert control["offset"] == 0x10
-    assert [field["name"] for field in control["fields"]] == [
-        "HOLD", "QUIET", "ABORT", "RESYNC", "CLEAR",
-    ]  # fmt: skip
-    assert found["materials"]["entries"] == 128
-    assert found["streams"] == {"codeword_bytes": 8, "raster_bytes": 16}
+    assert (found["preset"], found["bytes"]) == (config.name, 1 << registers.address_bits)
+    for row, register in zip(found["registers"], registers.registers, strict=True):
+        for key in ("name", "offset", "meaning", "between_frames"):
+            assert row[key] == getattr(register, key)
+        compare_fields(row["fields"], register.fields)
+    for key in ("offset", "entries", "stride", "words"):
+        assert found["materials"][key] == getattr(registers.materials, key)
+    compare_fields(found["materials"]["fields"], registers.materials.fields)
+    raster_bytes = {"paper": 16, "rgb24": 32, "widest": 32}[config.name]
+    assert found["streams"] == {"codeword_bytes": 8, "raster_bytes": raster_bytes}
 
 
 def test_registers_that_reach_too_far_are_refused():
