@@ -29,7 +29,8 @@ class Changeover(wiring.Component):
     leaves : In(1)
         It leaves in this cycle; not while ``halted``.
     wraps : In(1)
-        Something is written in this cycle into a place before that of ``line``, so a turn ahead.
+        Something is written in this cycle into a place before that of ``line``: a turn ahead,
+        unless ``line`` moves on by many lines.
     clean : In(1)
         Nothing in the window is written.
     close : In(1)
@@ -64,10 +65,10 @@ class Changeover(wiring.Component):
         """Build the circuit."""
         m = Module()
         bits = self.config.slot_bits
-        wrapped = Signal()  # lines are written beyond the turn that ``line`` is in
+        wrapped = Signal()  # lines may be written beyond the turn that ``line`` is in
         turn_ends = Signal()
         turns = self.oldest[bits:] | self.closing.replicate(len(self.oldest) - bits)
-        # Where ``line`` is not ``oldest`` itself, it lies less than a turn ahead.
+        # Where ``line`` is not ``oldest`` itself, it lies in the same turn or the next.
         two = wrapped | (self.line[bits] ^ self.oldest[bits])
         turn = turns[0] & ~(self.closing & two)
         m.d.comb += [

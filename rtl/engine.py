@@ -134,7 +134,7 @@ class Engine(wiring.Component):
         m.d.comb += [
             self.in_frame.eq(sequencer.open),
             # A size that is written while the end beat waits would change the beat.
-            tables.idle.eq((frames == 0) & ~(self.raster.valid & self.raster.payload.end)),
+            tables.idle.eq((frames == 0) & ~waits & ~(self.raster.valid & self.raster.payload.end)),
             sequencer.admit.eq((~self.tables.valid | waits) & ~frames[1]),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),

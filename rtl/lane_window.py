@@ -151,12 +151,12 @@ class LaneWindow(wiring.Component):
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),
-            offered.eq(self.i.valid & ~tile.end & ~loader.o.valid),
+            # A tile that waits for the initial raster keeps no word from leaving.
+            offered.eq(self.i.valid & ~tile.end & ~loader.o.valid & loader.loaded),
             going.eq(
                 offered
                 & running
                 & ~swept
-                & loader.loaded
                 & ~walker.taking
                 & ~loaded
                 & ~conflict

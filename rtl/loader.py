@@ -40,13 +40,14 @@ class Loader(wiring.Component):
     restart : In(1)
         The frame is complete: what comes is of the next one.
     moves : In(1)
-        The window moves on by many lines in this cycle.
+        The window may move on by many lines in this cycle.
     finished : Out(1)
         No initial raster will come any more in this frame.
     loaded : Out(1)
         Nothing more will come for any line of the window as it was one cycle ago. Since then the
         window may have moved on by one line, but no further unless ``finished``; so nothing will
-        come for its lines but the last.
+        come for its lines but the last. Low after a cycle in which it ``moves``, unless
+        ``finished``.
     """
 
     def __init__(self, config: EngineConfig):

@@ -115,7 +115,8 @@ class Window(wiring.Component):
             loader.last_word.eq(last_word),
             loader.oldest.eq(walker.front),
             loader.restart.eq(close),
-            loader.moves.eq(self.finished),
+            # Of a frame that was closed, lines without words are passed over many at a time.
+            loader.moves.eq(self.finished | walker.closing),
             close.eq(self.i.valid & footprint.end & loader.finished & ~walker.closing),
             walker.close.eq(close),
             self.closing.eq(walker.closing),

@@ -272,6 +272,7 @@ def _write(folder: Path, index: int, job: ChainJob, config: EngineConfig) -> dic
     description: dict[str, object] = {
         "tables_first": len(writes[0]) if writes else 0,
         "table_frames": len(writes),
+        "initial_waits": False,
         "frames": len(job.frames),
         "seed": job.seed,
         "rates": rates,

@@ -58,6 +58,7 @@ async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
     dut.seed.value = job["seed"]
     dut.tables_first.value = job["tables_first"]
     dut.table_frames.value = job["table_frames"]
+    dut.initial_waits.value = job["initial_waits"]
     dut.frames.value = job["frames"]
     for stream in ("codeword", "table", "initial", "raster"):
         getattr(dut, f"{stream}_rate").value = job["rates"][stream]

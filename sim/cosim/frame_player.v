@@ -5,7 +5,7 @@
 //
 // `tables_first` table writes go before the first code word, and as many more before each of the first `table_frames`
 // frames: they are offered once the frame before is open, and its own code words once the first of them is. All else is
-// offered as fast as it is taken, the code words of further frames too, of which there are `frames` in all. `cycles`
+// offered as fast as it is taken (with `initial_waits` a frame's initial raster only once the picture before is out), the code words of further frames too, of which there are `frames` in all. `cycles`
 // counts from the first code word taken to the last end beat, both included. "<folder>/<frame>.events" tells when what
 // began and ended: lines of a name, an engine's number and a cycle, counted from `start`.
 //
@@ -23,6 +23,7 @@ module frame_player #(
     input [31:0] seed,
     input [31:0] tables_first,
     input [31:0] table_frames,
+    input initial_waits,
     input [31:0] frames,
     input [7:0] codeword_rate,
     input [7:0] table_rate,
@@ -45,6 +46,8 @@ module frame_player #(
     wire beat_valid, beat_ready;
     wire [ENGINES-1:0] takes = codeword_valid & codeword_ready;
     reg [31:0] clock;
+    reg [31:0] ended;
+    reg [31:0] initials_ended;
 
     // Those of a frame wait until the one before has begun: engines between frames would take them at once.
     reg [31:0] begun;
@@ -53,7 +56,8 @@ module frame_player #(
         .run(tables_taken + table_valid < tables_first * (begun + 1)),
         .valid(table_valid), .payload(table_write), .ready(table_ready));
     stream_source #(.WIDTH(RASTER_BITS), .NAME("initial"), .SALT(33)) initials (
-        .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(initial_rate), .run(1'b1),
+        .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(initial_rate),
+        .run(!initial_waits || initials_ended + (initial_valid && initial_beat[RASTER_BITS-1]) <= ended),
         .valid(initial_valid), .payload(initial_beat), .ready(initial_ready));
     stream_sink #(.WIDTH(RASTER_BITS), .NAME("raster"), .SALT(44)) rasters (
         .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(raster_rate),
@@ -137,7 +141,6 @@ module frame_player #(
 
     reg counting;
     reg first;
-    reg [31:0] ended;
     wire last_beat = beat_valid && beat_ready && beat[RASTER_BITS-1];
 
     initial begin
@@ -148,6 +151,7 @@ module frame_player #(
         counting = 0;
         tables_taken = 0;
         ended = 0;
+        initials_ended = 0;
         clock = 0;
         first = 1;
     end
@@ -162,10 +166,12 @@ module frame_player #(
             counting <= 0;
             tables_taken <= 0;
             ended <= 0;
+            initials_ended <= 0;
             clock <= 0;
             first <= 1;
         end else begin
             if (table_valid && table_ready) tables_taken <= tables_taken + 1;
+            if (initial_valid && initial_ready) initials_ended <= initials_ended + initial_beat[RASTER_BITS-1];
             if (takes != 0) begin
                 taken <= taken + 1;
                 if (!finished) counting <= 1;

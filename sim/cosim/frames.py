@@ -52,6 +52,8 @@ class Job:
     initial
         Raster that the first frame starts from, and those without table writes of their own; or
         one, or None, for each frame. Each is offered as soon as the one before it was taken.
+    initial_waits
+        No: only once the picture before is out, as by a host that draws over its own pictures.
     rates
         Share of the cycles in which each stream is willing, 1/256..1 (1 if not named): code words,
         table writes and the initial raster are offered, the result is taken.
@@ -69,6 +71,7 @@ class Job:
 
     frame: Frame
     initial: Raster | Sequence[Raster | None] | None = None
+    initial_waits: bool = False
     rates: dict[str, float] = field(default_factory=dict)
     seed: int = 1
     reset_after: int | None = None
@@ -316,6 +319,7 @@ def _describe(job: Job) -> dict[str, object]:
     description: dict[str, object] = {
         "tables_first": len(writes[0]) if writes else 0,
         "table_frames": len(writes),
+        "initial_waits": job.initial_waits,
         "frames": len(job.frames),
         "seed": job.seed,
         "rates": scaled,

@@ -299,7 +299,7 @@ PROOFS = [
         "engine with lanes",
         lambda: Engine(PAPER.replace(window_lines=8, **NARROW)),
         Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
-        Fault("a size while the end waits", Engine, r"== 0\) & ~\(self\.raster.*\)\)", "== 0))"),
+        Fault("a size while the end waits", Engine, r"~waits & ~\(self\.raster.*\)\)", "~waits)"),
         depth=14,
         endless=False,
         engine="abc bmc3",

@@ -123,7 +123,29 @@ def films(rng, every_rates, config=PAPER):
                 frame=frames[0],
                 followed_by=frames[1:],
                 initial=random_raster(rng, 40, height, share, config) if share else None,
+                initial_waits=seed % 2 == 1,
                 write_tables="first",
                 rates=rates,
                 seed=seed,
             )
+    yield _on_a_late_line(config)
+
+
+def _on_a_late_line(config):
+    """An element as near as the initial raster's only pixel, which comes first, and so stays.
+
+    Before it a frame leaves whose last two lines lie far apart, the first of them a long one.
+    """
+    initial = Raster.background(64, 40, config)
+    initial.depth[7, 0], initial.colour[7, 0] = 200, (1, 2, 3)
+    empty = [(1, 0)] * 3
+    long = [word([(0, 7), *empty], 8 * n, 5, config=config) for n in range(8)]
+    last = word([(0, 7), *empty], 0, 5, config=config)
+    before = frame_of([advance_word(10, config), *long, advance_word(7, config), last])
+    late = word([*empty, (0, 0)], 0, 200, diffuse=9, config=config)
+    frames = [
+        dataclasses.replace(frame, width=64, height=40, config=config, tables=tables)
+        for tables in [random_tables(np.random.default_rng(0), config)]
+        for frame in (before, frame_of([advance_word(8, config), late], config=config))
+    ]
+    return Job(frame=frames[0], followed_by=frames[1:], initial=initial, write_tables="first")

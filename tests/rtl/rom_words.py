@@ -94,6 +94,7 @@ def play_words(built, streams, config, folder):
                 "seed": index + 1,
                 "tables_first": 0,
                 "table_frames": 0,
+                "initial_waits": False,
                 "frames": 1,
                 "rates": {name: round(256 * rate) - 1 for name, rate in rates.items()},
                 "most_cycles": int(5 * len(stream) / slowest) + 1000,

@@ -108,14 +108,14 @@ def following(rng, seed, rates):
     return ChainJob.dealt(*frames, engines=ENGINES, initial=initial, rates=rates, seed=seed)
 
 
-def without_new_tables(rng, rates, seed):
+def without_new_tables(rng, rates, seed, config=SMALL, engines=ENGINES):
     """Frames that follow while the ones before leave, over an initial raster now and then."""
-    frames = [shapes(rng, count, 50, 37, config=SMALL) for count in (70, 5, 40, 0, 0, 70, 70)]
+    frames = [shapes(rng, count, 50, 37, config=config) for count in (70, 5, 40, 0, 0, 70, 70)]
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
-    initial = random_raster(rng, 50, 37, 0.1, SMALL) if seed % 2 else None
+    initial = random_raster(rng, 50, 37, 0.1, config) if seed % 2 else None
     return ChainJob.dealt(
         *frames,
-        engines=ENGINES,
+        engines=engines,
         method="lines",
         write_tables="first",
         initial=initial,
@@ -209,4 +209,6 @@ def test_engines_whose_beats_have_two_words(link):
         )
         for seed, rates in enumerate(RATES)
     ]
+    for seed, rates in enumerate(RATES):
+        jobs += [without_new_tables(rng, rates, n, config, engines=2) for n in (seed, seed + 100)]
     check(jobs, link=link)

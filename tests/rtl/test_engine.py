@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from amaranth.sim import Simulator
 from engines import engine, mismatches
 from random_frames import films, frame_of, nonsense, random_raster, shapes, word
 
 from splatline.host.order import advance_word
-from splatline.rtl.engine import engine_latency
+from splatline.rtl.engine import Engine, engine_latency
 from splatline.rtl.format import PAPER
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.frames import Job, play
@@ -235,6 +236,28 @@ def rasters_ahead(rng):
 
 def test_an_initial_raster_waits_for_its_frame():
     check(rasters_ahead(np.random.default_rng(13)))
+
+
+def test_no_table_write_goes_before_a_word_that_was_offered_first():
+    """A large compact word stays on the port for two cycles, and a write comes in the second."""
+    config = PAPER.with_shapes("full")
+    dut = Engine(config)
+    codewords, tables = dut.codewords, dut.tables
+    compact = word([(0, 0)] * 4, 40, 5, mode=0, config=config) & ~(((1 << 24) - 1) << 1)
+    compact |= 12 << 1 | 32 << 6 | 32 << 12 | 1 << 18 | 1 << config.compact_set.lsb
+
+    async def bench(ctx):
+        ctx.set(codewords.valid, 1)
+        ctx.set(codewords.payload.as_value(), compact)
+        assert ctx.get(tables.ready) and not ctx.get(codewords.ready)
+        await ctx.tick()
+        ctx.set(tables.valid, 1)
+        assert ctx.get(codewords.ready) and not ctx.get(tables.ready)
+
+    simulation = Simulator(dut)
+    simulation.add_clock(1e-6)
+    simulation.add_testbench(bench)
+    simulation.run()
 
 
 def test_tables_and_words_of_the_next_frame_wait_for_this_one_to_end():

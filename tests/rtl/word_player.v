@@ -13,6 +13,7 @@ module word_player #(
     input [31:0] seed,
     input [31:0] tables_first,
     input [31:0] table_frames,
+    input initial_waits,
     input [31:0] frames,
     input [7:0] codeword_rate,
     input [7:0] table_rate,
