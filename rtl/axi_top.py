@@ -44,8 +44,9 @@ class AxiTop(wiring.Component):
     in the same cycle.
 
     **Latency**: that of the engine and 1 cycle from a code word's acceptance to the engine, 2 for a
-    frame's first; 1 from the engine to the raster port. **Throughput**: the engine's, but for the
-    cycle in which a frame opens.
+    frame's first; 1 from the engine to the raster port. **Throughput**: within a frame the
+    engine's. Frames do not overlap as the engine's do: the next one opens only when this one's end
+    beat has left the engine.
 
     Parameters
     ----------

@@ -151,6 +151,29 @@ def test_frames_follow_each_other_without_a_gap(config):
         assert after.opened[0] < before.end_beat
 
 
+@pytest.mark.parametrize("link", LINKS)
+@pytest.mark.parametrize(("config", "most"), [(LANES, 5), (BANKS, 1)], ids=["lanes", "banks"])
+def test_frames_follow_each_other_in_a_chain_without_a_gap(config, most, link):
+    """An engine takes a frame's first code word so many cycles behind its end word: as measured.
+
+    With banks it is the next one; with lanes an element waits until the end token has left the
+    tiler. All engines of ``merge`` keep to that. Of ``load`` the last one does, which has the most
+    to load: those before it are ahead, and wait until it has begun the frame at hand. No engine
+    waits until the picture has left.
+    """
+    rng = np.random.default_rng(2)
+    frames = [shapes(rng, 900, 50, 48, largest=3, config=config) for _ in range(5)]
+    frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
+    job = ChainJob.dealt(*frames, engines=3, method="elements", write_tables="first")
+    times = check([job, job], link=link)[1].times
+    assert len(times) == len(frames)
+    for before, after in itertools.pairwise(times):
+        gaps = np.subtract(after.opened, before.closed)
+        assert gaps.min() > 0
+        assert (gaps if link == "merge" else gaps[-1:]).max() <= most
+        assert max(after.opened) < before.end_beat
+
+
 def test_where_depths_differ_a_chain_draws_what_one_engine_draws():
     """Against golden's picture of the whole stream, which knows no parts."""
     rng = np.random.default_rng(3)
