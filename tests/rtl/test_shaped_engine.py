@@ -1,7 +1,10 @@
 """Engines with a shape ROM: their pictures and their cycles, from the Verilog."""
 
+import json
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from clouds import cloud_of
 from engines import mismatches
 from faults import fault, rewrite
@@ -9,6 +12,7 @@ from random_frames import frame_of, nonsense, shapes
 from rom_words import compact_words, mixed_words
 from test_presets import RATES, back_to_back, behind_each_other, over_an_initial_raster
 
+from splatline.cli.main import main
 from splatline.host import fit_view, make_frame
 from splatline.host.order import advance_word
 from splatline.host.shapes import shape_table
@@ -101,6 +105,22 @@ def test_the_rom_costs_a_frame_its_latency_at_the_most():
         for word, config in zip(one, (SMALL, PAPER), strict=True)
     ]
     assert cycles[0] - cycles[1] == 3
+
+
+@pytest.mark.parametrize("config", SHAPED, ids=lambda config: config.name)
+def test_the_command_line_draws_a_scene_with_the_rom_s_verilog(config, tmp_path):
+    """From the scene to its picture, with nothing put in the simulation's place."""
+    stats = tmp_path / "knot.json"
+    options = ["--scene", "knot", "--size", "48x32", "--shapes", "rom", "--engine", "rtl"]
+    options += ["--preset", config.name, "-o", tmp_path / "knot.png", "--stats", stats]
+    result = CliRunner().invoke(main, ["render", *map(str, options)], prog_name="splatline")
+    assert result.exit_code == 0, result.stderr
+    numbers = json.loads(stats.read_text())
+    assert (numbers["preset"], numbers["mismatched_pixels"]) == (config.name, 0)
+    assert numbers["bits_sent"].keys() == {"rom", "table"}
+    assert numbers["bits_sent"]["rom"] == 64 * numbers["codewords"]
+    assert numbers["bits_sent"]["rom"] <= numbers["bits_sent"]["table"]
+    assert f"{numbers['bits_sent']['rom']:,} (rom)" in result.stdout
 
 
 def test_a_rom_that_mirrors_nothing_is_noticed(monkeypatch):
