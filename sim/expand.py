@@ -57,7 +57,7 @@ def expand(words: npt.NDArray[np.uint64], config: EngineConfig) -> Expansion:
     config
         The engine; without a ROM no word is compact.
     """
-    places, used, _ = _places(words, config)
+    places, used = _places(words, config)
     origins = np.broadcast_to(np.arange(len(words))[:, np.newaxis], places.shape)
     return Expansion(places[used], origins[used])
 
@@ -65,16 +65,24 @@ def expand(words: npt.NDArray[np.uint64], config: EngineConfig) -> Expansion:
 def slots(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.uint64]:
     """Return what a shape ROM looks up cycle by cycle, for the models of the clock.
 
-    As ``expand``, but where a look-up gives nothing the compact word stays: shape (n,), uint64.
+    As ``expand``, but a compact word that gives nothing stays: shape (n,), uint64. The clock does
+    not depend on materials, so their lowest bit tells whether the next word comes of the same one.
     """
-    places, _, looked_up = _places(words, config)
+    if config.shapes == "none":
+        return words
+    places, used = _places(words, config)
+    looked_up = used.copy()
+    looked_up[:, 0] |= ~used.any(axis=1)
+    mark = np.uint64(1 << config.material.lsb)
+    places &= ~mark
+    places[used.all(axis=1), 0] |= mark
     return places[looked_up]
 
 
 def _places(
     words: npt.NDArray[np.uint64], config: EngineConfig
-) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-    """Return up to two words for each, which of them come out, and which are looked up.
+) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.bool_]]:
+    """Return up to two words for each, and which of them come out.
 
     Each has the shape (n, 2): a large compact word gives the left and the right fraction.
     """
@@ -95,9 +103,7 @@ def _places(
         word = _put(word, config.x, column & config.x.mask)
         places[large, side] = np.where(inside, word, words[large])
         used[large, side] = inside
-    looked_up = np.ones_like(used)
-    looked_up[:, 1] = compact & (size > BLOCK) & (config.largest_shape > BLOCK)
-    return places, used, looked_up
+    return places, used
 
 
 def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:

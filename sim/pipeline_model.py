@@ -92,6 +92,8 @@ class Machine(NamedTuple):
         Of them in a beat of the raster.
     rom
         The engine has a shape ROM.
+    pair_lsb
+        Place of the bit by which ``sim.expand.slots`` tells that the next word is of the same one.
     """
 
     x_lsb: int
@@ -111,6 +113,7 @@ class Machine(NamedTuple):
     pixels: int
     raster_words: int
     rom: bool
+    pair_lsb: int
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
@@ -133,6 +136,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         pixels=config.pixels_per_word,
         raster_words=config.raster_words,
         rom=config.shapes != "none",
+        pair_lsb=config.material.lsb,
     )
 
 
@@ -199,7 +203,7 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
             held[stage - 1] = EMPTY
     first, first_tops = held[: FIRST_STAGE + 1], tops[: FIRST_STAGE + 1]
     if machine.rom:
-        _advance_rom(words, front)
+        _advance_rom(words, front, machine)
         first, first_tops = front.rom, front.rom_tops
     if state[END_WORD] == EMPTY:
         following = state[FOLLOWING]
@@ -213,13 +217,16 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
             first[0] = following
             first_tops[0] = machine.lowest if ends else state[TOP_LINE]
             state[END_WORD] = following if ends else EMPTY
-            state[FOLLOWING] += 1
+            state[FOLLOWING] += 2 if machine.rom and _is_pair(word, machine) else 1
     return head_moves
 
 
 @nb.njit(cache=True)
-def _advance_rom(words: Any, front: Front) -> None:
-    """Let the words in the shape ROM move on; what gives nothing leaves its end by itself."""
+def _advance_rom(words: Any, front: Front, machine: Machine) -> None:
+    """Let the words in the shape ROM move on; what gives nothing leaves its end by itself.
+
+    A word of which two come is one in the first stage, and stays there for the second of them.
+    """
     held, tops, rom, rom_tops = front.held, front.tops, front.rom, front.rom_tops
     last = ROM_STAGES - 1
     if rom[last] != EMPTY and _is_compact(words[rom[last]]):
@@ -230,7 +237,13 @@ def _advance_rom(words: Any, front: Front) -> None:
     for stage in range(last, 0, -1):
         if rom[stage] == EMPTY:
             rom[stage], rom_tops[stage] = rom[stage - 1], rom_tops[stage - 1]
-            rom[stage - 1] = EMPTY
+            two = stage == 1 and rom[0] != EMPTY and _is_pair(words[rom[0]], machine)
+            rom[stage - 1] = rom[0] + 1 if two else EMPTY
+
+
+@nb.njit(cache=True, inline="always")
+def _is_pair(word: int, machine: Machine) -> bool:
+    return word >> machine.pair_lsb & 1 == 1
 
 
 @nb.njit(cache=True, inline="always")

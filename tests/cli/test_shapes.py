@@ -33,6 +33,17 @@ def test_the_rom_of_every_size_sends_fewer_bits(run, folder, cloud):
     assert sent["rom"] < 0.8 * sent["table"]
 
 
+def test_the_rom_s_verilog_is_asked_for_a_scene(run, folder, verilog):
+    """Its simulation is golden's here; ``tests/rtl/test_shaped_engine.py`` has the Verilog's."""
+    result = run("render", "--scene", "knot", "--size", "48x32", "--shapes", "rom",
+                 "--engine", "rtl", "-o", "knot.png", "--stats", "knot.json")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert len(verilog[1]) == 1
+    numbers = json.loads((folder / "knot.json").read_text())
+    assert (numbers["preset"], numbers["mismatched_pixels"]) == ("paper-rom", 0)
+    assert numbers["bits_sent"]["rom"] == 64 * numbers["codewords"]
+
+
 def test_without_the_rom_one_way_is_counted(run, folder, cloud):
     assert run("render", cloud, "--size", "32x32", "--stats", "a.json").exit_code == 0
     numbers = json.loads((folder / "a.json").read_text())

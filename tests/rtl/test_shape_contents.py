@@ -1,6 +1,7 @@
 """The table that the ROM is made of, its compression, and what the tools keep of it."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from rom_words import build_rom, every_entry, play_words
 
 from splatline.host.shapes import EMPTY_SCANS, shape_table
 from splatline.rtl.memory_files import move_contents
-from splatline.rtl.netlist import RUN_YOSYS, run_tool
+from splatline.rtl.netlist import RUN_YOSYS, WRITE_EDIF, run_tool
 from splatline.rtl.shape_contents import shape_contents
 from splatline.rtl.shape_rom import ShapeRom
 from splatline.rtl.shape_table import EMPTY, folded_shapes
@@ -41,17 +42,21 @@ def test_the_folded_integers_are_the_host_s_whole_table():
     assert np.array_equal(unfolded, shape_table())
 
 
-@pytest.mark.parametrize(("config", "rows", "shapes"), [(SHAPED[0], 6, 292), (SHAPED[1], 38, 1221)])
+@pytest.mark.parametrize(("config", "rows", "shapes"), [(SHAPED[0], 6, 292), (SHAPED[1], 19, 1220)])
 def test_each_shape_stands_once(config, rows, shapes):
     contents = shape_contents(config)
     assert len(contents.numbers) == 1024 * rows
     assert len(contents.shapes) - 1 == shapes == len(set(contents.shapes[1:]))
-    assert max(contents.numbers) >> contents.number_bits == 0
+    assert max(contents.numbers) >> contents.word_bits == 0
     assert max(contents.shapes) >> contents.shape_bits == 0
-    # Each is used, by some entry of some size.
-    packed = np.array(contents.numbers[-1024:])
-    used = {*contents.numbers[:-1024], *(packed & 7), *(packed >> 3 & 7), *(packed >> 6 & 7)}
-    assert {int(number) for number in used} == set(range(1, shapes + 1))
+    # Each is used, by some entry of some size; 0 by fractions without pixels.
+    bits = contents.number_bits
+    sides = [np.array(contents.numbers) >> bits * side for side in range(contents.abreast)]
+    numbers = np.stack(sides, axis=1) & (1 << bits) - 1
+    packed = numbers[-1024:, -1].copy()
+    numbers[-1024:, -1] = packed & 7
+    used = {*numbers.ravel().tolist(), *(packed >> 3 & 7).tolist(), *(packed >> 6 & 7).tolist()}
+    assert used == set(range(config is SHAPED[0], shapes + 1))
 
 
 @pytest.fixture
@@ -71,10 +76,11 @@ def written(text, folder, named):
 
 @pytest.mark.parametrize("files", [False, True], ids=["in the text", "in files"])
 def test_yosys_keeps_the_contents_in_four_block_rams(verilog, files, tmp_path):
-    """Bit for bit in the cells' INIT, from the text and from what $readmemh reads."""
+    """Bit for bit in the cells' INIT, from the text and from what $readmemh reads; in EDIF too."""
     text = written(verilog, tmp_path, ".") if files else verilog
     (tmp_path / "rom.v").write_text(text)
-    script = f"read_verilog rom.v; {COMMAND} -flatten -top dut; write_json rom.json"
+    script = f"read_verilog rom.v; {COMMAND} -flatten -top dut; {WRITE_EDIF} rom.edif; "
+    script += "write_json rom.json"
     run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], tmp_path)
     cells = json.loads((tmp_path / "rom.json").read_text())["modules"]["dut"]["cells"]
     rams = {name: cell for name, cell in cells.items() if cell["type"] in KINDS["bram"]}
@@ -87,6 +93,33 @@ def test_yosys_keeps_the_contents_in_four_block_rams(verilog, files, tmp_path):
     shapes = shapes[:, shapes.any(axis=0) & ~shapes.all(axis=0)]
     kept = stored(rams["shapes.0.0"], 4)
     assert np.array_equal(kept[: len(shapes), : shapes.shape[1]], shapes)
+    # What the vendor's tools read has the very same strings.
+    written_out = contents_in_edif((tmp_path / "rom.edif").read_text())
+    assert {name: written_out.get(name) for name in rams} == {
+        name: {
+            kind: int(bits.replace("x", "0"), 2)
+            for kind, bits in cell["parameters"].items()
+            if CONTENTS.match(kind)
+        }
+        for name, cell in rams.items()
+    }
+
+
+CONTENTS = re.compile(r"INITP?_[0-9A-F]{2}")
+"""Parameters of a RAMB16 that have its contents."""
+
+
+def contents_in_edif(text):
+    """The INIT and INITP of each instance whose name is not its own in EDIF, as numbers."""
+    found = {}
+    for instance in re.split(r"\(instance ", text)[1:]:
+        name = re.match(r'\(rename \w+ "([^"]+)"\)', instance)
+        rows = re.findall(
+            rf"""\(property ({CONTENTS.pattern}) \(string "256'h([0-9a-f]{{64}})"\)""", instance
+        )
+        if name and rows:
+            found[name[1]] = {kind: int(digits, 16) for kind, digits in rows}
+    return found
 
 
 def columns(words, bits):

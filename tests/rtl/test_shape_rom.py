@@ -40,7 +40,7 @@ def test_every_entry_is_the_host_s_and_words_pass_in_order_under_stalls(config, 
     small = shape_table()[:9, ..., 0].ravel()
     assert np.array_equal(scans[: len(small)], small)
     large = entries[len(small) :]
-    assert cycles == len(small) + 2 * len(large) + 1 + ROM_LATENCY
+    assert cycles == steps_of(entries, config) + 1 + ROM_LATENCY
     if config.largest_shape > 8:
         # Parts 0 and 1 are the table's upper half, with what is empty left out.
         origins = expand(entries, config).origins
@@ -52,39 +52,71 @@ def test_every_entry_is_the_host_s_and_words_pass_in_order_under_stalls(config, 
 
 
 def test_what_a_word_costs(tmp_path):
-    """A cycle each, two of a size over 8, and three from in to out.
-
-    The first is taken in its last cycle, which is where the count begins.
-    """
+    """A cycle a word that comes out, or that gives none, and three from in to out."""
     _, config = SHAPED
+    rng = np.random.default_rng(3)
+    levels = np.arange(1000) % 64
     plain = np.full(1000, 0b011_001_011_001_011_001_011_001_1, np.uint64)
-    streams = [
-        (plain, 1.0, 1.0),
-        (compact_words(config, 8, np.arange(1000) % 64, 9, rest=plain), 1.0, 1.0),
-        (compact_words(config, 16, 28 + np.arange(1000) % 8, 32, 1, rest=plain), 1.0, 1.0),
-        (compact_words(config, 17, np.arange(1000) % 64, 9, rest=plain), 1.0, 1.0),
+    border = plain | np.uint64(config.x.mask - 7 << config.x.lsb)
+    both = compact_words(config, 16, 28 + levels % 8, 32, 1, rest=plain)
+    # Thin and slanted: the outer lines have pixels on one side alone, or none.
+    halves = [
+        compact_words(config, 16, level, 55, part, rest=plain)
+        for level in (8, 55)
+        for part in (0, 3)
     ]
-    played = play_words(build_rom(config, simulator_name=QUICKEST), streams, config, tmp_path)
-    assert [cycles - ROM_LATENCY - 1 for _, cycles in played] == [1000, 1000, 1999, 1999]
-    assert [len(words) for words, _ in played] == [1000, 1000, 2000, 0]
+    nowhere = compact_words(config, 9, 0, 63, 0, rest=plain)
+    streams = {
+        "plain": (plain, 1000, 1000),
+        "small": (compact_words(config, 8, levels, 9, rest=plain), 1000, 1000),
+        "both": (both, 2000, 2000),
+        **{f"one {n}": (words, 1000, 1000) for n, words in enumerate(halves)},
+        "none": (nowhere, 0, 1000),
+        "right of every image": (compact_words(config, 16, 32, 32, 1, border), 1000, 1000),
+        "not held": (compact_words(config, 17, levels, 9, rest=plain), 0, 1000),
+        "in turns": (np.stack([both, *halves, nowhere, plain]).T.ravel(), 7000, 8000),
+    }
+    mixed = mixed_words(config, rng, 3000), every_entry(config, rng)[-8000:]
+    streams |= {
+        f"mixed {n}": (words, len(expand(words, config).words), steps_of(words, config))
+        for n, words in enumerate(mixed)
+    }
+    played = play_words(
+        build_rom(config, simulator_name=QUICKEST),
+        [(words, 1.0, 1.0) for words, *_ in streams.values()],
+        config,
+        tmp_path,
+    )
+    counts = [(len(words), cycles - ROM_LATENCY - 1) for words, cycles in played]
+    assert dict(zip(streams, counts, strict=True)) == {
+        name: (given, steps) for name, (_, given, steps) in streams.items()
+    }
+
+
+def steps_of(words, config):
+    """The cycles of words at full rate, each of which gives 0, 1 or 2."""
+    given = np.bincount(expand(words, config).origins, minlength=len(words))
+    return int(np.maximum(given, 1).sum())
 
 
 FAULTS = {
-    "a number's lowest bit": ("numbers", 6 * 1024 - 700),
-    "a shape's lowest bit": ("shapes", shape_contents(SHAPED[0]).numbers[4 * 1024]),
-    "no mirror": ("mirror", None),
-    "no mark": ("compact", None),
-    "takes a word while the next waits": ("i__ready", None),
+    "a number's lowest bit": (SHAPED[0], "numbers", 6 * 1024 - 700),
+    "a shape's lowest bit": (SHAPED[0], "shapes", shape_contents(SHAPED[0]).numbers[4 * 1024]),
+    "no mirror": (SHAPED[0], "mirror", None),
+    "no mark": (SHAPED[0], "compact", None),
+    "takes a word while the next waits": (SHAPED[0], "i__ready", None),
+    "right fractions are lost": (SHAPED[1], "more", None),
+    "empty left fractions are offered": (SHAPED[1], "has_left", None),
 }
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_noticed(name, tmp_path):
-    config = SHAPED[0]
+    config, signal, place = FAULTS[name]
     rng = np.random.default_rng(2)
     # A bit of a memory shows in few entries.
-    words = rng.permutation(every_entry(config, rng))[: None if FAULTS[name][1] else 2000]
-    built = build_rom(config, broken(*FAULTS[name]), QUICKEST)
+    words = rng.permutation(every_entry(config, rng))[: 2000 if place is None else None]
+    built = build_rom(config, broken(signal, place), QUICKEST)
     try:
         [(received, _)] = play_words(built, [(words, 0.9, 0.6)], config, tmp_path)
     except AssertionError:
@@ -95,7 +127,7 @@ def test_a_fault_is_noticed(name, tmp_path):
 def broken(signal, place):
     """An edit of one bit of a memory, or of a signal."""
     if place is None:
-        return fault("dut", signal, {"i__ready": "1'h1"}.get(signal, "1'h0"))
+        return fault("dut", signal, "1'h1" if signal in ("i__ready", "has_left") else "1'h0")
 
     def edit(text):
         digits = rf"({signal}\[{place}\] = \d+'h[0-9a-f]*)([0-9a-f]);"

@@ -1,19 +1,23 @@
 """Engines with a shape ROM: their pictures and their cycles, from the Verilog."""
 
+import json
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from clouds import cloud_of
 from engines import mismatches
-from faults import fault
+from faults import fault, rewrite
 from random_frames import frame_of, nonsense, shapes
 from rom_words import compact_words, mixed_words
-from test_presets import RATES, back_to_back, over_an_initial_raster
+from test_presets import RATES, back_to_back, behind_each_other, over_an_initial_raster
 
+from splatline.cli.main import main
 from splatline.host import fit_view, make_frame
 from splatline.host.order import advance_word
 from splatline.host.shapes import shape_table
 from splatline.rtl import verilog
-from splatline.rtl.engine import engine_latency
+from splatline.rtl.engine import Engine, engine_latency
 from splatline.rtl.format import PAPER
 from splatline.rtl.variants import SHAPED
 from splatline.sim import golden
@@ -75,6 +79,7 @@ def test_pictures_are_golden_s_and_cycles_are_the_model_s(config):
         jobs.append(Job(frame=mixed(rng, config), rates=rates, seed=seed))
         jobs.append(Job(frame=nonsense(rng, 400, 101, 40, config=config), rates=rates, seed=seed))
     jobs += [*back_to_back(rng, config), *list(over_an_initial_raster(rng, config))[:4]]
+    jobs += behind_each_other(rng, config)
     frame = mixed(rng, config)
     jobs += [Job(frame=frame, reset_after=after, seed=after) for after in (140, 300, 451)]
     outcomes = play(jobs)
@@ -102,6 +107,22 @@ def test_the_rom_costs_a_frame_its_latency_at_the_most():
     assert cycles[0] - cycles[1] == 3
 
 
+@pytest.mark.parametrize("config", SHAPED, ids=lambda config: config.name)
+def test_the_command_line_draws_a_scene_with_the_rom_s_verilog(config, tmp_path):
+    """From the scene to its picture, with nothing put in the simulation's place."""
+    stats = tmp_path / "knot.json"
+    options = ["--scene", "knot", "--size", "48x32", "--shapes", "rom", "--engine", "rtl"]
+    options += ["--preset", config.name, "-o", tmp_path / "knot.png", "--stats", stats]
+    result = CliRunner().invoke(main, ["render", *map(str, options)], prog_name="splatline")
+    assert result.exit_code == 0, result.stderr
+    numbers = json.loads(stats.read_text())
+    assert (numbers["preset"], numbers["mismatched_pixels"]) == (config.name, 0)
+    assert numbers["bits_sent"].keys() == {"rom", "table"}
+    assert numbers["bits_sent"]["rom"] == 64 * numbers["codewords"]
+    assert numbers["bits_sent"]["rom"] <= numbers["bits_sent"]["table"]
+    assert f"{numbers['bits_sent']['rom']:,} (rom)" in result.stdout
+
+
 def test_a_rom_that_mirrors_nothing_is_noticed(monkeypatch):
     whole = verilog.generate
     broken = fault("splatline.shapes", "mirror", "1'h0")
@@ -118,3 +139,12 @@ def test_a_rom_that_mirrors_nothing_is_noticed(monkeypatch):
     except SimulationError:
         return
     assert outcome.raster.mismatches(golden.render(frame)) > 0
+
+
+def test_a_third_frame_that_is_let_in_is_noticed(monkeypatch):
+    """The count of frames runs over, and the engine waits for an end that it does not expect."""
+    rewrite(monkeypatch, Engine, "elaborate", r" & ~frames\[1\]\),", "),")
+    films = list(behind_each_other(np.random.default_rng(8), SMALL))
+    slow = [film for film in films if film.rates.get("raster", 1.0) < 0.2]
+    with pytest.raises(SimulationError, match="did not end"):
+        play(slow)
