@@ -1,0 +1,57 @@
+"""Measure what elements cost on the wire: shapes in words, compact words, and shorter ones.
+
+Run as ``.venv/bin/python docs/measure_compact.py``: the built-in scenes with splats of several
+sizes, ``--quality paper``. Prints a table: bits with shapes in the words, with compact words of 64
+bits, and with such of 57 (size 5, n' 12, D 7, S 7, material 7, x 9, z 9 and one that tells them
+from other words, which then have 65); and pieces of 16 bits, as the pins take them.
+"""
+
+import numpy as np
+
+from splatline.host import fit_view, load_scene, make_frame, splat_radii
+from splatline.host.scenes import SCENES
+from splatline.rtl.variants import SHAPED
+
+FACTORS = (1, 2, 4, 6)
+SHORT, WORD, PIECE = 57, 64, 16
+
+
+def count(frame):
+    """Return how many words of a frame are compact, and how many are others (the contract)."""
+    config = frame.config
+
+    def bit(field):
+        return frame.codewords >> np.uint64(field.lsb) & np.uint64(1) == 1
+
+    is_compact = ~bit(config.mode) & bit(config.compact_set) & ~bit(config.compact_clear)
+    return int(is_compact.sum()), int((~is_compact).sum())
+
+
+def main():
+    """Print the table."""
+    full = SHAPED[-1]
+    print("| scene | splats | with shapes | compact, 64 | 57 bits | less | pieces, 64 | 57 |")
+    print("|---|---:|---:|---:|---:|---:|---:|---:|")
+    for name in SCENES:
+        scene = load_scene(name)
+        view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up)
+        for factor in FACTORS:
+            radii = factor * splat_radii(scene.cloud)
+            options = {"radii": radii, "quality": "paper", "config": full}
+            table = make_frame(scene.cloud, view, **options)
+            compact, others = count(make_frame(scene.cloud, view, shapes="rom", **options))
+            plain = WORD * len(table.codewords)
+            long = WORD * (compact + others)
+            short = SHORT * compact + (WORD + 1) * others
+            pieces = [
+                compact * -(-bits // PIECE) + others * -(-(WORD + flag) // PIECE)
+                for bits, flag in ((WORD, 0), (SHORT, 1))
+            ]
+            print(
+                f"| {name} | x {factor} | {plain:,} | {long:,} | {short:,} |"
+                f" {1 - short / long:.1%} | {pieces[0]:,} | {pieces[1]:,} |"
+            )
+
+
+if __name__ == "__main__":
+    main()
