@@ -346,7 +346,7 @@ PROOFS = [
         0,
         18,
         Fault("no conflict", LaneWindow, r"\(drawn & tile\.meets\)", "(0)"),
-        Fault("drawn while marks are taken", LaneWindow, r"loaded\s+& ~walker\.taking", "loaded"),
+        Fault("drawn while marks are taken", LaneWindow, r"swept\s+& ~walker\.taking", "swept"),
         Fault("a word leaves where a tile stood still", LaneWindow, r"& ~\(stopped & drawn\)", ""),
         Fault(
             "lanes not kept for a tile",

@@ -79,8 +79,8 @@ REWRITTEN = {
     "no conflict": (LaneWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     "drawn while marks are taken": (
         LaneWindow,
-        r"loader\.loaded\s+& ~walker\.taking",
-        "loader.loaded",
+        r"~swept\s+& ~walker\.taking",
+        "~swept",
         "with_stalls",
     ),
     "loaded while marks are taken": (

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 from clouds import cloud_of
 from engines import mismatches
-from faults import fault, rewrite
+from faults import fault
 from random_frames import frame_of, nonsense, shapes
 from rom_words import compact_words, mixed_words
 from test_presets import RATES, back_to_back, behind_each_other, over_an_initial_raster
@@ -17,7 +17,7 @@ from splatline.host import fit_view, make_frame
 from splatline.host.order import advance_word
 from splatline.host.shapes import shape_table
 from splatline.rtl import verilog
-from splatline.rtl.engine import Engine, engine_latency
+from splatline.rtl.engine import engine_latency
 from splatline.rtl.format import PAPER
 from splatline.rtl.variants import SHAPED
 from splatline.sim import golden
@@ -139,12 +139,3 @@ def test_a_rom_that_mirrors_nothing_is_noticed(monkeypatch):
     except SimulationError:
         return
     assert outcome.raster.mismatches(golden.render(frame)) > 0
-
-
-def test_a_third_frame_that_is_let_in_is_noticed(monkeypatch):
-    """The count of frames runs over, and the engine waits for an end that it does not expect."""
-    rewrite(monkeypatch, Engine, "elaborate", r" & ~frames\[1\]\),", "),")
-    films = list(behind_each_other(np.random.default_rng(8), SMALL))
-    slow = [film for film in films if film.rates.get("raster", 1.0) < 0.2]
-    with pytest.raises(SimulationError, match="did not end"):
-        play(slow)
