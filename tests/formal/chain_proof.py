@@ -226,8 +226,8 @@ PROOFS = [
         fault_depth=28,
         fault_engine="abc bmc3",
         slow=engines > 2,
-        # All in lines that two engines have as well; one shows that four can fail.
+        # All in lines that two engines have as well; one shows that more can fail.
         faults=FAULTS if engines == 2 else FAULTS[-1:],
     )
-    for engines, most in ((2, 7), (4, 11))
+    for engines, most in ((2, 7), (3, 9))
 ]
