@@ -219,19 +219,32 @@ class BankWalker(wiring.Component):
         return self.drawn[bank] & (place < line[: self.config.slot_bits])
 
     def _reached(self, m, stretch, last, passed, clean):
-        """Choose the first stretch that was reached, of those that the line still has."""
+        """Choose the first stretch that was reached, of those that the line still has.
+
+        It is chosen a cycle ahead, both for if this one is passed and for if not: the way from
+        the marks to the next stretch would be the longest of the engine otherwise. A stretch that
+        is reached in this cycle counts in the one after the next, in which it can have a mark.
+        """
         reached = Signal.like(self.reach)
         ahead = Signal.like(self.reach, init=-1)
-        wanted = Signal.like(self.reach)
-        first = Signal.like(self.reach)
+        later = Signal.like(self.reach)  # those that are ahead once this one is passed
+        chosen = Signal.like(self.reach)
         m.d.comb += [
-            wanted.eq(reached & ahead),
-            first.eq(wanted & (~wanted + 1)),
-            stretch.eq(number_of(first)),
-            last.eq(first == wanted),
+            later.eq(Mux(last, -1, ahead & ~chosen)),
+            stretch.eq(number_of(chosen)),
         ]
-        with m.If(passed):
-            m.d.sync += ahead.eq(Mux(last, -1, ahead & ~first))
+        choices = []
+        for name, rest in (("same", ahead), ("next", later)):
+            wanted = Signal.like(self.reach, name=f"wanted_{name}")
+            first = Signal.like(self.reach, name=f"first_{name}")
+            no_more = Signal(name=f"last_{name}")
+            m.d.comb += [
+                wanted.eq(reached & rest),
+                first.eq(wanted & (~wanted + 1)),
+                no_more.eq(first == wanted),
+            ]
+            choices.append(Cat(first, no_more, rest))
+        m.d.sync += Cat(chosen, last, ahead).eq(Mux(passed, choices[1], choices[0]))
         with m.If(~self.jump):
             m.d.sync += reached.eq(-1)
         with m.Elif(self.reaching):

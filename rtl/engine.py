@@ -124,7 +124,7 @@ class Engine(wiring.Component):
         # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
         frames = Signal(2)
         opens = Signal()
-        waits = Signal()  # a code word that was offered: no table write goes before it any more
+        waits = Signal()  # a code word was offered: what follows stays offered, whatever tables ask
         registers = tables.registers
         m.d.comb += opens.eq(self.codewords.valid & self.codewords.ready & ~sequencer.open)
         m.d.sync += [
@@ -134,7 +134,7 @@ class Engine(wiring.Component):
         m.d.comb += [
             self.in_frame.eq(sequencer.open),
             # A size that is written while the end beat waits would change the beat.
-            tables.idle.eq((frames == 0) & ~waits & ~(self.raster.valid & self.raster.payload.end)),
+            tables.idle.eq((frames == 0) & ~(self.raster.valid & self.raster.payload.end)),
             sequencer.admit.eq((~self.tables.valid | waits) & ~frames[1]),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),

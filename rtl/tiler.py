@@ -27,7 +27,8 @@ class Tiler(wiring.Component):
     An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
     so that the lines above it may leave.
 
-    **Latency**: 2 cycles. **Throughput**: one tile a cycle.
+    **Latency**: 2 cycles. **Throughput**: one tile a cycle; a frame's first comes three
+    cycles after the ``end`` token before it at the soonest, as the window must have moved on.
 
     Members
     -------

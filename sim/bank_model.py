@@ -116,7 +116,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         np.zeros(BANKS, np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(BANKS, EMPTY, np.int64),
-        np.zeros(11, np.int64),
+        np.zeros(13, np.int64),
         np.zeros((LINES, 2 * machine.half_words), np.bool_),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),

@@ -44,12 +44,15 @@ STRETCH = 16
     TOP,
     REACHED,
     AHEAD,
-) = range(11)
+    CHOSEN,
+    LAST,
+) = range(13)
 """Registers of the walker: the first line in the window; the line whose marks are
 read next; the marks of the stretch that follows, its line and number; those of the words that are
 still to be asked for, and their stretch, on line ``OLDEST``; a bit a place that was written into;
 the line above which all lines are complete; stretches that elements reached since the window was
-last clean, and those that the line still has, a bit each."""
+last clean, and those that the line still has, a bit each; the stretch that is read next, and
+whether it is its line's last."""
 
 
 @nb.njit(cache=True, inline="always")
@@ -101,7 +104,7 @@ def step_walk(
     Parameters
     ----------
     walk
-        The walker's registers, changed: see ``OLDEST``; shape (11,), int64.
+        The walker's registers, changed: see ``OLDEST``; shape (13,), int64.
     marks
         Words that were drawn into, changed: shape (16, words), bool.
     complete
@@ -113,10 +116,7 @@ def step_walk(
     machine
         The engine.
     """
-    line, wanted = walk[LINE], walk[REACHED] & walk[AHEAD]
-    stretch = 0
-    while wanted and not wanted >> stretch & 1:
-        stretch += 1
+    line, stretch = walk[LINE], walk[CHOSEN]
     leaving = line < complete
     here = 1 << line % LINES
     scans = leaving and walk[WRITTEN] & here and not marking
@@ -141,7 +141,7 @@ def step_walk(
         walk[NEXT] |= row
         marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
         walk[AHEAD] &= ~(1 << stretch)
-        if wanted >> stretch <= 1:
+        if walk[LAST]:
             walk[AHEAD] = -1
             walk[LINE] += 1
             walk[WRITTEN] &= ~here
@@ -149,3 +149,8 @@ def step_walk(
         walk[LINE] = complete
     elif leaving and not walk[WRITTEN] & here:
         walk[LINE] += 1
+    wanted = walk[REACHED] & walk[AHEAD]
+    chosen = 0
+    while wanted and not wanted >> chosen & 1:
+        chosen += 1
+    walk[CHOSEN], walk[LAST] = chosen, wanted >> chosen <= 1

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 from amaranth.hdl import Cat, Const, Signal
 from amaranth.lib.wiring import Out
-from properties import OneWord, Properties, any_constant
+from properties import OneWord, Properties, any_constant, parts
 from prove import Fault, Proof
 
 from splatline.rtl.axi_lite import AxiLiteFront
@@ -75,7 +75,7 @@ class StreamProperties(Properties):
         """Add the component and the rules."""
         self.memories = OneWord(Signal(1))
         dut = self.component()
-        self.add(m, dut)
+        self.fragment = self.add(m, dut)
         steady = ("last_column", "last_line", "last_word", "load", "enable")
         constants = {
             name: any_constant(m, dut.signature.members[name].shape, name)
@@ -142,6 +142,12 @@ def none_begins(properties, m, dut):
     waited = Signal()
     m.d.sync += waited.eq(dut.tables.valid & ~dut.tables.ready)
     properties.given(m, "busy", ~(waited & dut.busy))
+
+
+def elements_stay(properties, m, dut):
+    """What comes out of the sequencer stays as well, whatever tables are offered meanwhile."""
+    (sequencer,) = parts(properties.fragment, Sequencer)
+    properties.always(m, "element", properties.steady(m, sequencer.o, "element"))
 
 
 def answers_stay(properties, m, dut):
@@ -299,7 +305,9 @@ PROOFS = [
         "engine with lanes",
         lambda: Engine(PAPER.replace(window_lines=8, **NARROW)),
         Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
-        Fault("a size while the end waits", Engine, r"~waits & ~\(self\.raster.*\)\)", "~waits)"),
+        Fault("a size while the end waits", Engine, r"0\) & ~\(self\.raster.*\)\)", "0))"),
+        Fault("withdrawn for a table", Engine, r"\(~(self\.tables\.valid) \| waits\)", r"~\1"),
+        given=elements_stay,
         depth=14,
         endless=False,
         engine="abc bmc3",

@@ -137,7 +137,7 @@ BANKS = LANES.replace(lanes=False, raster_words=2)
 def test_frames_follow_each_other_without_a_gap(config):
     """An engine takes a frame's first code word right behind the end word, or three cycles later.
 
-    For so long an element waits whose window is known only once the end token has left the tiler.
+    For so long one of these elements waits in a tiler until the end token has left it.
     """
     rng = np.random.default_rng(2)
     frames = [shapes(rng, 300, 50, 48, largest=3, config=config) for _ in range(5)]

@@ -71,7 +71,7 @@ BANK_WINDOW_FAULTS = [
     (BankWalker, test_bank_walker, ASKS, "alone", "1'h1", "the rest of a stretch is lost"),
     (BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
     (BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
-    (BankWalker, test_bank_walker, ASKS, "last", "1'h1", "only the first stretch is read"),
+    (BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "only two stretches are read"),
     (
         BankWalker,
         test_bank_walker,

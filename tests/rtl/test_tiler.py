@@ -4,6 +4,7 @@ import itertools
 import random
 
 import cocotb
+import numpy as np
 from tiles import LOWEST, ROOM, overlap, unpack_tile
 
 from splatline.rtl.format import PAPER
@@ -332,6 +333,23 @@ async def a_tile_comes_as_soon_as_its_lines(dut):
         await tiles_after(top - 11, 0, 0, 1, 2, 2, 3, *[4] * 9)
         await tiles_after(top - 8, *[4] * 9)
         await tiles_after(top - 7, 4, 4, 5, 6, 7, 8, 8, 8)
+
+
+@cocotb.test()
+async def an_element_behind_an_end(dut):
+    """Its first tile comes three cycles after the end token was taken, and the token at once."""
+    bench, element = StreamBench(dut, 1), ([(0, 3)] * 4, 1, 40, 0)
+    cases = [element, END, element, element]
+    dut.last_column.value = dut.last_line.value = 511
+    dut.oldest.value = 0
+    bench.source("i", [pack_element(*case, z=0, end=case is END) for case in cases])
+    sink, times = bench.sink("o"), []
+    await bench.reset()
+    for cycle in range(12):
+        await bench.step()
+        times += [cycle] * (len(sink.received) - len(times))
+    assert [unpack_tile(bits)["end"] for bits in sink.received] == [0, 1, 0, 0]
+    assert np.diff(times).tolist() == [1, 3, 1]
 
 
 @cocotb.test()
