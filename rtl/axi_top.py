@@ -121,7 +121,6 @@ class AxiTop(wiring.Component):
         connect(m, codewords.o, engine.codewords)
         connect(m, initial.o, engine.initial)
         values, events, pulses = registers.values, registers.events, registers.pulses
-        abort = pulses.control_abort
 
         # A frame is open from its first code word in the guard to its end beat, one at a time: the
         # engine would take the next while this one's end beat still waits.
@@ -132,10 +131,13 @@ class AxiTop(wiring.Component):
         aborting = Signal()
         released = Signal()  # it is no longer waited for
         busy = Signal()
+        abort = Signal()
         m.d.comb += [
             word_taken.eq(codewords.o.valid & codewords.o.ready),
             end_taken.eq(engine.raster.valid & engine.raster.ready & engine.raster.payload.end),
             busy.eq(codewords.open | drawing),
+            # In the cycle in which the end beat is taken, the frame is whole: none is left to end.
+            abort.eq(pulses.control_abort & busy & ~end_taken),
             registers.busy.eq(busy),
             # A table write that is offered goes first, as it does in the engine.
             codewords.admit.eq(~drawing & ~values.control_hold & ~registers.tables.valid),
@@ -155,7 +157,7 @@ class AxiTop(wiring.Component):
             m.d.sync += released.eq(1)
         with m.If(initial.o.valid & initial.o.ready & initial.o.payload.end):
             m.d.sync += loading.eq(0)
-        with m.If(abort & busy):
+        with m.If(abort):
             m.d.sync += aborting.eq(1)
 
         end_left, word_left = self._raster(m, aborting)
@@ -174,7 +176,7 @@ class AxiTop(wiring.Component):
             events.error_initial_ended_early.eq(initial.early),
             events.error_initial_without_last.eq(initial.late),
             events.error_initial_partial.eq(initial.partial),
-            events.error_aborted.eq(abort & busy),
+            events.error_aborted.eq(abort),
             events.irq_status_frame_done.eq(end_left),
         ]
         live = registers.live

@@ -163,7 +163,7 @@ class BankWalker(wiring.Component):
         with m.If(free & ~reading):
             m.d.sync += read.eq(0)
         if config.mark_words == 1:
-            self._reached(m, stretch, last, passed, clean & ~self.drawn.any())
+            self._choose_stretch(m, stretch, last, passed, clean & ~self.drawn.any())
         else:
             m.d.comb += last.eq(stretch == self.last_word[column_bits(config) + 1 :])
             with m.If(passed):
@@ -218,7 +218,7 @@ class BankWalker(wiring.Component):
         place = Cat(Const(bank % 4, 2), self.addresses[bank][-2:])
         return self.drawn[bank] & (place < line[: self.config.slot_bits])
 
-    def _reached(self, m, stretch, last, passed, clean):
+    def _choose_stretch(self, m, stretch, last, passed, clean):
         """Choose the first stretch that was reached, of those that the line still has.
 
         It is chosen a cycle ahead, both for if this one is passed and for if not: the way from

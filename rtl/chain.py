@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Module, Mux, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
@@ -171,7 +171,8 @@ class Chain(wiring.Component):
             m.d.sync += ahead.eq(ahead | begins)
 
         idle = Signal(len(engines))
-        m.d.comb += self.tables.ready.eq(between & idle.all())
+        all_idle = Signal()
+        m.d.comb += [all_idle.eq(idle.all()), self.tables.ready.eq(between & all_idle)]
         for n, engine in enumerate(engines):
             words = getattr(self, f"codewords_{n}")
             may = Signal(name=f"may_{n}")
@@ -182,6 +183,8 @@ class Chain(wiring.Component):
                 engine.codewords.payload.eq(words.payload),
                 engine.codewords.valid.eq(words.valid & may),
                 words.ready.eq(engine.codewords.ready & may),
-                engine.tables.payload.eq(self.tables.payload),
+                # It is kept from beginning a frame, but writes nothing before all do.
+                engine.tables.payload.data.eq(self.tables.payload.data),
+                engine.tables.payload.address.eq(Mux(all_idle, self.tables.payload.address, -1)),
                 engine.tables.valid.eq(self.tables.valid & between),
             ]

@@ -124,7 +124,7 @@ class Engine(wiring.Component):
         # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
         frames = Signal(2)
         opens = Signal()
-        waits = Signal()  # a code word was offered: what follows stays offered, whatever tables ask
+        waits = Signal()  # an element was offered, and stays so, whatever tables ask
         registers = tables.registers
         m.d.comb += opens.eq(self.codewords.valid & self.codewords.ready & ~sequencer.open)
         m.d.sync += [

@@ -303,6 +303,11 @@ class EngineConfig:
         return 1 << self.line_bits
 
     @property
+    def reset_size(self) -> tuple[int, int]:
+        """Columns and lines of the image after a reset: 512, or as many as there can be."""
+        return min(512, self.max_width), min(512, self.max_height)
+
+    @property
     def background_depth(self) -> int:
         """Depth of a pixel that nothing was drawn into."""
         return (1 << self.depth_bits) - 1

@@ -157,11 +157,14 @@ def _control() -> Iterator[_Row]:
 
 def _frame(config: EngineConfig) -> Iterator[_Row]:
     """Yield what holds for a whole frame: the engine's own registers."""
-    for name, bits, most, table in (
-        ("column", config.x_bits, config.max_width, Register.LAST_COLUMN),
-        ("line", config.line_bits, config.max_height, Register.LAST_LINE),
+    for name, bits, size, table in zip(
+        ("column", "line"),
+        (config.x_bits, config.line_bits),
+        config.reset_size,
+        (Register.LAST_COLUMN, Register.LAST_LINE),
+        strict=True,
     ):
-        last = _field("VALUE", bits, Access.READ_WRITE, f"{name}s less 1", min(512, most) - 1)
+        last = _field("VALUE", bits, Access.READ_WRITE, f"{name}s less 1", size - 1)
         yield f"LAST_{name.upper()}", f"last {name} of the image", [last], table
     load = _field("LOAD", 1, Access.READ_WRITE, "frames start from the raster on `s_axis_initial`")
     yield "START", "what a frame starts from", [load], Register.CONTROL

@@ -67,12 +67,9 @@ class Tables(wiring.Component):
         m = Module()
         config = self.config
         write = self.i.payload
+        width, height = config.reset_size
         registers = Signal(
-            RegistersLayout(config),
-            init={
-                "last_column": -1 % config.max_width,
-                "last_line": min(511, config.max_height - 1),
-            },
+            RegistersLayout(config), init={"last_column": width - 1, "last_line": height - 1}
         )
         m.d.comb += [
             self.i.ready.eq(self.idle),

@@ -170,6 +170,13 @@ class ChainProperties(Properties):
         m.d.sync += silent.eq(Mux(calm & ~dut.raster.valid, silent + 1, 0))
         self.always(m, "goes_on", silent <= self.most)
         self.always(m, "raster", self.steady(m, dut.raster, "raster"))
+        # A table is written in all engines at once: none begins a frame with another one.
+        for n, engine in enumerate(engines):
+            write = engine.tables.payload
+            writes = engine.tables.valid & engine.tables.ready & ~write.address.all()
+            taken = dut.tables.valid & dut.tables.ready
+            same = write.as_value() == dut.tables.payload.as_value()
+            self.always(m, f"table_{n}", ~writes | (taken & same))
         self._close(m, dut, engines, fragment)
 
     def _close(self, m, dut, engines, fragment):
@@ -212,13 +219,15 @@ SEEN = Fault(
 FAULTS = (
     Fault("none begins again", Chain, r"ahead\.eq\(0\)", "ahead.eq(ahead)", "_frames"),
     Fault("shown too early", Chain, r"tables\.valid & between\)", "tables.valid)", "_frames"),
+    Fault("written by one", Chain, r"Mux\(all_idle, (.*), -1\)", r"\1", "_frames"),
     Fault("an end is left", Merger, r"before\.valid & ~first", "before.valid & second"),
 )
 
 PROOFS = [
     Proof(
         name=f"chain: {engines} engines",
-        shows=f"once nothing stalls any more, {most} cycles without a beat are the most",
+        shows="a table is written in all engines at once; once nothing stalls any more, "
+        f"{most} cycles without a beat are the most",
         build=lambda engines=engines, most=most: ChainProperties(engines, most),
         depth=most + 3,
         endless=True,

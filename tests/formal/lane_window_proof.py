@@ -325,7 +325,7 @@ SWEPT = Fault("the sweep's last cycle", LaneWindow, r"(sweep = Signal\(.*)\)", r
 """The lanes have been cleared but for their last pixel."""
 
 
-def plan(name, shows, load, depth, *faults, ordered=True):
+def plan(name, shows, load, depth, *faults, ordered=True, long=False):
     """Return a proof of the window."""
     return Proof(
         name=name,
@@ -336,6 +336,7 @@ def plan(name, shows, load, depth, *faults, ordered=True):
         changes=(SWEPT,),
         faults=faults,
         slow=True,
+        long=long,
     )
 
 
@@ -344,9 +345,8 @@ PROOFS = [
         "lane window",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
-        18,
+        15,
         Fault("no conflict", LaneWindow, r"\(drawn & tile\.meets\)", "(0)"),
-        Fault("drawn while marks are taken", LaneWindow, r"swept\s+& ~walker\.taking", "swept"),
         Fault("a word leaves where a tile stood still", LaneWindow, r"& ~\(stopped & drawn\)", ""),
         Fault(
             "lanes not kept for a tile",
@@ -354,7 +354,6 @@ PROOFS = [
             r"& \(first \| ~\(offered & meeting\)\)",
             "",
         ),
-        Fault("a tile goes where a word does", LaneWindow, r"& ~\(first & meeting\)", ""),
         Fault("a line left too early", Walker, r"here & moves & ", "here & "),
         Fault("reached at the moment", Walker, r", now\) \| reach", ", now | reach)", "_reached"),
         Fault("a turn ahead unnoticed", Changeover, r"self\.wraps &", "0 &"),
@@ -362,6 +361,15 @@ PROOFS = [
         Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
         Fault("a frame closed twice", LaneWindow, r" & ~walker\.closing", ""),
         Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
+    ),
+    plan(
+        "lane window, further",
+        "the same, until every fault that is known of shows",
+        0,
+        18,
+        Fault("drawn while marks are taken", LaneWindow, r"swept\s+& ~walker\.taking", "swept"),
+        Fault("a tile goes where a word does", LaneWindow, r"& ~\(first & meeting\)", ""),
+        long=True,
     ),
     plan(
         "lane window, initial raster",

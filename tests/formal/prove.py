@@ -83,7 +83,9 @@ class Proof:
     changes
         What is rewritten for the proof itself, faults or not: what it takes for granted.
     slow
-        Left to ``make formal``, as it takes too long for ``make test``.
+        Left to CI and ``make formal``, as it takes too long for ``make test``.
+    long
+        And left to ``make formal`` alone, as it takes minutes.
     """
 
     name: str
@@ -97,6 +99,7 @@ class Proof:
     fault_engine: str = ""
     changes: tuple[Fault, ...] = ()
     slow: bool = False
+    long: bool = False
 
     @property
     def extent(self) -> str:

@@ -53,7 +53,7 @@ def main() -> int:
     parser.add_argument("--no-faults", action="store_true", help="leave the planted faults out")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep RTLIL, logs and traces")
     parser.add_argument(
-        "--slow", action="store_true", help="only those that `make test` leaves out"
+        "--ci", action="store_true", help="only those that CI runs beside those of `make test`"
     )
     parser.add_argument("--list", action="store_true", help="say what there is, as Markdown")
     options = parser.parse_args()
@@ -61,7 +61,7 @@ def main() -> int:
         proof
         for proof in all_proofs()
         if (not options.words or any(word in proof.name for word in options.words))
-        and (proof.slow or not options.slow)
+        and (not options.ci or (proof.slow and not proof.long))
     ]
     if not proofs:
         parser.error(f"no proof has {' or '.join(options.words)} in its name")

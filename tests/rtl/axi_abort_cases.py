@@ -12,9 +12,12 @@ __all__ = ["ABORTS"]
 
 ABORTS = {}
 
+ROOM = 2
+"""Beats in the registers of the raster's port, which leave in any case."""
 
-def abort(device, frame, *, dropping=()):
-    """End the frame that is open; the part of it that came is part of the picture."""
+
+def abort(device, *, dropping=()):
+    """End the frame that is open; what still comes is drawn, inside the image and in order."""
     engine = Driver(device)
     assert engine.get("STATUS", "BUSY")
     engine.set("CONTROL", QUIET=1, ABORT=1)
@@ -35,11 +38,14 @@ def abort(device, frame, *, dropping=()):
 
 @case(ABORTS)
 def while_the_raster_waits(device):
-    _, frame = setup(device, 30)
+    engine, frame = setup(device, 30)
+    whole = engine.draw_beats(frame.codewords)
+    engine.set("CONTROL", QUIET=1, CLEAR=1)
     device.command("pause", "raster", True)
     device.send(frame.codewords)
     device.command("wait", 200)
-    abort(device, frame)
+    abort(device)
+    assert len(whole) > ROOM >= engine.get("WORDS")
     right(device)
 
 
@@ -51,7 +57,7 @@ def in_the_middle_of_the_code_words(device):
     device.command("pause", "codewords", True)
     device.command("wait", 400)
     assert engine.get("ELEMENTS") > 0
-    abort(device, frame, dropping=["DROPPING"])
+    abort(device, dropping=["DROPPING"])
     right(device)
 
 
@@ -61,7 +67,7 @@ def with_an_initial_raster_that_never_comes(device):
     engine.set("START", LOAD=1)
     device.send(frame.codewords)
     device.command("wait", 400)
-    abort(device, frame)
+    abort(device)
     right(device)
 
 
@@ -74,7 +80,7 @@ def in_the_middle_of_an_initial_raster(device):
     device.command("wait", 60)
     device.command("pause", "initial", True)
     device.command("wait", 400)
-    abort(device, frame, dropping=["DROPPING_INITIAL"])
+    abort(device, dropping=["DROPPING_INITIAL"])
     engine, frame = setup(device, 33)
     assert engine.draw(frame.codewords, start).mismatches(golden.render(frame, start)) == 0
     right(device)
@@ -114,7 +120,7 @@ def before_the_engine_has_a_word(device):
     device.command("pause", "codewords", True)
     device.command("wait", 20)
     assert engine.get("CYCLES") == 0
-    abort(device, frame, dropping=["DROPPING"])
+    abort(device, dropping=["DROPPING"])
     right(device)
 
 
@@ -139,6 +145,27 @@ def in_any_of_its_first_cycles(device):
         assert engine.errors() == ["ABORTED"]
         engine.set("ERROR", ABORTED=1)
     assert len(set(aborted)) == 2, aborted
+    right(device)
+
+
+@case(ABORTS)
+def in_any_of_its_last_cycles(device):
+    """The frame is ended, or whole already; the next one is right in any case."""
+    engine, frame = setup(device, 40, 12)
+    engine.draw(frame.codewords)
+    engine.set("CONTROL", QUIET=1, CLEAR=1)
+    engine.draw(frame.codewords)
+    last, aborted = engine.get("CYCLES"), []
+    for cycles in range(last - 25, last + 10):
+        device.send(frame.codewords)
+        device.command("wait", cycles)
+        engine.set("CONTROL", QUIET=1, ABORT=1)
+        device.receive()
+        aborted.append(engine.errors() == ["ABORTED"])
+        engine.clear("ERROR")
+        assert not engine.get("STATUS", "ABORTING")
+        assert engine.draw(frame.codewords).mismatches(golden.render(frame)) == 0
+    assert aborted[0] and not aborted[-1]
     right(device)
 
 

@@ -104,25 +104,29 @@ def films(rng, every_rates, config=PAPER):
     """Frames of one size and with the same tables, the next one's words right behind each.
 
     Full ones, and such as have something at the top, at the bottom, here and there or nowhere, in
-    every order; of heights that are and are not whole turns of the window; with and without an
-    initial raster, under every pattern of stalls.
+    every order; of heights that are and are not whole turns of the window, and of lines with one
+    stretch of marks and with several; with and without an initial raster, under every pattern of
+    stalls.
     """
     for seed, rates in enumerate(every_rates):
-        for height, share in ((32, 0), (37, 0), (48, 0), (5, 0), (61, 0.05), (64, 0.3)):
+        for width, height, share in (
+            *((40, 32, 0), (300, 37, 0), (40, 48, 0), (500, 5, 0)),
+            *((200, 61, 0.05), (40, 64, 0.3)),
+        ):
             frames = []
             for kind in rng.permutation(["full", "full", "top", "bottom", "few", "none"] * 2):
                 count = {"full": 150, "few": 3, "none": 0}.get(kind, 30)
                 lines = {"top": height // 3, "bottom": height // 4}.get(kind, height)
-                frame = shapes(rng, count, 40, lines, config=config)
+                frame = shapes(rng, count, width, lines, config=config)
                 if kind == "bottom":
                     words = [advance_word(height - lines, config), *frame.codewords[:-1]]
                     frame = frame_of(words, config=config)
                 tables = frames[0].tables if frames else frame.tables
-                frames.append(dataclasses.replace(frame, width=40, height=height, tables=tables))
+                frames.append(dataclasses.replace(frame, width=width, height=height, tables=tables))
             yield Job(
                 frame=frames[0],
                 followed_by=frames[1:],
-                initial=random_raster(rng, 40, height, share, config) if share else None,
+                initial=random_raster(rng, width, height, share, config) if share else None,
                 initial_waits=seed % 2 == 1,
                 write_tables="first",
                 rates=rates,

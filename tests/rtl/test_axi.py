@@ -20,14 +20,12 @@ from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.driver import Engine
 
 
-@pytest.fixture(scope="module")
-def simulation():
-    with SimulatedDevice(PAPER, limit=20_000) as device:
+def simulated(config):
+    with SimulatedDevice(config, limit=20_000) as device:
         yield device
 
 
-@pytest.fixture
-def device(simulation):
+def after_reset(simulation):
     """The device after reset; at the end no rule of the buses has been broken."""
     fresh(simulation)
     yield simulation
@@ -35,17 +33,24 @@ def device(simulation):
 
 
 @pytest.fixture(scope="module")
+def simulation():
+    yield from simulated(PAPER)
+
+
+@pytest.fixture
+def device(simulation):
+    yield from after_reset(simulation)
+
+
+@pytest.fixture(scope="module")
 def wide_simulation():
-    with SimulatedDevice(PRESETS["wide"], limit=20_000) as device:
-        yield device
+    yield from simulated(PRESETS["wide"])
 
 
 @pytest.fixture
 def wide_device(wide_simulation):
-    """As ``device``: an engine with a window of banks, whose beats have two words."""
-    fresh(wide_simulation)
-    yield wide_simulation
-    assert wide_simulation.command("rules") == []
+    """An engine with a window of banks, whose beats have two words."""
+    yield from after_reset(wide_simulation)
 
 
 @pytest.mark.parametrize("stall", [0.0, 0.3, 0.8])

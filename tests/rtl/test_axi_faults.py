@@ -61,6 +61,14 @@ PARTS = [
         *(r"aborting & loading & ~released", "abort & loading", "an abort that comes too soon"),
     ),
     (
+        *(ABORTS, "in_any_of_its_last_cycles", AxiTop, "elaborate"),
+        *(r"busy & ~end_taken\)", "busy)", "an abort that comes too late"),
+    ),
+    (
+        *(ABORTS, "while_the_raster_waits", AxiTop, "_raster"),
+        *(r"aborting & ~raster", "0 & ~raster", "beats of an aborted frame"),
+    ),
+    (
         *(STREAMS, "any_packets_at_all", RegisterSlice, "elaborate"),
         *(r"with m\.If\(~spare\)", "with m.If(1)", "the word that waits is lost"),
     ),

@@ -98,8 +98,8 @@ def frames_under_table_writes(rng):
 CHAIN_FAULTS = [
     (r"engine\.tables\.valid\.eq\(self\.tables\.valid & between\)",
      "engine.tables.valid.eq(self.tables.valid)", "writes hold back frames that have begun"),
-    (r"self\.tables\.ready\.eq\(between & idle\.all\(\)\)",
-     "self.tables.ready.eq(idle.any())", "some engines miss writes"),
+    (r"self\.tables\.ready\.eq\(between & all_idle\)",
+     "self.tables.ready.eq(idle.any())", "engines miss writes"),
     (r"engine\.in_frame \| ~ahead\[n\]", "1", "engines begin the frame after next"),
     (r"words\.ready & ~engine\.in_frame", "words.ready & idle[n]",
      "an engine begins a frame unseen"),

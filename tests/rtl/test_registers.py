@@ -5,11 +5,13 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from amaranth.sim import Simulator
 
 from splatline.rtl.format import PAPER, PRESETS, EngineConfig
 from splatline.rtl.register_map import PARAMETERS, raster_stream_bytes, register_map
 from splatline.rtl.register_texts import c_header, json_map, markdown
 from splatline.rtl.registers import Access
+from splatline.rtl.tables import Tables
 from splatline.rtl.variants import VARIANTS
 
 CONFIGS = {config.name: config for config in (*PRESETS.values(), *VARIANTS)}
@@ -17,6 +19,22 @@ WIDEST = EngineConfig(
     name="widest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
     channel_bits=8, coefficient_bits=12, colour_shift=13,
 )  # fmt: skip
+
+
+@pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST], ids=lambda config: config.name)
+def test_the_size_after_a_reset_is_the_engine_s(config):
+    """512 x 512, or as many as there can be, as docs/contract.md says."""
+    registers, tables = register_map(config), Tables(config)
+    said = [registers[name]["VALUE"].reset for name in ("LAST_COLUMN", "LAST_LINE")]
+
+    async def read(context):
+        size = (tables.registers.last_column, tables.registers.last_line)
+        assert [context.get(last) for last in size] == said
+
+    simulation = Simulator(tables)
+    simulation.add_testbench(read)
+    simulation.run()
+    assert said == [min(512, most) - 1 for most in (config.max_width, config.max_height)]
 
 
 @pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST], ids=lambda config: config.name)
