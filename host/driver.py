@@ -184,6 +184,8 @@ class Driver:
         EngineError
             If the engine found something wrong with the frame, or did not end it in time: then it
             was aborted. In either case it is ready for the next.
+        DeviceTimeoutError
+            If not even an aborted frame's end came: the device does not answer.
         """
         if not len(codewords):
             raise InputError("a frame has at least its end word")
@@ -203,7 +205,13 @@ class Driver:
         return drawn
 
     def abort(self) -> None:
-        """End the frame that is open, and take what is still coming of it."""
+        """End the frame that is open, and take what is still coming of it.
+
+        Raises
+        ------
+        DeviceTimeoutError
+            If its end does not come.
+        """
         self.set("CONTROL", QUIET=1, ABORT=1)
         self.device.receive()
         self.clear("ERROR")

@@ -196,7 +196,10 @@ class SimulatedDevice:
                     raise SimulationError(f"the simulator did not start\n{self._tail()}") from None
         end.setblocking(True)
         line: Connection[Any, Any] = stack.enter_context(Connection(end.detach()))
-        line.recv()
+        try:
+            line.recv()
+        except EOFError:
+            raise SimulationError(f"the simulator stopped at once\n{self._tail()}") from None
         return process, line
 
     def _tail(self) -> str:

@@ -36,7 +36,11 @@ def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Out
         If the simulator or cocotbext-axi is not installed.
     SimulationError
         If the simulator fails or the engine breaks a rule of its buses.
+    ValueError
+        If ``stall`` is out of range.
     """
+    if not 0.0 <= stall < 1.0:
+        raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
     begin = time.perf_counter()
     built = build_axi(frame.config)
     seconds = {"build": time.perf_counter() - begin}

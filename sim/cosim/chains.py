@@ -161,7 +161,7 @@ def build_chain(
     from ...rtl.chain import QUEUE
     from ...rtl.chain_verilog import generate_chain
 
-    text, _ = generate_chain(config, engines, link, queue=queue or QUEUE)
+    text, _ = generate_chain(config, engines, link, queue=QUEUE if queue is None else queue)
     return wrap(text, config, engines, simulator_name=simulator_name)
 
 

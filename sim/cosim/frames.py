@@ -286,6 +286,8 @@ def starts(
 ) -> list[Raster | None]:
     """Return what each frame of a job starts from: the load bit stays as it was written last."""
     if isinstance(initial, Sequence):
+        if len(initial) != frames:
+            raise ValueError(f"{len(initial)} initial rasters for {frames} frames")
         return list(initial)
     own = frames_with_tables(write_tables, frames) > 1
     return [None if own and number else initial for number in range(frames)]

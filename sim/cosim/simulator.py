@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import os
 import shlex
 import shutil
+import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
@@ -69,6 +71,15 @@ def available(simulator: str) -> bool:
         return shutil.which({"verilator": "verilator", "icarus": "iverilog"}[simulator]) is not None
 
 
+@functools.cache
+def _version(simulator: str) -> str:
+    """Return what an installed simulator says of itself."""
+    call = {"verilator": ["verilator", "--version"], "icarus": ["iverilog", "-V"]}[simulator]
+    with _tools_on_path():
+        said = subprocess.run(call, capture_output=True, text=True, check=False).stdout
+    return said.partition("\n")[0]
+
+
 def cache_folder() -> Path:
     """Return where built simulators are kept: ``$SPLATLINE_CACHE``, else the user's cache."""
     chosen = os.environ.get("SPLATLINE_CACHE")
@@ -122,7 +133,8 @@ def build(
             sorted((parameters or {}).items()),
             _BUILD_ARGS[simulator],
             _MAKE_FLAGS,
-            [metadata.version(name) for name in ("cocotb", "verilator")],
+            metadata.version("cocotb"),
+            _version(simulator),
             sys.prefix,  # the binary refers to this environment's libraries
             *visible,
         )

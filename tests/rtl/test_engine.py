@@ -185,11 +185,9 @@ def test_an_initial_raster_is_drawn_over():
     check(jobs)
 
 
-def test_two_engines_chained_draw_what_one_draws():
+def test_an_engine_draws_over_what_another_has_drawn():
     rng = np.random.default_rng(7)
-    whole = shapes(rng, 600, 64, 40)
-    first = frame_of(whole.codewords[:-1], 64, 40)
-    picture = check([Job(frame=first)])[0].raster
+    picture = check([Job(frame=shapes(rng, 600, 64, 40))])[0].raster
     second = shapes(rng, 300, 64, 40)
     check([Job(frame=second, initial=picture, rates={"initial": 0.5})])
 
@@ -268,8 +266,8 @@ def test_a_third_frame_that_is_let_in_is_noticed(monkeypatch):
     assert ends_taken(PAPER.with_shapes("small")) > 3
 
 
-def test_no_table_write_goes_before_a_word_that_was_offered_first():
-    """A large compact word makes two, but is taken at once: then the frame is open."""
+def test_no_table_write_comes_between_the_words_that_a_compact_one_makes():
+    """A large one makes two, but is taken at once: then the frame is open."""
     config = PAPER.with_shapes("full")
     dut = Engine(config)
     codewords, tables = dut.codewords, dut.tables
