@@ -235,6 +235,7 @@ PROOFS = [
         fault_depth=28,
         fault_engine="abc bmc3",
         slow=engines > 2,
+        long=engines > 2,
         # All in lines that two engines have as well; one shows that more can fail.
         faults=FAULTS if engines == 2 else FAULTS[-1:],
     )

@@ -135,7 +135,7 @@ SWEPT = Fault("the sweep's last cycle", Window, r"(sweep = Signal\(.*)\)", r"\1,
 """The banks have been cleared but for their last words."""
 
 
-def plan(name, shows, load, depth, *faults, config=TINY, pixel=None):
+def plan(name, shows, load, depth, *faults, config=TINY, pixel=None, long=False):
     """Return a proof of the window."""
     return Proof(
         name=name,
@@ -146,6 +146,7 @@ def plan(name, shows, load, depth, *faults, config=TINY, pixel=None):
         changes=(SWEPT,),
         faults=faults,
         slow=True,
+        long=long,
     )
 
 
@@ -182,6 +183,7 @@ PROOFS = [
         14,
         Fault("marks lost", BankWalker, r"here & ~marks\.busy", "here"),
         pixel=(Const(2, 4), Const(1, 2), Const(1, 2)),
+        long=True,
     ),
     plan(
         "window of banks, initial raster",
@@ -200,5 +202,6 @@ PROOFS = [
         10,
         Fault("the right word is lost", Halver, r"last\.eq\(right", "last.eq(1"),
         config=TWO_WORDS,
+        long=True,
     ),
 ]
