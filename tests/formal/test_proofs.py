@@ -1,10 +1,12 @@
 """The quick proofs hold, and each finds its planted faults; ``make formal`` runs the others too."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import prove_all
 import pytest
-from prove import Outcome, run
+from prove import TOOLS, Outcome, prepare_solver, run
 from prove_all import all_proofs, table
 
 QUICK = [proof for proof in all_proofs() if not proof.slow]
@@ -34,6 +36,17 @@ def test_abc_finds_a_fault_wherever_its_folder_lies(tmp_path):
     proof = next(proof for proof in all_proofs() if proof.name == "tiler: pixels, words of 2")
     assert proof.engine.startswith("abc")
     assert run(proof, proof.faults[0], tmp_path).status == "fails"
+
+
+def test_a_solver_that_never_ran_on_this_machine_says_nothing_but_its_answer(tmp_path, monkeypatch):
+    """What it says while it is compiled would be taken for an answer."""
+    monkeypatch.setenv("YOWASP_CACHE_DIR", str(tmp_path))
+    prepare_solver.cache_clear()
+    prepare_solver()
+    solver = Path(sys.executable).parent / TOOLS["boolector"]
+    asked = subprocess.run([solver, "--version"], capture_output=True, text=True, check=True)
+    assert asked.stdout.strip()
+    assert asked.stderr == ""
 
 
 def test_every_proof_has_a_planted_fault():
