@@ -4,10 +4,11 @@ from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
+from .bank_layout import bank_address_bits
 from .format import EngineConfig
 from .layouts import WordLayout
 
-__all__ = ["Bank", "BankRequestLayout", "bank_address_bits"]
+__all__ = ["Bank", "BankRequestLayout"]
 
 
 class BankRequestLayout(data.StructLayout):
@@ -28,38 +29,28 @@ class BankRequestLayout(data.StructLayout):
         )
 
 
-def bank_address_bits(config: EngineConfig) -> int:
-    """Return the address bits of a bank: two for its lines, the rest for half a line's words.
-
-    A bank holds the even words of two lines of the window and the odd words of two others.
-    """
-    return 2 + config.word_bits - 1
-
-
 class Bank(wiring.Component):
     """Reads a word, tests and merges its pixels, and writes it back.
 
     The block RAM has one read and one write port and no byte enables, so a word is always written
-    whole. The word is read in the cycle of the request; in the next it stands on ``old``, is
-    compared and merged with ``new``, and is written at that cycle's end. A request for the word
-    that is being written at the moment would read stale pixels: ``conflict`` says so, and the
-    request must wait a cycle.
+    whole. It is read in the cycle of the request and stands in a register in the one after, as a
+    block RAM is slow; in the next it is compared and merged with ``new``, and is written at that
+    cycle's end. A request for a word in the two cycles after one of the same word would read stale
+    pixels, and is never made.
 
-    **Latency**: 1 cycle to ``old``, 2 to the memory. **Throughput**: one request a cycle, but not
-    the same word in two neighbouring cycles.
+    **Latency**: 2 cycles to ``old``, 3 to the memory. **Throughput**: one request a cycle, but the
+    same word in every third cycle at most.
 
     Members
     -------
     enable : In(1)
         Low: everything stands still, and ``request`` is not taken.
     request : In(BankRequestLayout)
-        What to do. Never raised while ``conflict`` is high.
+        What to do. Not the word of one of the two requests before.
     new : In(WordLayout)
-        Depth and colour to draw, one a pixel, in the cycle after the request.
-    conflict : Out(1)
-        The word at ``request.address`` is being written now.
+        Depth and colour to draw, one a pixel, two cycles after the request.
     old : Out(WordLayout)
-        The word as it was before the last request taken.
+        The word as it was before the request that was taken two cycles before.
     drawn : Out(1)
         Pixels were requested to be drawn one cycle before, into the word at ``drawn_address``.
     drawn_address : Out(bank_address_bits)
@@ -73,7 +64,6 @@ class Bank(wiring.Component):
                 "enable": In(1),
                 "request": In(BankRequestLayout(config)),
                 "new": In(WordLayout(config)),
-                "conflict": Out(1),
                 "old": Out(WordLayout(config)),
                 "drawn": Out(1),
                 "drawn_address": Out(bank_address_bits(config)),
@@ -98,34 +88,38 @@ class Bank(wiring.Component):
             ports[name] = ram.read_port(), ram.write_port()
 
         taken = Signal(BankRequestLayout(config))
+        merging = Signal(BankRequestLayout(config))
+        word = Signal(WordLayout(config), reset_less=True)
         with m.If(self.enable):
-            m.d.sync += taken.eq(self.request)
-        m.d.comb += [self.drawn.eq(taken.draw), self.drawn_address.eq(taken.address)]
-        m.d.comb += self.conflict.eq(
-            (taken.draw | taken.clear) & (taken.address == self.request.address)
-        )
+            m.d.sync += [taken.eq(self.request), merging.eq(taken)]
+        m.d.comb += [
+            self.drawn.eq(taken.draw),
+            self.drawn_address.eq(taken.address),
+            self.old.eq(word),
+        ]
         for name, (read, write) in ports.items():
             m.d.comb += [
                 read.addr.eq(self.request.address),
                 read.en.eq(self.enable),
-                self.old[name].as_value().eq(read.data),
-                write.addr.eq(taken.address),
+                write.addr.eq(merging.address),
                 # Written every cycle while standing still, the word comes out the same each time.
-                write.en.eq(taken.draw | taken.clear),
+                write.en.eq(merging.draw | merging.clear),
             ]
+            with m.If(self.enable):
+                m.d.sync += word[name].as_value().eq(read.data)
         merged = Signal(WordLayout(config))
         for pixel in range(pixels):
             new_depth, old_depth = self.new.depth[pixel], self.old.depth[pixel]
             passes = Signal(name=f"passes_{pixel}")
             m.d.comb += [
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
-                passes.eq(Cat(new_depth, 1) < Cat(old_depth, taken.mask[pixel])),
+                passes.eq(Cat(new_depth, 1) < Cat(old_depth, merging.mask[pixel])),
                 merged.depth[pixel].eq(
-                    Mux(passes, new_depth, old_depth) | taken.clear.replicate(config.depth_bits)
+                    Mux(passes, new_depth, old_depth) | merging.clear.replicate(config.depth_bits)
                 ),
                 merged.colour[pixel].eq(
                     Mux(passes, self.new.colour[pixel], self.old.colour[pixel])
-                    & ~taken.clear.replicate(config.colour_bits)
+                    & ~merging.clear.replicate(config.colour_bits)
                 ),
             ]
         m.d.comb += [

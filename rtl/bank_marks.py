@@ -4,22 +4,11 @@ from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank import bank_address_bits
+from .bank_layout import BANKS, bank_address_bits, column_bits, stretch_bits
 from .choose import choose
 from .format import EngineConfig
-from .scatter import BANKS
 
-__all__ = ["BankMarks", "column_bits", "stretch_bits"]
-
-
-def column_bits(config: EngineConfig) -> int:
-    """Return the bits of a word's number among those of its stretch and bank: up to eight words."""
-    return min(3, config.word_bits - 1)
-
-
-def stretch_bits(config: EngineConfig) -> int:
-    """Return the bits of a stretch's number in its line; a stretch has up to sixteen words."""
-    return config.word_bits - 1 - column_bits(config)
+__all__ = ["BankMarks"]
 
 
 class BankMarks(wiring.Component):
@@ -48,9 +37,8 @@ class BankMarks(wiring.Component):
     take : In(1)
         Clear that stretch; not while ``busy``.
     wipe : In(1)
-        Clear every bank's row at ``wipe_row``; nothing is drawn in that cycle.
-    wipe_row : In(stretch_bits + 2)
-        Stretch (low bits) and bits 3:2 of the lines.
+        Clear the marks of all words that share a row with those at ``addresses``; nothing is drawn
+        in that cycle.
     bits : Out(2 ** (column_bits + 1))
         The words' marks, two neighbours after the other. Of two neighbours the one in banks 0..3
         comes first, whichever lies left.
@@ -58,7 +46,6 @@ class BankMarks(wiring.Component):
 
     def __init__(self, config: EngineConfig):
         self.config = config
-        rows = stretch_bits(config) + 2
         super().__init__(
             {
                 "drawn": In(BANKS),
@@ -68,7 +55,6 @@ class BankMarks(wiring.Component):
                 "busy": Out(1),
                 "take": In(1),
                 "wipe": In(1),
-                "wipe_row": In(rows),
                 "bits": Out(2 << column_bits(config)),
             }
         )
@@ -78,8 +64,8 @@ class BankMarks(wiring.Component):
         m = Module()
         low = column_bits(self.config)
         shared = min(self.config.mark_words.bit_length() - 1, low)  # bits of an address left out
-        row = Signal.like(self.wipe_row)
-        m.d.comb += row.eq(Mux(self.wipe, self.wipe_row, Cat(self.stretch, self.line[2:])))
+        row = Signal(stretch_bits(self.config) + 2)
+        m.d.comb += row.eq(Cat(self.stretch, self.line[2:]))
 
         kept = [Signal(1 << low, name=f"kept_{bank}") for bank in range(BANKS)]
         for bank in range(BANKS):
@@ -88,7 +74,7 @@ class BankMarks(wiring.Component):
             mark_row = Signal.like(row, name=f"mark_row_{bank}")
             m.d.comb += [
                 clear.eq(self.wipe | (self.take & (self.line[:2] == bank % 4))),
-                mark_row.eq(Mux(drawn, address[low:], row)),
+                mark_row.eq(Mux(drawn | self.wipe, address[low:], row)),
             ]
             for column in range(1 << low - shared):
                 ram = memory.Memory(

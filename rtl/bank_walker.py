@@ -4,15 +4,16 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank import bank_address_bits
-from .bank_marks import BankMarks, column_bits, stretch_bits
+from .bank_layout import BANKS, bank_address_bits, column_bits, stretch_bits
+from .bank_marks import BankMarks
 from .changeover import Changeover
 from .choose import number_of
 from .format import EngineConfig
 from .layouts import FlushLayout
-from .scatter import BANKS
 
 __all__ = ["BankWalker"]
+
+STAGES = ("found", "read", "left")
 
 
 class BankWalker(wiring.Component):
@@ -30,9 +31,9 @@ class BankWalker(wiring.Component):
     has reached since the window was last clean is not read: a few elements cost a few cycles.
 
     Where the raster's beats have two words, two neighbours that are both drawn are asked for
-    together.
+    together. Up to two of what is asked for wait to be taken.
 
-    **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle,
+    **Latency**: 5 cycles from a complete line to its first word. **Throughput**: one word a cycle,
     or a beat's two, and at least one cycle a stretch of sixteen that was reached.
 
     Members
@@ -55,9 +56,7 @@ class BankWalker(wiring.Component):
     addresses : In(8 x bank_address_bits)
         Which word.
     wipe : In(1)
-        Clear the marks at ``wipe_row``, as after a reset.
-    wipe_row : In(stretch_bits + 2)
-        See :class:`BankMarks`.
+        Clear the marks about ``addresses``, as after a reset: see :class:`BankMarks`.
     close : In(1)
         The frame at hand is complete; not while ``closing``.
     restart : In(1)
@@ -87,7 +86,6 @@ class BankWalker(wiring.Component):
                 "drawn": In(BANKS),
                 "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
                 "wipe": In(1),
-                "wipe_row": In(stretch_bits(config) + 2),
                 "close": In(1),
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
@@ -109,15 +107,18 @@ class BankWalker(wiring.Component):
         closing = Signal()
         leaves = Signal()
 
-        # The stretch that is read next, the one that was read, and the one at hand, on ``oldest``.
+        # The stretch that is read next.
         line = Signal(len(self.oldest))
-        line_read = Signal.like(line)
         stretch = Signal(stretch_bits(config))
         last = Signal()  # it is the line's last
-        stretch_read = Signal.like(stretch)
-        stretch_left = Signal.like(stretch)
-        read = Signal(len(marks.bits))
-        left = Signal.like(read)
+        # What was read, what follows, and what is left of the stretch at hand: the words' marks,
+        # the line and the stretch.
+        found, read, left = (Signal(len(marks.bits), name=name) for name in STAGES)
+        line_found, line_read, line_left = (Signal.like(line, name=f"line_{n}") for n in STAGES)
+        stretch_found, stretch_read, stretch_left = (
+            Signal.like(stretch, name=f"stretch_{n}") for n in STAGES
+        )
+        second_valid = Signal()  # two words, or pairs, are asked for
 
         # Reading: on through the stretches, past those without marks, until one has some.
         loaded = Signal()
@@ -125,7 +126,7 @@ class BankWalker(wiring.Component):
         here = Signal()
         reading = Signal()
         moves = Signal()
-        free = Signal()
+        onward = Signal()
         passed = Signal()
         ended = Signal()
         m.d.comb += [
@@ -134,16 +135,16 @@ class BankWalker(wiring.Component):
             leaving.eq((((line < self.top) & loaded) | closing) & ~changeover.halted),
             here.eq(written.bit_select(line[:4], 1)),
             reading.eq(leaving & here & ~marks.busy),
-            free.eq(~read.any() | moves),
-            passed.eq(reading & (free | ~marks.bits.any())),
+            # What was read moves on at once if it is nothing: one that has some never waits for it.
+            onward.eq(~read.any() | moves),
+            passed.eq(reading & (onward | ~found.any())),
             ended.eq(passed & last),
             marks.line.eq(line),
             marks.stretch.eq(stretch),
-            marks.take.eq(reading & free),
+            marks.take.eq(passed),
             marks.drawn.eq(self.drawn),
             marks.addresses.eq(self.addresses),
             marks.wipe.eq(self.wipe),
-            marks.wipe_row.eq(self.wipe_row),
             clean.eq(~written.any()),
             changeover.oldest.eq(self.oldest),
             changeover.line.eq(line),
@@ -156,12 +157,20 @@ class BankWalker(wiring.Component):
             closing.eq(changeover.closing),
             self.front.eq(changeover.front),
             self.closing.eq(closing),
-            self.over.eq(changeover.over & ~read.any() & ~left.any()),
+            self.over.eq(changeover.over & ~Cat(found, read, left, self.flush.valid).any()),
         ]
-        with m.If(free):
-            m.d.sync += [read.eq(marks.bits), line_read.eq(line), stretch_read.eq(stretch)]
-        with m.If(free & ~reading):
-            m.d.sync += read.eq(0)
+        with m.If(onward | ~found.any()):
+            m.d.sync += [
+                found.eq(marks.bits & reading.replicate(len(found))),
+                line_found.eq(line),
+                stretch_found.eq(stretch),
+            ]
+        with m.If(onward):
+            m.d.sync += [
+                read.eq(found),
+                line_read.eq(line_found),
+                stretch_read.eq(stretch_found),
+            ]
         if config.mark_words == 1:
             self._choose_stretch(m, stretch, last, passed, clean & ~self.drawn.any())
         else:
@@ -176,29 +185,48 @@ class BankWalker(wiring.Component):
 
         # Asking: the words that are left of the stretch at hand.
         column, two, alone = _first_column(m, left)
-        halves, turned = self.flush.payload.halves, self.oldest[2]
+        ask = Signal(FlushLayout(config))
         asked = Signal()
         single = Signal()  # it is the last of the stretch
+        turned = line_left[2]
         if config.raster_words == 2:
-            m.d.comb += [halves.eq(two), single.eq(alone)]
+            m.d.comb += [ask.halves.eq(two), single.eq(alone)]
         else:  # the left one first
             m.d.comb += [
-                halves[0].eq(two[0] & ~(turned & two[1])),
-                halves[1].eq(two[1] & ~(~turned & two[0])),
+                ask.halves[0].eq(two[0] & ~(turned & two[1])),
+                ask.halves[1].eq(two[1] & ~(~turned & two[0])),
                 single.eq(alone & ~two.all()),
             ]
         m.d.comb += [
-            self.flush.valid.eq(left.any()),
-            self.flush.payload.pair.eq(Cat(column, stretch_left)),
-            self.flush.payload.line.eq(self.oldest),
-            asked.eq(self.flush.valid & self.flush.ready),
-            moves.eq(~self.flush.valid | (asked & single)),
+            ask.pair.eq(Cat(column, stretch_left)),
+            asked.eq(left.any() & ~second_valid),
+            moves.eq(~left.any() | (asked & single)),
         ]
         with m.If(moves):
-            m.d.sync += [left.eq(read), self.oldest.eq(line_read), stretch_left.eq(stretch_read)]
+            m.d.sync += [left.eq(read), line_left.eq(line_read), stretch_left.eq(stretch_read)]
         for word in range(len(left)):
-            with m.If(asked & ~single & halves[word % 2] & (column == word // 2)):
+            with m.If(asked & ~single & ask.halves[word % 2] & (column == word // 2)):
                 m.d.sync += left[word].eq(0)
+
+        # The two that were asked for: whether the first is taken is known too late to ask by it.
+        first = Signal(FlushLayout(config), reset_less=True)
+        second = Signal.like(first, reset_less=True)
+        second_line = Signal.like(line, reset_less=True)
+        m.d.comb += [self.flush.payload.eq(first), self.flush.payload.line.eq(self.oldest)]
+        with m.If(~self.flush.valid | self.flush.ready):
+            m.d.sync += [
+                self.flush.valid.eq(second_valid | asked),
+                first.eq(Mux(second_valid, second, ask)),
+                second_valid.eq(0),
+            ]
+            with m.If(second_valid):
+                m.d.sync += self.oldest.eq(second_line)
+            with m.Elif(asked):
+                m.d.sync += self.oldest.eq(line_left)
+            with m.Elif(~Cat(found, read).any()):
+                m.d.sync += self.oldest.eq(line)
+        with m.Elif(asked):
+            m.d.sync += [second_valid.eq(1), second.eq(ask), second_line.eq(line_left)]
 
         for slot in range(config.window_lines):
             touched = Cat(
@@ -210,7 +238,7 @@ class BankWalker(wiring.Component):
             with m.If(ended & (line[:4] == slot)):
                 m.d.sync += written[slot].eq(0)
         with m.If(self.restart):
-            m.d.sync += [line.eq(0), line_read.eq(0), self.oldest.eq(0)]
+            m.d.sync += [line.eq(0), self.oldest.eq(0)]
         return m
 
     def _wraps(self, bank, line):

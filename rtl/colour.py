@@ -15,8 +15,8 @@ __all__ = ["ColourUnit"]
 class ColourUnit(wiring.Component):
     """Gives each element its colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
 
-    **Latency**: 1 cycle (table) to ``o``, one more (coefficients) to ``shade``, and with lanes yet
-    another (products). **Throughput**: one element a cycle.
+    **Latency**: 1 cycle (table) to ``o``, one more (coefficients) and yet
+    another (products) to ``shade``. **Throughput**: one element a cycle.
 
     With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
     16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
@@ -29,10 +29,9 @@ class ColourUnit(wiring.Component):
     o : Out(stream of GeometryLayout)
         The same elements.
     moves : In(1)
-        The element that was last taken from ``o`` goes on to the window. Used with lanes alone.
+        The element that was last taken from ``o`` goes on to where it is drawn.
     shade : Out(3 x (channel_bits + dither_bits))
-        Colour of the element that was last taken from ``o``, from the next cycle on; with lanes, of
-        the one that last moved on.
+        Colour of the element that last moved on.
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
     material : In(MaterialWriteLayout)
@@ -98,11 +97,8 @@ class ColourUnit(wiring.Component):
             product = (
                 coefficients[kd.lsb : kd.end] * diffuse + coefficients[ks.lsb : ks.end] * specular
             )
-            if config.lanes:
-                with m.If(self.moves):
-                    m.d.sync += products.eq(product)
-            else:
-                m.d.comb += products.eq(product)
+            with m.If(self.moves):
+                m.d.sync += products.eq(product)
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
             # With dithering a channel keeps the fraction that the thresholds are added to.
             shift = config.colour_shift - config.dither_bits

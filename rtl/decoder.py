@@ -4,7 +4,7 @@ from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .format import EngineConfig
+from .format import BLOCK, ROWS, EngineConfig
 from .layouts import FootprintLayout, GeometryLayout, SpanLayout
 
 __all__ = ["Decoder", "SpanDecoder"]
@@ -53,16 +53,20 @@ class SpanDecoder(wiring.Component):
 class Decoder(wiring.Component):
     """Unfolds an element's rows, clips them to the image and deals them to the lines' residues.
 
+    An element is offered once all its lines are in the window, which is known a cycle ahead.
+
     **Latency**: 1 cycle. **Throughput**: one element a cycle.
 
     Members
     -------
     i : In(stream of GeometryLayout)
         Elements, and ``end`` tokens.
-    shade : In
-        Colour of the element that was last taken.
     o : Out(stream of FootprintLayout)
         What the window draws. An end token and an element outside the image have no words.
+    oldest : In(signed(line_bits + 2))
+        First line in the window.
+    running : In(1)
+        Low: the window stands still, and what has left may not have been cleared as yet.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
@@ -74,8 +78,9 @@ class Decoder(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(GeometryLayout(config))),
-                "shade": In(3 * (config.channel_bits + config.dither_bits)),
                 "o": Out(stream.Signature(FootprintLayout(config))),
+                "oldest": In(signed(config.line_bits + 2)),
+                "running": In(1),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
             }
@@ -91,7 +96,6 @@ class Decoder(wiring.Component):
         m.d.comb += [
             footprint.word.eq(element.x[2:]),
             footprint.z.eq(element.z),
-            footprint.top.eq(element.top),
             footprint.end.eq(element.end),
         ]
         for residue, group in enumerate(footprint.upper_group):
@@ -100,15 +104,39 @@ class Decoder(wiring.Component):
         self._deal(m, element, self._rows(m, element), footprint)
 
         valid = Signal()
+        near = Signal()  # its lines are in the window
         held = Signal(FootprintLayout(config), reset_less=True)
+        top = Signal.like(element.top, name="held_top", init=-ROWS)
         m.d.comb += [
-            self.o.valid.eq(valid),
+            self.o.valid.eq(valid & (near | held.end)),
             self.o.payload.eq(held),
-            self.o.payload.colour.eq(self.shade),
-            self.i.ready.eq(~valid | self.o.ready),
+            self.o.payload.top.eq(top),
+            self.i.ready.eq(~valid | (self.o.valid & self.o.ready)),
         ]
         with m.If(self.i.ready):
             m.d.sync += [valid.eq(self.i.valid), held.eq(footprint)]
+            with m.If(self.i.valid):
+                m.d.sync += top.eq(element.top)
+            with m.Elif(valid & held.end):
+                m.d.sync += top.eq(top.init)  # of the next frame
+
+        # Known a cycle ahead: while the element at hand waits it is looked at, else the one behind
+        # it. Until an end token was taken, ``oldest`` is not of the frame behind it.
+        waits = Signal()
+        settled = Signal()
+        behind = Signal(signed(len(top) + 1))
+        beyond = config.window_lines - BLOCK  # so many lines ahead, or more
+        bits = beyond.bit_length() - 1
+        inside = ~behind[-1] | (behind[bits:].all() & behind[:bits].any())
+        m.d.comb += [
+            waits.eq(valid & ~near),
+            behind.eq(self.oldest - Mux(waits, top, element.top)),
+            settled.eq(self.running & inside),
+        ]
+        with m.If(valid & held.end):
+            m.d.sync += near.eq(0)
+        with m.Elif(waits | self.i.ready):
+            m.d.sync += near.eq(settled)
         return m
 
     def _rows(self, m, element):

@@ -4,10 +4,10 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from .bank_layout import BANKS
 from .choose import choose
 from .format import EngineConfig
 from .layouts import FlushLayout, PlaneLayout, RasterLayout
-from .scatter import BANKS
 
 __all__ = ["Emitter"]
 
@@ -15,10 +15,10 @@ __all__ = ["Emitter"]
 class Emitter(wiring.Component):
     """Picks each flushed word from its bank and offers it on ``raster``.
 
-    A word stands on its bank's output in the cycle after its request and is taken from there into
-    the register on the port. A beat of background only is dropped: what was drawn there did not
-    pass the depth test or lies outside the image, or it shares a mark. Where beats have two words,
-    one that was not requested is background.
+    A word stands on its bank's output two cycles after its request, or one if it has further
+    planes, and is taken from there into the register on the port. A beat of background only is
+    dropped: what was drawn there did not pass the depth test or lies outside the image, or it
+    shares a mark. Where beats have two words, one that was not requested is background.
 
     Where colours have further planes, they come out two cycles after plane 0, which waits for them
     in two registers; then a pixel that is background is given colour 0, as its planes are stale.
@@ -28,7 +28,7 @@ class Emitter(wiring.Component):
     A word that ``raster`` does not take stops the stages behind it, and the banks, once a second
     word stands in the last stage before the port.
 
-    **Latency**: 2 cycles from a request to ``raster``, with further planes 4. **Throughput**: one
+    **Latency**: 3 cycles from a request to ``raster``, with further planes 4. **Throughput**: one
     beat a cycle; with further planes two in four, but all that are background.
 
     Members
@@ -78,7 +78,7 @@ class Emitter(wiring.Component):
         config = self.config
 
         # The stages from a bank to the port, and the port.
-        stages = 1 if config.colour_planes == 1 else 3
+        stages = 2 if config.colour_planes == 1 else 3
         valid = Signal(stages)
         places = [
             Signal(FlushLayout(config), name=f"place_{n}", reset_less=True) for n in range(stages)
@@ -90,7 +90,6 @@ class Emitter(wiring.Component):
         m.d.comb += [
             self.raster.payload.eq(emit),
             self.running.eq(~(valid[-1] & ~take)),
-            take.eq(~self.raster.valid | self.raster.ready),
             self.empty.eq(~valid.any()),
             over.eq(self.end & self.empty),
             self.finished.eq(over & take),
@@ -100,14 +99,24 @@ class Emitter(wiring.Component):
             for earlier, place in zip([self.request, *places], places, strict=False):
                 m.d.sync += place.eq(earlier)
 
-        if stages == 1:
-            pixels, shown = self._inside(places[0], self._words(m, places[0])), 1
+        if config.colour_planes == 1:
+            pixels, shown = self._inside(places[-1], self._words(m, places)), 1
             # What is background is known behind the register: the way to it is long enough.
-            visible = ~Cat(depth.all() for depth in emit.pixels.depth).all()
-            m.d.comb += self.raster.valid.eq(emit_valid & (visible | emit.end))
+            visible = Signal()
+            blank = Signal()  # it was not visible in the cycle before, and still stands there
+            m.d.comb += [
+                visible.eq(emit.end | ~Cat(depth.all() for depth in emit.pixels.depth).all()),
+                self.raster.valid.eq(emit_valid & visible),
+                take.eq(~emit_valid | self.raster.ready | blank),
+            ]
+            m.d.sync += blank.eq(emit_valid & ~visible & ~take)
         else:
             pixels, drawn, shown = self._planes(m, places)
-            m.d.comb += [self.ready.eq(~(valid[1] & drawn)), self.raster.valid.eq(emit_valid)]
+            m.d.comb += [
+                self.ready.eq(~(valid[1] & drawn)),
+                self.raster.valid.eq(emit_valid),
+                take.eq(~emit_valid | self.raster.ready),
+            ]
 
         with m.If(take):
             m.d.sync += [
@@ -129,8 +138,9 @@ class Emitter(wiring.Component):
             return place.pair
         return Cat(place.halves[1] ^ place.line[2], place.pair)
 
-    def _words(self, m, place):
+    def _words(self, m, places):
         """Return a beat's words from left to right, each with whether it was requested."""
+        before, place = places[-2:]
         if self.config.raster_words == 1:
             word = Signal(PlaneLayout(self.config))
             bank = Cat(place.line[:2], place.halves[1])
@@ -138,7 +148,7 @@ class Emitter(wiring.Component):
             return [(word, Const(1))]
         pairs = Signal(2, reset_less=True)
         with m.If(self.running):
-            m.d.sync += pairs.eq(Cat(~self.request.line[1], self.request.line[1]))
+            m.d.sync += pairs.eq(Cat(~before.line[1], before.line[1]))
         words = []
         for half in range(2):
             upper = place.line[2] ^ half  # the banks 4..7 have it

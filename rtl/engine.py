@@ -4,7 +4,7 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from .bank import bank_address_bits
+from .bank_layout import bank_address_bits
 from .colour import ColourUnit
 from .decoder import Decoder
 from .format import PAPER, EngineConfig
@@ -22,7 +22,7 @@ __all__ = ["Engine", "engine_latency"]
 
 def engine_latency(config: EngineConfig) -> int:
     """Return ``Engine(config).latency`` without building the engine."""
-    return (4 if config.lanes else 3) + (ROM_LATENCY if config.shapes != "none" else 0)
+    return 4 + (ROM_LATENCY if config.shapes != "none" else 0)
 
 
 class Engine(wiring.Component):
@@ -32,7 +32,7 @@ class Engine(wiring.Component):
     opens right behind its end word, while its last lines are still on their way out; or, where a
     table write is offered, behind that, which waits until nothing is left of the frame.
 
-    **Latency**: 3 cycles from a code word to its pixels, 4 with lanes, and 3 more with a shape ROM;
+    **Latency**: 4 cycles from a code word to its pixels, and 3 more with a shape ROM;
     a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
     **Throughput**: with lanes a cycle a tile of 4 x 4 pixels, so 1 to 4 a code word; with banks 1
     to 3 a code word; one more where two follow each other into the same pixel or word of memory.
@@ -112,14 +112,13 @@ class Engine(wiring.Component):
         connect(m, flipped(self.initial), window.initial)
         connect(m, window.raster, flipped(self.raster))
 
-        if config.lanes:
-            m.d.comb += [
-                decoder.oldest.eq(window.oldest),
-                colour.moves.eq(decoder.moves),
-                window.shade.eq(colour.shade),
-            ]
-        else:
-            m.d.comb += decoder.shade.eq(colour.shade)
+        m.d.comb += [
+            decoder.oldest.eq(window.oldest),
+            colour.moves.eq((decoder if config.lanes else window).moves),
+            window.shade.eq(colour.shade),
+        ]
+        if not config.lanes:
+            m.d.comb += decoder.running.eq(window.running)
 
         # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
         frames = Signal(2)

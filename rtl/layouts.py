@@ -7,10 +7,12 @@ ones are the engine's own.
 from amaranth.hdl import signed
 from amaranth.lib import data
 
+from .bank_layout import BANKS, bank_address_bits, stretch_bits
 from .format import EngineConfig
 
 __all__ = [
     "CodeWordLayout",
+    "DealLayout",
     "ElementLayout",
     "FlushLayout",
     "FootprintLayout",
@@ -147,11 +149,6 @@ def _geometry(config: EngineConfig) -> dict:
     }
 
 
-def _shade_bits(config: EngineConfig) -> int:
-    """Bits of an element's colour: its channels with the fraction bits that dithering needs."""
-    return 3 * (config.channel_bits + config.dither_bits)
-
-
 class ElementLayout(data.StructLayout):
     """An element and its line, or the end of the frame: ``end``, and the largest ``top``."""
 
@@ -167,7 +164,7 @@ class ElementLayout(data.StructLayout):
 
 
 class GeometryLayout(data.StructLayout):
-    """An element but for its colour, which follows one cycle later; or the end of the frame."""
+    """An element but for its colour, which follows later; or the end of the frame."""
 
     def __init__(self, config: EngineConfig):
         super().__init__(_geometry(config))
@@ -193,7 +190,8 @@ class FootprintLayout(data.StructLayout):
     lines below. ``upper_group[q]`` is bits 3:2 of the upper line's number; the lower line's is
     one more.
 
-    ``top`` is y - 4: no later element touches a line above it.
+    ``top`` is y - 4: no later element touches a line above it; that holds even while none is
+    offered. The colour comes beside it (:class:`ColourUnit`).
     """
 
     def __init__(self, config: EngineConfig):
@@ -204,9 +202,29 @@ class FootprintLayout(data.StructLayout):
                 "upper_group": data.ArrayLayout(2, 4),
                 "word": config.word_bits,
                 "z": config.z.width,
-                "colour": _shade_bits(config),
                 "top": signed(config.line_bits + 2),
                 "end": 1,
+            }
+        )
+
+
+class DealLayout(data.StructLayout):
+    """The words of an element that the banks are to draw at the same time, one each at most.
+
+    ``want``: the banks that have one, ``shares``: its address and the pixels to draw. ``reach``:
+    the stretches of marks that the element may lie in.
+    """
+
+    def __init__(self, config: EngineConfig):
+        share = data.StructLayout(
+            {"mask": config.pixels_per_word, "address": bank_address_bits(config)}
+        )
+        super().__init__(
+            {
+                "want": BANKS,
+                "shares": data.ArrayLayout(share, BANKS),
+                "z": config.z.width,
+                "reach": 1 << stretch_bits(config),
             }
         )
 

@@ -40,13 +40,13 @@ class Paint(wiring.Component):
     each residue has its own colours; without, all banks are given the same.
 
     With further planes a word's parts come at two times (see :class:`PaintLayout`), and a loaded
-    word's share a bus: a load leaves room two cycles after it, where nothing else is drawn, and
-    waits where something was drawn two cycles before. As the planes keep a bank busy at the same
-    time, this takes next to nothing.
+    word's share a bus: nothing is drawn two cycles after a load, and a load waits where something
+    was drawn or loaded two cycles before. As the planes keep a bank busy at the same time, this
+    takes next to nothing.
 
-    **Latency**: 1 cycle; 3 to the further planes. **Throughput**: an element or a loaded word a
-    cycle; with further planes no load two cycles after anything and nothing two cycles after a
-    load.
+    **Latency**: 2 cycles; with further planes 1, and 3 to these. **Throughput**: an element or a
+    loaded word a cycle; with further planes no load two cycles after anything and nothing two
+    cycles after a load.
 
     Members
     -------
@@ -59,9 +59,9 @@ class Paint(wiring.Component):
     loaded : In(WordLayout)
         The word to load.
     drawing : In(1)
-        Requests for the element are made in this cycle.
-    may_load, may_draw : Out(1)
-        There is room for a loaded word, for an element.
+        Requests for the element are made in this cycle; not in the two after a load.
+    may_load : Out(1)
+        There is room for a loaded word.
     new : Out(1 or 4 x paint_layout)
         What the banks draw, by the residue of their lines.
     """
@@ -77,7 +77,6 @@ class Paint(wiring.Component):
                 "loaded": In(WordLayout(config)),
                 "drawing": In(1),
                 "may_load": Out(1, init=1),
-                "may_draw": Out(1, init=1),
                 "new": Out(data.ArrayLayout(paint_layout(config), 4 if config.dither else 1)),
             }
         )
@@ -97,27 +96,27 @@ class Paint(wiring.Component):
         return [[dithered(self.config, shade, line, p) for p in pixels] for line in range(4)]
 
     def _whole(self, m):
-        """Build the register of words that are drawn in one access."""
+        """Build the two registers of words that are drawn in one access."""
         config = self.config
+        load = Signal()
+        z, shade, loaded = (
+            Signal.like(getattr(self, name), name=f"held_{name}", reset_less=True)
+            for name in ("z", "shade", "loaded")
+        )
         new = Signal(self.new.shape(), reset_less=True)
         m.d.comb += self.new.eq(new)
-        # A loaded word has no thresholds: where they are added, it is put in with an OR.
-        shade, loaded = Signal.like(self.shade), Signal.like(self.loaded.colour)
-        if config.dither:
-            m.d.comb += [
-                shade.eq(Mux(self.load, 0, self.shade)),
-                loaded.eq(Mux(self.load, self.loaded.colour, 0)),
-            ]
-        colours = self._colours(shade)
         with m.If(self.enable):
-            for line in range(len(new)):
+            m.d.sync += [
+                load.eq(self.load),
+                z.eq(self.z),
+                shade.eq(self.shade),
+                loaded.eq(self.loaded),
+            ]
+            for line, colours in zip(range(len(new)), self._colours(shade), strict=False):
                 for pixel in range(config.pixels_per_word):
-                    colour = Mux(self.load, self.loaded.colour[pixel], self.shade)
-                    if config.dither:
-                        colour = colours[line][pixel] | loaded[pixel]
                     m.d.sync += [
-                        new[line].depth[pixel].eq(Mux(self.load, self.loaded.depth[pixel], self.z)),
-                        new[line].colour[pixel].eq(colour),
+                        new[line].depth[pixel].eq(Mux(load, loaded.depth[pixel], z)),
+                        new[line].colour[pixel].eq(Mux(load, loaded.colour[pixel], colours[pixel])),
                     ]
 
     def _planes(self, m):
@@ -127,7 +126,6 @@ class Paint(wiring.Component):
         load = Signal()
         m.d.comb += [
             self.may_load.eq(~drew[1] & ~loaded[1]),
-            self.may_draw.eq(~loaded[1]),
             load.eq(self.load & self.may_load),
         ]
         plane = PlaneLayout(config)

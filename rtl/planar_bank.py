@@ -4,7 +4,8 @@ from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank import BankRequestLayout, bank_address_bits
+from .bank import BankRequestLayout
+from .bank_layout import bank_address_bits
 from .format import EngineConfig
 from .layouts import PlaneLayout
 
@@ -55,13 +56,13 @@ class PlanarBank(wiring.Component):
 
     A word requested at t is compared and merged at t + 1, as in :class:`Bank`. If a pixel passed,
     or the word is cleared and was not all background, its further planes are read at t + 2 from the
-    upper halves of the block RAMs, which takes the read ports: ``conflict`` is high in that cycle.
+    upper halves of the block RAMs, which takes the read ports: ``busy`` is high in that cycle.
     At t + 3 they stand on ``old`` and are merged; no request was taken at t + 2, so the write ports
     are free.
 
     Clearing leaves background in the depths alone. **The colours under it are stale**, and whoever
     reads the word has to put 0 in their place; a pixel that is drawn later gets all of its planes.
-    For the same reason the clears after a reset need not heed ``conflict``: if nobody wants what
+    For the same reason the clears after a reset need not heed ``busy``: if nobody wants what
     the planes held, nothing is lost.
 
     **Latency**: 1 cycle to ``old``, 3 to its further planes; 2 and 4 to the memory.
@@ -73,12 +74,12 @@ class PlanarBank(wiring.Component):
     enable : In(1)
         Low: everything stands still, and ``request`` is not taken.
     request : In(BankRequestLayout)
-        What to do. ``draw`` is never raised while ``conflict`` is high.
+        What to do. Never the word that is being written now; ``draw`` is never raised while
+        ``busy`` is high.
     new : In(PaintLayout)
         Depths and colours to draw.
-    conflict : Out(1)
-        The word at ``request.address`` is being written, or the memories are being read for the
-        request of two cycles before.
+    busy : Out(1)
+        The memories are being read for the request of two cycles before.
     old : Out(PlaneLayout)
         The word of the request one cycle before, or the further planes of the one three before.
     drawn : Out(1)
@@ -94,7 +95,7 @@ class PlanarBank(wiring.Component):
                 "enable": In(1),
                 "request": In(BankRequestLayout(config)),
                 "new": In(PaintLayout(config)),
-                "conflict": Out(1),
+                "busy": Out(1),
                 "old": Out(PlaneLayout(config)),
                 "drawn": Out(1),
                 "drawn_address": Out(bank_address_bits(config)),
@@ -135,11 +136,7 @@ class PlanarBank(wiring.Component):
                 Cat(self.new.depth[pixel], 1)
                 < Cat(self.old.depth[pixel][: config.depth_bits], taken.mask[pixel])
             )
-        same = Signal()
-        m.d.comb += [
-            same.eq((taken.draw | taken.clear) & (taken.address == self.request.address)),
-            self.conflict.eq(same | reading.read),
-        ]
+        m.d.comb += self.busy.eq(reading.read)
 
         # Where the late accesses go, of which there are none in the depths of two planes.
         late = {"depth": config.colour_planes == 3, "colour": True}

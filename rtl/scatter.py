@@ -1,82 +1,135 @@
 """Dealing a footprint's words to the eight banks, as many a cycle as the banks can take."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
-from amaranth.lib import data, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank import BankRequestLayout
+from .bank_layout import BANKS, bank_address_bits, column_bits
 from .format import EngineConfig
-from .layouts import FootprintLayout
+from .layouts import DealLayout, FootprintLayout
 
-__all__ = ["BANKS", "Scatter"]
-
-BANKS = 8
-"""Banks of the window; bank ``(line + 4 * (word % 2)) % 8`` holds a word of a line."""
+__all__ = ["Scatter"]
 
 
 class Scatter(wiring.Component):
-    """Makes a request a bank out of a footprint, and remembers what is done of it.
+    """Deals each bank the words of a footprint that lie in it, one at a time.
 
     A bank holds the even words of one line of the footprint and the odd words of the line four
     above or below, so of three neighbouring words it holds the outer two of one span and the
-    middle one of the other: at most three words an element, each in a slot of its own. A bank
-    takes the slots that are touched one a cycle, from left to right, whatever the others do. An
-    element takes as many cycles as its busiest bank has words; a word that no row touches costs
-    nothing.
+    middle one of the other: at most three words an element, each in a slot of its own. They are
+    dealt from left to right, a word to each bank at a time. A bank takes its word when it can,
+    whatever the others do; once all have taken theirs the next ones are dealt, of this element or
+    of the one that follows. An element takes as many deals as its busiest bank has words, at least
+    one; a word that no row touches costs nothing.
 
-    **Latency**: 0. **Throughput**: 1 to 3 cycles an element, 1 for most up to four pixels wide.
+    **Latency**: 1 cycle. **Throughput**: 1 to 3 cycles an element, 1 for most up to four pixels
+    wide.
 
     Members
     -------
-    footprint : In(FootprintLayout)
-        The element; steady until ``done``.
-    go : In(1)
-        Requests may be issued in this cycle.
-    whole : In(1)
-        All masks are to have all pixels set, for requests that others make; ``go`` is low then.
-    conflict : In(8)
-        The bank cannot take its request in this cycle.
-    want : Out(8)
-        The bank has a word of the element left to do, whether or not ``go`` is high.
-    requests : Out(8 x BankRequestLayout)
-        The words to draw; ``draw`` is set where ``go`` is high and ``conflict`` low.
-    done : Out(1)
-        ``go`` is high and nothing is left to do after this cycle.
+    i : In(stream of FootprintLayout)
+        The elements; no end tokens.
+    enable : In(1)
+        Low: the banks stand still, and nothing is dealt or taken.
+    taken : In(8)
+        Banks that take their word in this cycle; only of those that ``want`` one.
+    moves : Out(1)
+        What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
+    o : Out(stream of DealLayout)
+        What the banks are to draw. ``ready`` is high in the cycle in which the last of them is
+        taken.
+    drawn : In(8)
+        Banks that took a word one cycle before.
+    addresses : In(8 x bank_address_bits)
+        Which word.
+    stale : Out(8)
+        The bank has just begun to draw into the very word that it wants next: it waits until that
+        is written, for a cycle with further planes, else for two.
     """
 
     def __init__(self, config: EngineConfig):
         self.config = config
         super().__init__(
             {
-                "footprint": In(FootprintLayout(config)),
-                "go": In(1),
-                "whole": In(1),
-                "conflict": In(BANKS),
-                "want": Out(BANKS),
-                "requests": Out(data.ArrayLayout(BankRequestLayout(config), BANKS)),
-                "done": Out(1),
+                "i": In(stream.Signature(FootprintLayout(config))),
+                "enable": In(1),
+                "taken": In(BANKS),
+                "moves": Out(1),
+                "o": Out(stream.Signature(DealLayout(config))),
+                "drawn": In(BANKS),
+                "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
+                "stale": Out(BANKS),
             }
         )
 
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
-        footprint = self.footprint
+        footprint = self.i.payload
+        valid = Signal()
+        deal = Signal(DealLayout(self.config), reset_less=True)
+        following = Signal(DealLayout(self.config))
+        slow = self.config.colour_planes == 1  # a bank writes a word one cycle later
+        again, rests = Signal(BANKS), Signal(BANKS)
+        stale = Signal(BANKS)
+        staler = Signal(BANKS)  # for another cycle
+        step = Signal()
+        several = Signal(BANKS)  # the bank has words left after the following one
+        same = Signal(BANKS)  # the following one is the word that it is to draw now
+        earlier = Signal(BANKS)  # or the one that it drew a cycle ago
+
         half_words = [Signal(self.config.word_bits - 1, name=f"half_word_{j}") for j in range(2)]
         m.d.comb += [half_words[j].eq((footprint.word >> 1) + j) for j in range(2)]
-
-        finished = Signal(BANKS)
         for bank in range(BANKS):
-            m.d.comb += finished[bank].eq(self._deal(m, bank, half_words))
-        m.d.comb += self.done.eq(self.go & finished.all())
+            m.d.comb += [
+                several[bank].eq(self._deal(m, bank, half_words, following, step)),
+                same[bank].eq(deal.shares[bank].address == following.shares[bank].address),
+                earlier[bank].eq(
+                    self.drawn[bank] & (self.addresses[bank] == following.shares[bank].address)
+                ),
+            ]
+
+        # The stretches of marks that it lies in: that of its first word, and the next one if its
+        # third word may lie there.
+        low = column_bits(self.config) + 1
+        stretch, across = footprint.word[low:], footprint.word[1:low].all()
+        m.d.comb += [
+            following.z.eq(footprint.z),
+            following.reach.eq(
+                Cat(
+                    (stretch == number) | (across & (stretch == number - 1))
+                    for number in range(len(following.reach))
+                )
+            ),
+            step.eq((~valid & self.enable) | self.o.ready),
+            self.moves.eq(step),
+            self.i.ready.eq(step & ~several.any()),
+            self.o.valid.eq(valid),
+            self.o.payload.eq(deal),
+            self.stale.eq(stale),
+            again.eq(same & deal.want & valid.replicate(BANKS)),
+            rests.eq(again | earlier if slow else again),
+        ]
+        with m.If(step):
+            m.d.sync += [
+                valid.eq(self.i.valid),
+                deal.eq(following),
+                stale.eq(rests),
+                staler.eq(again if slow else 0),
+            ]
+        with m.Else():
+            m.d.sync += deal.want.eq(deal.want & ~self.taken)
+            with m.If(self.enable):
+                m.d.sync += [stale.eq(staler), staler.eq(0)]
         return m
 
-    def _deal(self, m, bank, half_words):
-        """Build one bank's share; return the condition that it has nothing left to do."""
+    def _deal(self, m, bank, half_words, following, step):
+        """Build one bank's share; return whether it has words left after that."""
         residue, member = bank % 4, bank // 4
-        request = self.requests[bank]
-        upper, lower = self.footprint.upper[residue], self.footprint.lower[residue]
-        group = self.footprint.upper_group[residue]
+        footprint = self.i.payload
+        upper, lower = footprint.upper[residue], footprint.lower[residue]
+        group = footprint.upper_group[residue]
+        share = following.shares[bank]
 
         def signal(shape, name):
             return Signal(shape, name=f"{name}_{bank}")
@@ -87,7 +140,7 @@ class Scatter(wiring.Component):
         slot = signal(2, "slot")
         is_lower = signal(1, "is_lower")
         m.d.comb += [
-            outer_is_lower.eq(group[0] ^ self.footprint.word[0] ^ member),
+            outer_is_lower.eq(group[0] ^ footprint.word[0] ^ member),
             left.eq(
                 Mux(
                     outer_is_lower,
@@ -96,9 +149,8 @@ class Scatter(wiring.Component):
                 )
                 & ~done
             ),
-            self.want[bank].eq(left.any()),
-            # Slot 3 lies in no span: then the mask has all pixels.
-            slot.eq(Mux(self.whole, 3, Mux(left[0], 0, Mux(left[1], 1, 2)))),
+            following.want[bank].eq(left.any()),
+            slot.eq(Mux(left[0], 0, Mux(left[1], 1, 2))),
             is_lower.eq(outer_is_lower ^ slot[0]),
         ]
 
@@ -106,8 +158,8 @@ class Scatter(wiring.Component):
         next_word = signal(1, "next_word")
         first, last = signal(4, "first"), signal(4, "last")
         m.d.comb += [
-            next_word.eq(slot[1] | (slot[0] & self.footprint.word[0])),
-            request.address.eq(
+            next_word.eq(slot[1] | (slot[0] & footprint.word[0])),
+            share.address.eq(
                 Cat(Mux(next_word, half_words[1], half_words[0]), (group + is_lower)[:2])
             ),
             first.eq(Mux(is_lower, lower.first, upper.first)),
@@ -120,16 +172,12 @@ class Scatter(wiring.Component):
             end.eq(Mux(last[2:] == slot, last[:2], 3)),
         ]
         for pixel in range(self.config.pixels_per_word):
-            m.d.comb += request.mask[pixel].eq((begin <= pixel) & (end >= pixel))
+            m.d.comb += share.mask[pixel].eq((begin <= pixel) & (end >= pixel))
 
-        issue = signal(1, "issue")
-        m.d.comb += [
-            issue.eq(self.go & left.any() & ~self.conflict[bank]),
-            request.draw.eq(issue),
-        ]
-        with m.If(self.done):
+        several = signal(1, "several")
+        m.d.comb += several.eq((left[0] & left[1]) | (left[1] & left[2]) | (left[0] & left[2]))
+        with m.If(self.i.valid & self.i.ready):
             m.d.sync += done.eq(0)
-        with m.Elif(issue):
+        with m.Elif(self.i.valid & step):
             m.d.sync += done.eq(done | Cat(slot == j for j in range(3)))
-        several = (left[0] & left[1]) | (left[1] & left[2]) | (left[0] & left[2])
-        return ~several & ~(left.any() & self.conflict[bank])
+        return several

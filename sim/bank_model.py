@@ -14,9 +14,8 @@ import numpy as np
 
 from ..rtl.format import BLOCK, ROWS
 from .bank_walk import (
-    AHEAD,
+    ASKED,
     BANKS,
-    LEFT,
     LINE,
     OLDEST,
     REACHED,
@@ -24,8 +23,8 @@ from .bank_walk import (
     TOP,
     WRITTEN,
     asked_banks,
-    asked_word,
     is_clean,
+    new_walk,
     step_walk,
 )
 from .pipeline_model import (
@@ -34,6 +33,7 @@ from .pipeline_model import (
     EMPTY,
     END_WORD,
     FIRST,
+    FIRST_STAGE,
     FOLLOWING,
     HEAD,
     LAST,
@@ -59,18 +59,24 @@ class Window(NamedTuple):
     Parameters
     ----------
     left
-        Slots of the element that each bank still has to draw, a bit a slot: shape (8,).
+        Slots of the decoder's element that each bank has still to be dealt, a bit a slot: shape
+        (8,).
     address
         Address of each slot: shape (8, 3).
-    taken
-        The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape (8,).
-    walk
-        The walker's registers, see ``bank_walk.OLDEST``: shape (11,).
-    marks
-        Words that were drawn into, by place of their line: shape (16, words).
     covered, place
         Pixels that the element covers of each slot's word, a bit each, and where that word starts
         in ``depth``: shape (8, 3).
+    dealt
+        The address that each bank is to draw at next, or ``EMPTY``: shape (8,).
+    dealt_covered, dealt_place
+        What ``covered`` and ``place`` have of it: shape (8,).
+    taken, writing
+        The address that each bank took for drawing in the cycle before, and in the one before that,
+        or ``EMPTY``: shape (8,).
+    walk
+        The walker's registers, see ``bank_walk.OLDEST``: shape (19,).
+    marks
+        Words that were drawn into, by place of their line: shape (16, words).
     depth
         Of every pixel of the image's words, if there are further planes: shape (pixels,).
     reading
@@ -82,11 +88,15 @@ class Window(NamedTuple):
 
     left: Any
     address: Any
-    taken: Any
-    walk: Any
-    marks: Any
     covered: Any
     place: Any
+    dealt: Any
+    dealt_covered: Any
+    dealt_place: Any
+    taken: Any
+    writing: Any
+    walk: Any
+    marks: Any
     depth: Any
     reading: Any
     leaving: Any
@@ -115,65 +125,92 @@ def walk_banks(words: Any, machine: Machine) -> int:
     window = Window(
         np.zeros(BANKS, np.int64),
         np.zeros((BANKS, NEIGHBOURS), np.int64),
+        np.zeros((BANKS, NEIGHBOURS), np.int64),
+        np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(BANKS, EMPTY, np.int64),
-        np.zeros(13, np.int64),
+        np.zeros(BANKS, np.int64),
+        np.zeros(BANKS, np.int64),
+        np.full(BANKS, EMPTY, np.int64),
+        np.full(BANKS, EMPTY, np.int64),
+        new_walk(-ABOVE),
         np.zeros((LINES, 2 * machine.half_words), np.bool_),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
         np.full(_pixels(machine), machine.z_mask, np.int64),
         np.zeros((3, BANKS), np.int64),
         np.zeros(3, np.int64),
     )
     walk = window.walk
-    walk[TOP], walk[AHEAD] = -ABOVE, -1
-    z = 0  # depth of the element at hand
+    dealt = EMPTY  # the code word of which the banks are dealt words
+    top = offered_top = -ABOVE  # of what is dealt, or of what comes next; of the decoder's element
+    near = waiting = closing = False
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         clearing = cycle < machine.clearing
         drawn = _drawn(window, machine) if cycle > machine.clearing else 0
-        head, top = front.held[HEAD], front.tops[HEAD]
+        head = front.held[HEAD]
         ends = head != EMPTY and head == front.state[END_WORD]
-        if ends and not drawn and is_clean(walk) and not _on_the_way(window, machine):
+        closes = ends and dealt == EMPTY
+        if closes and not drawn and is_clean(walk) and not _on_the_way(window, machine):
             return cycle + 2  # the end beat is on the port in the next cycle
 
-        ahead = top - walk[OLDEST]
-        go = head != EMPTY and not ends and not clearing and ahead < LINES - BANKS
-        complete = walk[TOP]
+        settled = machine.clearing == 0 or cycle > machine.clearing + 1  # what was cleared last
+        go = dealt != EMPTY and settled
+        complete = machine.lowest if closing else walk[TOP]
         ready = not clearing and not (machine.planes > 1 and window.leaving[1] == SHOWN)
         asked = asked_banks(walk, machine)
-        held = asked if ahead >= URGENT and ready else 0
-        flushed = ready and walk[LEFT] != 0
+        held = asked if waiting and ready else 0
+        flushed = ready and walk[ASKED] != EMPTY
         for bank in range(BANKS):
             if flushed and asked >> bank & 1:
                 flushed = window.reading[0, bank] == 0
-                flushed &= not go or window.left[bank] == 0 or held != 0
+                flushed &= not go or window.dealt[bank] == EMPTY or held != 0
         # The marks of its line are in use in the cycle after one of its banks was drawn into.
         residue = walk[LINE] % (BANKS // 2)
         marking = window.taken[residue] != EMPTY or window.taken[residue + BANKS // 2] != EMPTY
-        is_empty = walk[WRITTEN] == 0
-        done = _draw(window, go, held, z, machine)
+        ahead, oldest = top - walk[OLDEST], walk[OLDEST]
+        if walk[WRITTEN] == 0 and not drawn and not go:
+            walk[REACHED] = 0
+        done = _draw(window, go, held, _depth(words, dealt, machine), machine)
         if clearing:  # all banks, one address after the other; the last is the highest
-            window.taken[:] = 4 * machine.half_words - 1
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
         _shift(window, _give_up(window, machine) if flushed else 0)
         step_walk(walk, window.marks, complete, flushed, marking, machine)
         if machine.mark_words > 1:
             walk[REACHED] = (2 << machine.last_column // (WORD * STRETCH)) - 1  # all are read
         elif go:
-            walk[REACHED] |= _reach(words[head], machine)
-        elif is_empty and not drawn:
-            walk[REACHED] = 0
+            walk[REACHED] |= _reach(words[dealt], machine)
         walk[WRITTEN] |= drawn
-        if head != EMPTY:
-            walk[TOP] = top
-        if advance(words, front, done, machine) and front.held[HEAD] != EMPTY:
+
+        step = dealt == EMPTY or done
+        offered = head != EMPTY and near and not ends
+        dealt_last = _deal(window, offered) if step else False
+        walk[TOP] = top
+        if step:
+            dealt = head if offered else EMPTY
+            top = offered_top
+        # Six lines wait, or seven; more than so many only where nothing is dealt.
+        waiting = ahead >= 0 and ahead & URGENT == URGENT
+        closing = closing or closes
+        waits = head != EMPTY and not near
+        coming = front.tops[HEAD if waits else FIRST_STAGE]
+        moves = advance(words, front, dealt_last, machine)
+        if ends:
+            near = False
+        elif waits or moves:
+            near = coming - oldest < LINES - BANKS
+        if moves and front.held[HEAD] != EMPTY:
             head = front.held[HEAD]
+            offered_top = front.tops[HEAD]
             if head != front.state[END_WORD]:
-                _place(words[head], front.tops[HEAD], window, machine)
-                z = words[head] >> machine.z_lsb & machine.z_mask
+                _place(words[head], offered_top, window, machine)
         cycle += 1
     return 0
+
+
+@nb.njit(cache=True, inline="always")
+def _depth(words: Any, index: int, machine: Machine) -> int:
+    """Return the depth of a code word, if there is one."""
+    return int(words[index] >> machine.z_lsb & machine.z_mask) if index != EMPTY else 0
 
 
 @nb.njit(cache=True, inline="always")
@@ -229,31 +266,52 @@ def _address(line: int, number: int, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
+def _deal(window: Window, offered: bool) -> bool:
+    """Deal each bank the leftmost word that it has left, if an element is offered, or none.
+
+    Return whether no bank has any left.
+    """
+    last = offered
+    for bank in range(BANKS):
+        left = window.left[bank] if offered else 0
+        if left == 0:
+            window.dealt[bank] = EMPTY
+            continue
+        slot = 0 if left & 1 else 1 if left & 2 else 2
+        window.dealt[bank] = window.address[bank, slot]
+        window.dealt_covered[bank] = window.covered[bank, slot]
+        window.dealt_place[bank] = window.place[bank, slot]
+        left &= left - 1
+        window.left[bank] = left
+        last = last and left == 0
+    return last
+
+
+@nb.njit(cache=True)
 def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool:
-    """Let each bank take a word of the element, its leftmost, but for those that are ``held``.
+    """Let each bank take the word that it was dealt, but for those that are ``held``.
 
     Return whether all are taken.
     """
     done = go
     for bank in range(BANKS):
-        left = window.left[bank]
-        if not go or left == 0:
+        address = window.dealt[bank]
+        before, window.writing[bank] = window.writing[bank], window.taken[bank]
+        if not go or address == EMPTY:
             window.taken[bank] = EMPTY
             continue
-        slot = 0 if left & 1 else 1 if left & 2 else 2
-        address = window.address[bank, slot]
-        conflict = machine.hazard and window.taken[bank] == address
+        # Colours with further planes are read and written in one cycle less.
+        conflict = window.taken[bank] == address or (before == address and machine.planes == 1)
+        conflict = conflict and machine.hazard
         if conflict or held >> bank & 1 or window.reading[0, bank] == 1:
             window.taken[bank] = EMPTY
             done = False
             continue
         window.taken[bank] = address
+        window.dealt[bank] = EMPTY
         _mark(window, bank, address, machine)
-        if machine.planes > 1 and _passes(window, bank, slot, z):
+        if machine.planes > 1 and _passes(window, bank, z):
             window.reading[2, bank] = 1
-        left &= left - 1
-        window.left[bank] = left
-        done = done and left == 0
     return done
 
 
@@ -268,12 +326,12 @@ def _mark(window: Window, bank: int, address: int, machine: Machine) -> None:
 
 
 @nb.njit(cache=True)
-def _passes(window: Window, bank: int, slot: int, z: int) -> bool:
+def _passes(window: Window, bank: int, z: int) -> bool:
     """Draw the pixels of a word that pass the depth test; return whether any did."""
     passed = False
-    start = window.place[bank, slot]
+    start = window.dealt_place[bank]
     for pixel in range(WORD):
-        if window.covered[bank, slot] >> pixel & 1 and z < window.depth[start + pixel]:
+        if window.dealt_covered[bank] >> pixel & 1 and z < window.depth[start + pixel]:
             window.depth[start + pixel] = z
             passed = True
     return passed
@@ -294,7 +352,7 @@ def _give_up(window: Window, machine: Machine) -> int:
     """Return whether the word that leaves is ``BLANK``, and keep its bank for its planes if not."""
     if machine.planes == 1:
         return BLANK
-    line, number = window.walk[OLDEST], asked_word(window.walk)
+    line, number = window.walk[OLDEST], window.walk[ASKED]
     if number > machine.last_column // WORD:  # it shares its mark with a word of the image
         return BLANK
     start = _start(line, number, machine)
@@ -322,9 +380,8 @@ def _shift(window: Window, leaves: int) -> None:
 @nb.njit(cache=True)
 def _on_the_way(window: Window, machine: Machine) -> bool:
     """Return whether a flushed word is between its bank and the port."""
-    if machine.planes == 1:
-        return window.leaving[0] != 0
-    return window.leaving[0] + window.leaving[1] + window.leaving[2] != 0
+    further = window.leaving[2] if machine.planes > 1 else 0
+    return window.leaving[0] + window.leaving[1] + further != 0
 
 
 @nb.njit(cache=True, inline="always")

@@ -8,13 +8,13 @@ from __future__ import annotations
 from typing import Any
 
 import numba as nb
+import numpy as np
 
-from .pipeline_model import LINES, Machine
+from .pipeline_model import EMPTY, LINES, Machine
 
 __all__ = [
-    "AHEAD",
+    "ASKED",
     "BANKS",
-    "LEFT",
     "LINE",
     "OLDEST",
     "REACHED",
@@ -22,8 +22,8 @@ __all__ = [
     "TOP",
     "WRITTEN",
     "asked_banks",
-    "asked_word",
     "is_clean",
+    "new_walk",
     "step_walk",
 ]
 
@@ -35,10 +35,14 @@ STRETCH = 16
 (
     OLDEST,
     LINE,
+    ROW,
+    ROW_LINE,
+    ROW_STRETCH,
     NEXT,
     NEXT_LINE,
     NEXT_STRETCH,
     LEFT,
+    LEFT_LINE,
     LEFT_STRETCH,
     WRITTEN,
     TOP,
@@ -46,18 +50,32 @@ STRETCH = 16
     AHEAD,
     CHOSEN,
     LAST,
-) = range(13)
+    ASKED,
+    PAIR,
+    BEHIND,
+    BEHIND_PAIR,
+    BEHIND_LINE,
+) = range(22)
 """Registers of the walker: the first line in the window; the line whose marks are
-read next; the marks of the stretch that follows, its line and number; those of the words that are
-still to be asked for, and their stretch, on line ``OLDEST``; a bit a place that was written into;
+read next; the marks that were read, their line and stretch; those of the stretch that follows, and
+of the words that are still to be asked for; a bit a place that was written into;
 the line above which all lines are complete; stretches that elements reached since the window was
 last clean, and those that the line still has, a bit each; the stretch that is read next, and
-whether it is its line's last."""
+whether it is its line's last; the word that is asked for, on line ``OLDEST``, or ``EMPTY``, and
+whether the one on its right is too; the same of the one asked for behind it, and its line."""
+
+
+@nb.njit(cache=True)
+def new_walk(top: int) -> Any:
+    """Return the registers as they are before the first code word; no element is above ``top``."""
+    walk = np.zeros(BEHIND_LINE + 1, np.int64)
+    walk[TOP], walk[AHEAD], walk[ASKED], walk[BEHIND] = top, -1, EMPTY, EMPTY
+    return walk
 
 
 @nb.njit(cache=True, inline="always")
-def asked_word(walk: Any) -> int:
-    """Return the number of the word that is to leave next; there is one."""
+def _first_left(walk: Any) -> int:
+    """Return the number of the first word that is left; there is one."""
     number = walk[LEFT_STRETCH] * STRETCH
     left = walk[LEFT]
     while not left & 1:
@@ -68,31 +86,21 @@ def asked_word(walk: Any) -> int:
 
 @nb.njit(cache=True)
 def asked_banks(walk: Any, machine: Machine) -> int:
-    """Return the banks that words are to leave from, or else both of their line, a bit each.
+    """Return the banks that words are to leave from, or else both of the line, a bit each.
 
     No word that leaves is ever one that its bank writes at the moment, or draws in the next cycle:
     its line was complete a cycle before, and its place is not used again until it has left.
     """
-    if walk[LEFT] == 0:
+    if walk[ASKED] == EMPTY or walk[PAIR]:
         return 0b10001 << int(walk[OLDEST] % (BANKS // 2))
-    number = asked_word(walk)
-    banks = 1 << int((walk[OLDEST] + 4 * (number % 2)) % BANKS)
-    if machine.raster_words == 2 and _with_next(walk):
-        banks |= 1 << int((walk[OLDEST] + 4 * (1 - number % 2)) % BANKS)
-    return banks
-
-
-@nb.njit(cache=True, inline="always")
-def _with_next(walk: Any) -> bool:
-    """Return whether the next word is the left one of a pair whose right one is to leave too."""
-    number = asked_word(walk)
-    return number % 2 == 0 and walk[LEFT] >> (number % STRETCH + 1) & 1 == 1
+    return 1 << int((walk[OLDEST] + 4 * (walk[ASKED] % 2)) % BANKS)
 
 
 @nb.njit(cache=True)
 def is_clean(walk: Any) -> bool:
     """Return whether nothing in the window is written."""
-    return walk[WRITTEN] == 0 and walk[NEXT] == 0 and walk[LEFT] == 0
+    left = walk[ROW] | walk[NEXT] | walk[LEFT]
+    return walk[WRITTEN] == 0 and left == 0 and walk[ASKED] == EMPTY
 
 
 @nb.njit(cache=True)
@@ -104,13 +112,13 @@ def step_walk(
     Parameters
     ----------
     walk
-        The walker's registers, changed: see ``OLDEST``; shape (13,), int64.
+        The walker's registers, changed: see ``OLDEST``; shape (22,), int64.
     marks
         Words that were drawn into, changed: shape (16, words), bool.
     complete
         The line above which all lines are complete.
     flushed
-        The word asked for leaves in this cycle.
+        What is asked for leaves in this cycle.
     marking
         The marks of the line to be read are in use.
     machine
@@ -126,19 +134,20 @@ def step_walk(
         for number in range(first, min(first + STRETCH, marks.shape[1])):
             row |= int(marks[line % LINES, number]) << (number - first)
 
-    if flushed:
-        if machine.raster_words == 2 and _with_next(walk):
-            walk[LEFT] &= walk[LEFT] - 1
-        walk[LEFT] &= walk[LEFT] - 1
+    _ask(walk, flushed, machine)
     if walk[LEFT] == 0:
         walk[LEFT], walk[LEFT_STRETCH] = walk[NEXT], walk[NEXT_STRETCH]
-        walk[OLDEST] = walk[NEXT_LINE]
+        walk[LEFT_LINE] = walk[NEXT_LINE]
         walk[NEXT] = 0
-    free = walk[NEXT] == 0
+    if walk[NEXT] == 0:
+        walk[NEXT], walk[NEXT_STRETCH] = walk[ROW], walk[ROW_STRETCH]
+        walk[NEXT_LINE] = walk[ROW_LINE]
+        walk[ROW] = 0
+    free = walk[ROW] == 0
     if free:
-        walk[NEXT_LINE], walk[NEXT_STRETCH] = line, stretch
-    if scans and (free or row == 0):
-        walk[NEXT] |= row
+        walk[ROW_LINE], walk[ROW_STRETCH] = line, stretch
+    if scans and free:
+        walk[ROW] = row
         marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
         walk[AHEAD] &= ~(1 << stretch)
         if walk[LAST]:
@@ -154,3 +163,28 @@ def step_walk(
     while wanted and not wanted >> chosen & 1:
         chosen += 1
     walk[CHOSEN], walk[LAST] = chosen, wanted >> chosen <= 1
+
+
+@nb.njit(cache=True)
+def _ask(walk: Any, flushed: bool, machine: Machine) -> None:
+    """Take a word, or a pair, out of those that are left, and let what is asked for move on."""
+    asked, pair, line = EMPTY, 0, walk[LEFT_LINE]
+    if walk[LEFT] and walk[BEHIND] == EMPTY:
+        asked = _first_left(walk)
+        walk[LEFT] &= walk[LEFT] - 1
+        right = asked % STRETCH + 1
+        if machine.raster_words == 2 and asked % 2 == 0 and walk[LEFT] >> right & 1:
+            walk[LEFT] &= walk[LEFT] - 1
+            pair = 1
+    if walk[ASKED] != EMPTY and not flushed:
+        if asked != EMPTY:
+            walk[BEHIND], walk[BEHIND_PAIR], walk[BEHIND_LINE] = asked, pair, line
+    elif walk[BEHIND] != EMPTY:
+        walk[ASKED], walk[PAIR] = walk[BEHIND], walk[BEHIND_PAIR]
+        walk[OLDEST], walk[BEHIND] = walk[BEHIND_LINE], EMPTY
+    else:
+        walk[ASKED], walk[PAIR] = asked, pair
+        if asked != EMPTY:
+            walk[OLDEST] = line
+        elif walk[ROW] == 0 and walk[NEXT] == 0:
+            walk[OLDEST] = walk[LINE]

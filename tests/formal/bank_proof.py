@@ -4,7 +4,8 @@ from amaranth.hdl import Const, Mux, Signal
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
-from splatline.rtl.bank import Bank, BankRequestLayout, bank_address_bits
+from splatline.rtl.bank import Bank, BankRequestLayout
+from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.format import PRESETS
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.layouts import WordLayout
@@ -13,7 +14,11 @@ __all__ = ["PROOFS"]
 
 
 class BankProperties(Properties):
-    """Any pixel of any word, followed by the definition from the first time it is cleared."""
+    """Any pixel of any word, followed by the definition from the first time it is cleared.
+
+    An access has two stages: its request has been taken (the word is read), and its word stands on
+    ``old`` and is written.
+    """
 
     def __init__(self, config):
         self.config = config
@@ -37,16 +42,19 @@ class BankProperties(Properties):
             ]
             return pixel
 
-        # What was requested last; its ``new`` stays while all stands still.
-        asked = Signal(BankRequestLayout(config))
+        # What was requested last, and before; ``new`` stays while all stands still.
+        taken, asked = (Signal(BankRequestLayout(config), name=name) for name in STAGES)
         before = Signal(WordLayout(config))
         stood = Signal()
         with m.If(dut.enable):
-            m.d.sync += asked.eq(dut.request)
+            m.d.sync += [taken.eq(dut.request), asked.eq(taken)]
         m.d.sync += [before.eq(dut.new), stood.eq(~dut.enable)]
-        wanted = dut.request.draw | dut.request.clear
-        self.given(m, "one_of_two", ~(dut.request.draw & dut.request.clear))
-        self.given(m, "waits", ~(wanted & dut.conflict))
+        request = dut.request
+        self.given(m, "one_of_two", ~(request.draw & request.clear))
+        for stage, name in zip((taken, asked), STAGES, strict=True):
+            same = (request.draw | request.clear) & (stage.draw | stage.clear)
+            same = same & (request.address == stage.address)
+            self.given(m, f"waits_for_{name}", ~(dut.enable & same))
         self.given(m, "new_steady", ~stood | (before == dut.new))
 
         # The definition.
@@ -67,17 +75,37 @@ class BankProperties(Properties):
         self.always(
             m,
             "drawn",
-            (dut.drawn == asked.draw) & (~dut.drawn | (dut.drawn_address == asked.address)),
+            (dut.drawn == taken.draw) & (~dut.drawn | (dut.drawn_address == taken.address)),
         )
-        # What makes the induction close: the memory has the pixel, or already what comes of it.
+        # What makes the induction close: the memory has the pixel, or already what comes of it; so
+        # has its port, if the pixel was read last.
         (depths,), (colours,) = self.memories.words
-        kept = Signal(PixelLayout(config))
-        m.d.comb += [
-            kept.depth.eq(depths.word_select(number, config.depth_bits)),
-            kept.colour.eq(colours.word_select(number, config.colour_bits)),
-        ]
+
+        def cut(depths, colours):
+            """Return the pixel out of what the memories have."""
+            kept = Signal(PixelLayout(config))
+            m.d.comb += [
+                kept.depth.eq(depths.word_select(number, config.depth_bits)),
+                kept.colour.eq(colours.word_select(number, config.colour_bits)),
+            ]
+            return kept
+
         due = PixelLayout(config)(Mux(used & stood, after, pixel))
-        self.lemma(m, "kept", ~known | (kept == due))
+        self.lemma(m, "kept", ~known | (cut(depths, colours) == due))
+        self.lemma(m, "stages", (dut.taken == taken) & (dut.merging == asked))
+        read = cut(*(read.data for read, _ in dut.ports.values()))
+        uses = known & (taken.address == address) & (taken.draw | taken.clear)
+        self.lemma(m, "port", ~uses | (read == pixel))
+        both = (taken.draw | taken.clear) & (asked.draw | asked.clear)
+        self.lemma(m, "neighbours", ~both | (taken.address != asked.address))
+
+
+STAGES = ("taken", "merging")
+
+SEEN = tuple(
+    Fault(f"lemmas look at {name}", Bank, rf"\b{name} = ", f"{name} = self.{name} = ")
+    for name in (*STAGES, "ports")
+)
 
 
 PROOFS = [
@@ -85,15 +113,23 @@ PROOFS = [
         name="bank: pixel",
         shows="a pixel is what was drawn nearest since it was cleared, with any stalls",
         build=lambda: BankProperties(PRESETS["wide"]),
-        depth=8,
+        depth=3,
         endless=True,
+        engine="smtbmc z3",
+        fault_engine="smtbmc boolector",
+        changes=SEEN,
         faults=(
             Fault("no depth test", Bank, r"Cat\(new_depth, 1\)", "Cat(new_depth & 0, 1)"),
             Fault("ties drawn", Bank, r"\) < Cat\(", ") <= Cat("),
-            Fault("no conflict", Bank, r"taken\.draw \| taken\.clear\) &", "taken.clear) &"),
-            Fault("does not stand still", Bank, r"m\.If\(self\.enable\)", "m.If(1)"),
-            Fault("the colour stays", Bank, r"& ~taken\.clear\.replicate\(.*\)", ""),
-            Fault("all pixels", Bank, r"taken\.mask\[pixel\]", "1"),
+            Fault("written too early", Bank, r"write\.addr\.eq\(merging", "write.addr.eq(taken"),
+            Fault(
+                "does not stand still", Bank, r"m\.If\(self\.enable\)(:\s+.*taken)", r"m.If(1)\1"
+            ),
+            Fault(
+                "the word is not held", Bank, r"m\.If\(self\.enable\)(:\s+.*word\[)", r"m.If(1)\1"
+            ),
+            Fault("the colour stays", Bank, r"& ~merging\.clear\.replicate\(.*\)", ""),
+            Fault("all pixels", Bank, r"merging\.mask\[pixel\]", "1"),
         ),
     )
 ]

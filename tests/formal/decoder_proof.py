@@ -5,7 +5,7 @@ from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
 from splatline.rtl.decoder import Decoder, SpanDecoder
-from splatline.rtl.format import PRESETS
+from splatline.rtl.format import BLOCK, PRESETS
 from splatline.rtl.layouts import GeometryLayout
 
 __all__ = ["PROOFS"]
@@ -14,7 +14,8 @@ __all__ = ["PROOFS"]
 class DecoderProperties(Properties):
     """One row of a block and one column, whichever: the spans have the pixel if the contract has.
 
-    A span may reach past the right border in an image's last word, and nowhere else.
+    A span may reach past the right border in an image's last word, and nowhere else. An element is
+    offered once its lines were in a window that did not stand still, a cycle after that.
     """
 
     def __init__(self, config):
@@ -31,8 +32,32 @@ class DecoderProperties(Properties):
         self.given(m, "top", dut.i.payload.top >= -4)
 
         element = Signal(GeometryLayout(config))
+        here = Signal()  # it was taken, and not yet handed on
+        top = Signal.like(element.top, init=-4)  # no later element lies above it
+        leaves = Signal()
+        m.d.comb += leaves.eq(dut.o.valid & dut.o.ready)
         with m.If(dut.i.valid & dut.i.ready):
-            m.d.sync += element.eq(dut.i.payload)
+            m.d.sync += [element.eq(dut.i.payload), here.eq(1), top.eq(dut.i.payload.top)]
+        with m.Elif(leaves):
+            m.d.sync += here.eq(0)
+            with m.If(element.end):
+                m.d.sync += top.eq(-4)
+
+        # The window moves on, and back to the next frame once the end token was taken.
+        oldest, ran = Signal.like(dut.oldest), Signal()
+        ended, waited = Signal(), Signal()
+        m.d.sync += [
+            oldest.eq(dut.oldest),
+            ran.eq(dut.running),
+            ended.eq(leaves & element.end),
+            waited.eq(dut.o.valid & ~dut.o.ready),
+        ]
+        near = ran & (element.top - oldest < config.window_lines - BLOCK)
+        self.given(m, "oldest", ended | (dut.oldest >= oldest))
+        self.always(m, "offered", ~dut.o.valid | (here & (element.end | waited | (near & ~ended))))
+        self.always(m, "not_late", ~here | dut.o.valid | ended | ~(near | element.end))
+        self.always(m, "taken", dut.i.ready == (~here | leaves))
+        self.always(m, "top", dut.o.payload.top == top)
 
         row = any_constant(m, 3, "row")
         column = any_constant(m, config.x_bits + 1, "column")
@@ -63,7 +88,7 @@ class DecoderProperties(Properties):
         ]
         covered = Signal()
         m.d.comb += covered.eq(covers(element, row, column) & (line >= 0) & (line <= last_line))
-        with m.If(dut.o.valid):
+        with m.If(here):  # it stands there before it is offered as well
             self.always(m, "same", ~(column <= last_column) | (spanned == covered))
             self.always(m, "border", (column >> 2 <= last_column >> 2) | ~spanned)
             for word in range(3):
@@ -86,11 +111,6 @@ class DecoderProperties(Properties):
                 & (footprint.top == element.top)
                 & (footprint.end == element.end),
             )
-        # The colour unit's colour stands still while the decoder does.
-        shade = Signal.like(dut.shade)
-        waits = Signal()
-        m.d.sync += [shade.eq(dut.shade), waits.eq(dut.o.valid & ~dut.o.ready)]
-        self.given(m, "shade_steady", ~waits | (shade == dut.shade))
         self.always(m, "output_steady", self.steady(m, dut.o, "o"))
 
 
@@ -115,7 +135,19 @@ PROOFS = [
             ),
             Fault("top border", Decoder, r">= 8 - k", ">= 7 - k", "_rows"),
             Fault("last word", SpanDecoder, r"last\[2:\] >= word", "last[2:] > word"),
-            Fault("not held", Decoder, r"~valid \| self\.o\.ready", "1"),
+            Fault("not held", Decoder, r"~valid \| \(self\.o\.valid & self\.o\.ready\)", "1"),
+            Fault(
+                "taken unoffered", Decoder, r"\(self\.o\.valid & self\.o\.ready\)", "self.o.ready"
+            ),
+            Fault("a line too early", Decoder, r" & behind\[:bits\]\.any\(\)", ""),
+            Fault(
+                "the element behind it", Decoder, r"Mux\(waits, top, element\.top\)", "element.top"
+            ),
+            Fault("while all stands still", Decoder, r"self\.running & inside", "inside"),
+            Fault("the frame before", Decoder, r"m\.If\(valid & held\.end\)", "m.If(0)"),
+            Fault(
+                "the top of the frame before", Decoder, r"m\.Elif\(valid & held\.end\)", "m.Elif(0)"
+            ),
         ),
     )
 ]

@@ -5,7 +5,8 @@ from amaranth.lib import data
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
-from splatline.rtl.bank import BankRequestLayout, bank_address_bits
+from splatline.rtl.bank import BankRequestLayout
+from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.format import PRESETS
 from splatline.rtl.planar_bank import PaintLayout, PlanarBank
 
@@ -18,7 +19,7 @@ class PlanarBankProperties(Properties):
     An access has three stages: its request has been taken (depth and plane 0 stand on ``old``), the
     further planes are read, they stand on ``old`` and are written. A pixel of the background may
     have any colour. So may what is given up by a clear before anything was drawn: then clears need
-    not heed ``conflict``.
+    not heed what is drawn and read.
     """
 
     def __init__(self, config):
@@ -51,7 +52,9 @@ class PlanarBankProperties(Properties):
         m.d.sync += [before.eq(dut.new), stood.eq(~dut.enable)]
         request, new = dut.request, dut.new
         self.given(m, "one_of_two", ~(request.draw & request.clear))
-        self.given(m, "waits", ~dut.conflict | ~(request.draw | (request.clear & begun)))
+        same = (asked.draw | asked.clear) & (request.address == asked.address)
+        waits = (dut.busy | same) & dut.enable
+        self.given(m, "waits", ~waits | ~(request.draw | (request.clear & begun)))
         self.given(m, "new_steady", ~stood | (before == new))
         early, loaded, late = (
             self._pixel(m, new[name], name) for name in ("early", "loaded", "late")
@@ -106,7 +109,7 @@ class PlanarBankProperties(Properties):
         old = self._pixel(m, dut.old, "old")
         old_near, old_far = self._near(m, old, "old"), self._far(m, old, "old")
         used = known & mine & (asked.draw | asked.clear)
-        heeded = asked.draw | begun  # a clear that did not heed the conflict reads as anything
+        heeded = asked.draw | begun  # a clear that heeded nothing reads as anything
         self.always(m, "read", ~(used & heeded) | same(old_near, pixel))
         self.always(m, "planes", ~gone[1] | (old_far == planes))
         wrote = dut.drawn_address == asked.address
@@ -139,7 +142,7 @@ class PlanarBankProperties(Properties):
             self.lemma(m, f"{name}_passed", ~known | (passed[stage] == writes))
             self.lemma(m, f"{name}_gone", ~gone[stage] | (here & late_access.read))
             self.lemma(m, f"{name}_both", ~late_access.write | late_access.read)
-        # Accesses to any word, as far as ``conflict`` keeps them apart.
+        # Accesses to any word, as far as they are kept apart.
         writes = asked.draw | dut.reading.write | dut.writing.write
         self.lemma(m, "begun", begun | ~(writes | lit))
         self.lemma(m, "known", known | ~lit)
@@ -199,8 +202,13 @@ FAULTS = (
         "Cat(self.new.depth[pixel] & 0, 1)",
     ),
     Fault("ties drawn", PlanarBank, r"< Cat\(self\.old", "<= Cat(self.old"),
-    Fault("no conflict", PlanarBank, r"same \| reading\.read", "reading.read"),
-    Fault("the port not kept for planes", PlanarBank, r"same \| reading\.read", "same"),
+    Fault("the port not kept for planes", PlanarBank, r"busy\.eq\(reading\.read\)", "busy.eq(0)"),
+    Fault(
+        "planes of the next word",
+        PlanarBank,
+        r"eq\(taken\.address\),\n(\s+writing)",
+        r"eq(self.request.address),\n\1",
+    ),
     Fault("planes given up unread", PlanarBank, r"given_up \| drawn", "drawn"),
     Fault("does not stand still", PlanarBank, r"m\.If\(self\.enable\)", "m.If(1)"),
 )

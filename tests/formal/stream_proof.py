@@ -207,26 +207,26 @@ PROOFS = [
     plan(
         "bank walker",
         lambda: BankWalker(WIDE),
-        Fault("next word unasked", BankWalker, r"& self\.flush\.ready\)", ")"),
+        Fault("next word unasked", BankWalker, r"~self\.flush\.valid \| self\.flush\.ready", "1"),
         given=not_over,
         fault_engine="abc bmc3",
     ),
     plan(
         "emitter",
         lambda: Emitter(WIDE),
-        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
         given=while_running,
     ),
     plan(
         "emitter, one word",
         lambda: Emitter(PRESETS["deep"]),
-        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
         given=while_running,
     ),
     plan(
         "emitter, further planes",
         lambda: Emitter(DEEP_COLOUR),
-        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready\)", "1)"),
         given=while_running,
     ),
     plan(
@@ -316,7 +316,7 @@ PROOFS = [
     plan(
         "engine with banks",
         lambda: Engine(WIDE.replace(**NARROW)),
-        Fault("taken too early", Emitter, r"~self\.raster\.valid \| self\.raster\.ready", "1"),
+        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
         slow=True,
     ),
 ]

@@ -5,13 +5,13 @@ from lane_window_proof import LaneWindowProperties, Narrow
 from properties import OneWord, any_constant, parts
 from prove import Fault, Proof
 
-from splatline.rtl.bank import Bank
+from splatline.rtl.bank_layout import BANKS
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.changeover import Changeover
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.halver import Halver
 from splatline.rtl.loader import Loader
-from splatline.rtl.scatter import BANKS, Scatter
+from splatline.rtl.scatter import Scatter
 from splatline.rtl.window import Window
 
 __all__ = ["PROOFS"]
@@ -63,11 +63,19 @@ class WindowProperties(LaneWindowProperties):
             last_column=self.last_column,
             last_line=self.last_line,
             load=Signal(init=self.load, reset_less=True, name="load"),
+            shade=self._shade(m),
         )
         self._own(m, walker.oldest, walker.front)
         drawn = self._elements(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
+
+    def _shade(self, m):
+        """Return the colour of the element that last moved on, which is its depth."""
+        shade = Signal.like(self.dut.shade, reset_less=True, name="shade_moved")
+        with m.If(self.dut.moves):
+            m.d.sync += shade.eq(self.dut.i.payload.z)
+        return shade
 
     def _elements(self, m):
         """Assume of the footprints what they are; return whether one draws the pixel now."""
@@ -75,18 +83,34 @@ class WindowProperties(LaneWindowProperties):
         footprint = dut.i.payload
         taken = dut.i.valid & dut.i.ready
         top = Signal.like(footprint.top, name="top_before", init=-4)
-        opened = Signal()
+        passed = Signal.like(top, name="top_taken", init=-4)  # of the last element that was taken
+        opened, closed = Signal(), Signal()
         lowest = (1 << len(top) - 1) - 1
-        m.d.sync += opened.eq(dut.active)
-        with m.If(dut.i.valid):
-            m.d.sync += top.eq(footprint.top)
+        oldest = Signal.like(dut.oldest, name="oldest_before")
+        ran, waited = Signal(), Signal()
+        m.d.sync += [oldest.eq(dut.oldest), closed.eq(self.close)]
+        m.d.sync += [ran.eq(dut.running), waited.eq(dut.i.valid & ~dut.i.ready)]
+        m.d.sync += [top.eq(footprint.top), opened.eq(dut.active)]
+        with m.If(taken):
+            m.d.sync += passed.eq(footprint.top)
         with m.If(self.close):
-            m.d.sync += [top.eq(-4), opened.eq(0)]
+            m.d.sync += [top.eq(-4), passed.eq(-4), opened.eq(0)]
         self.given(m, "elements_steady", self.steady(m, dut.i, "i"))
-        self.given(m, "sorted", ~dut.i.valid | (footprint.top >= top))
+        self.given(m, "sorted", footprint.top >= top)
+        # While none is offered it is that of the last element, or of one that is still to come: an
+        # end token is offered at once.
+        at_once = dut.i.valid & footprint.end & ~waited
+        self.given(m, "end_at_once", ~at_once | (top == passed))
+        # An element is offered once all its lines were in a window that did not stand still; one of
+        # the next frame not at once.
+        self.given(m, "behind_the_end", ~(closed & dut.i.valid) | footprint.end)
+        settled = ran & (footprint.top - oldest < config.window_lines - BANKS)
+        self.given(m, "settled", ~dut.i.valid | footprint.end | waited | settled)
+        # So the window may not move past an element that waits.
+        waits = dut.i.valid & ~footprint.end & (footprint.top >= 0)
+        self.always(m, "waits", ~waits | (dut.oldest <= footprint.top))
         self.given(m, "end_top", ~dut.i.valid | ~footprint.end | (footprint.top == lowest))
         self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
-        self.given(m, "colour", footprint.colour == footprint.z)
 
         distance = Signal(config.word_bits)
         column = Signal(4)
@@ -131,11 +155,17 @@ class WindowProperties(LaneWindowProperties):
         return draws
 
 
-SWEPT = Fault("the sweep's last cycle", Window, r"(sweep = Signal\(.*)\)", r"\1, init=-1)")
-"""The banks have been cleared but for their last words."""
+SWEPT = (
+    Fault("swept", Window, r"sweeping = Signal\(init=1\)", "sweeping = Signal()"),
+    Fault("and written", Window, r"swept = Signal\(2, init=3\)", "swept = Signal(2)"),
+)
+"""The banks have been cleared."""
+
+SWEEPING = (Fault("the sweep's last cycle", Window, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),)
+"""They have been cleared but for their last words."""
 
 
-def plan(name, shows, load, depth, *faults, config=TINY, pixel=None, long=False):
+def plan(name, shows, load, depth, *faults, config=TINY, pixel=None, changes=SWEPT, long=False):
     """Return a proof of the window."""
     return Proof(
         name=name,
@@ -143,44 +173,58 @@ def plan(name, shows, load, depth, *faults, config=TINY, pixel=None, long=False)
         build=lambda: WindowProperties(config, load, pixel=pixel),
         depth=depth,
         engine="abc bmc3",
-        changes=(SWEPT,),
+        changes=changes,
         faults=faults,
         slow=True,
         long=long,
     )
 
 
-NO_CONFLICT = Fault("no conflict", Bank, r"taken\.draw \| taken\.clear\) &", "taken.clear) &")
-
 PROOFS = [
     plan(
         "window of banks",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
-        10,
-        NO_CONFLICT,
+        14,
+        Fault("the word of the element before", Scatter, r"same & deal\.want & valid.*\)\)", "0)"),
+        Fault("only its first words", Scatter, r" & ~several\.any\(\)", ""),
+        Fault("the colour of before", Scatter, r"moves\.eq\(step\)", "moves.eq(self.i.ready)"),
         Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_words"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
-        Fault("beyond the window", Window, r"config\.window_lines - BANKS", "config.window_lines"),
         Fault("flushed beside an element", Window, r"has_line & ~wanted", "has_line"),
+        Fault("closed before it is drawn", Window, r"& ~scatter\.o\.valid & loader", "& loader"),
+        Fault("left before it is written", Window, r"top\.eq\(retired\)", "top.eq(top)"),
         Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
+        Fault(
+            "over before all are asked for",
+            BankWalker,
+            r"Cat\(found, read, left, self\.flush\.valid\)",
+            "self.flush.valid",
+        ),
         Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
+        Fault("found, and lost", BankWalker, r"reading & \(onward.*\)\)", "reading)"),
     ),
     plan(
         "window of banks, two words",
         "the same where beats have two words",
         0,
-        10,
+        13,
         Fault("left for right", Emitter, r"line\[2\] \^ half", "line[2]", "_words"),
         Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
+        Fault("another line", Emitter, r"m\.If\(self\.running\)", "m.If(1)", "_words"),
         Fault("one of two is enough", Window, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"),
+        Fault("drawn while it is swept", Window, r"Cat\(swept, loaded\)", "loaded"),
         config=TWO_WORDS,
+        changes=SWEEPING,
     ),
     plan(
         "window of banks, one pixel",
         "the same for one pixel of one place",
         0,
-        14,
+        16,
+        Fault("of the one before that", Scatter, r"again \| earlier if", "again if"),
+        Fault("waited one cycle for", Scatter, r"again if slow", "0 if slow"),
+        Fault("two wait already", BankWalker, r" & ~second_valid\)", ")"),
         Fault("marks lost", BankWalker, r"here & ~marks\.busy", "here"),
         pixel=(Const(2, 4), Const(1, 2), Const(1, 2)),
         long=True,
@@ -189,9 +233,10 @@ PROOFS = [
         "window of banks, initial raster",
         "the same for frames that start from an initial raster",
         1,
-        10,
-        NO_CONFLICT,
-        Fault("loaded like an element", Scatter, r"self\.whole, 3, ", "self.whole, 0, ", "_deal"),
+        12,
+        Fault("loaded like an element", Window, r"share\.mask \| .*\)\),", "share.mask),"),
+        Fault("drawn where it is loaded", Window, r"Cat\(swept, loaded\)", "swept"),
+        Fault("loaded where one leaves", Window, r"\| \(left\.any\(\) & .*\)", ""),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
         Fault("left before it was loaded", Loader, r" & ~self\.moves", ""),
     ),
@@ -199,7 +244,7 @@ PROOFS = [
         "window of banks, initial raster of two words",
         "the same where beats have two words",
         1,
-        10,
+        12,
         Fault("the right word is lost", Halver, r"last\.eq\(right", "last.eq(1"),
         config=TWO_WORDS,
         long=True,

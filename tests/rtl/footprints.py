@@ -5,9 +5,11 @@ from presets import CONFIG
 from splatline.rtl.layouts import FootprintLayout
 from splatline.sim.cosim.blocks import pack
 
-__all__ = ["FOOTPRINT", "end_token", "footprint", "place_of_word"]
+__all__ = ["FOOTPRINT", "Footprints", "end_token", "footprint", "place_of_word"]
 
 FOOTPRINT = FootprintLayout(CONFIG)
+ROOM = CONFIG.window_lines - 8
+"""An element comes once its first line is less than so many below the window's first one."""
 
 
 def place_of_word(line, word):
@@ -15,7 +17,7 @@ def place_of_word(line, word):
     return (line + 4 * (word % 2)) % 8, (line // 4 % 4) << CONFIG.word_bits - 1 | word // 2
 
 
-def footprint(top, x, spans, z=0, colour=0, width=512, height=512):
+def footprint(top, x, spans, z=0, width=512, height=512):
     """A footprint of spans {row of the block: (first column, last column)}, clipped.
 
     Return its bits and the pixels it covers, {(line, column)}.
@@ -41,9 +43,7 @@ def footprint(top, x, spans, z=0, colour=0, width=512, height=512):
             pixels |= {(line, column) for line, column in covered if column < width}
         halves["upper" if row < 4 else "lower"][line % 4] = span
     groups = [(top + (q - top) % 4) // 4 % 4 for q in range(4)]
-    bits = pack(
-        FOOTPRINT, **halves, upper_group=groups, word=word, z=z, colour=colour, top=top, end=0
-    )
+    bits = pack(FOOTPRINT, **halves, upper_group=groups, word=word, z=z, top=top, end=0)
     return bits, pixels
 
 
@@ -52,3 +52,40 @@ def end_token():
     empty = [{"first": 0, "last": 0, "words": 0}] * 4
     lowest = (1 << CONFIG.line_bits + 1) - 1
     return pack(FOOTPRINT, upper=empty, lower=empty, end=1, top=lowest)
+
+
+class Footprints:
+    """What a decoder offers: elements whose lines are in the window, and then the end of the frame.
+
+    Its length is the number of them that may come by now, for a source that looks there before
+    each.
+
+    Parameters
+    ----------
+    elements
+        First line of each element's block, and its bits.
+    """
+
+    def __init__(self, elements=()):
+        self.elements = list(elements)
+        self.oldest = 0  # of the window, in the last cycle in which it did not stand still
+        self.near = 0
+
+    def __len__(self):
+        while self.near < len(self.elements) and self.elements[self.near][0] - self.oldest < ROOM:
+            self.near += 1
+        return self.near + (self.near == len(self.elements))
+
+    def __getitem__(self, n):
+        return self.elements[n][1] if n < len(self.elements) else end_token()
+
+    def shown(self, rng, sent):
+        """Bits in a cycle in which none is offered: the next element's ``top``, and nonsense."""
+        top = self.elements[min(sent, len(self.elements) - 1)][0] if self.elements else -4
+        if sent > len(self.elements):
+            top = -4  # of the next frame
+        place = FOOTPRINT["top"]
+        mask = (1 << place.width) - 1
+        return (
+            rng.getrandbits(FOOTPRINT.size) & ~(mask << place.offset) | (top & mask) << place.offset
+        )

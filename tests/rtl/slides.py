@@ -17,15 +17,15 @@ class Slide:
         self.flush = self.bench.sink("flush", rate)
         self.expected = set()
 
-    async def reset(self, inputs, rows):
-        """Put inputs to 0, and clear all marks, a row of them a cycle."""
+    async def reset(self, inputs, port, rows):
+        """Put inputs to 0, and clear all marks, a row of them a cycle: what ``port`` is set to."""
         dut = self.dut
         for name in inputs:
             getattr(dut, name).value = 0
         await self.bench.reset()
         dut.wipe.value = 1
-        for row in range(rows):
-            await self.bench.step(lambda row=row: setattr(dut.wipe_row, "value", row))
+        for row in rows:
+            await self.bench.step(lambda row=row: setattr(port, "value", row))
         dut.wipe.value = 0
 
     def check_flush(self, oldest, top):

@@ -5,15 +5,21 @@ import random
 import cocotb
 import pytest
 
-from splatline.rtl.bank import bank_address_bits
-from splatline.rtl.bank_marks import BankMarks, column_bits, stretch_bits
+from splatline.rtl.bank_layout import BANKS, bank_address_bits, column_bits, stretch_bits
+from splatline.rtl.bank_marks import BankMarks
 from splatline.rtl.format import WIDE
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench
 
-BANKS = 8
 ADDRESS = bank_address_bits(WIDE)
 COLUMNS, STRETCHES = 1 << column_bits(WIDE), 1 << stretch_bits(WIDE)
+
+
+def rows_of_marks(config):
+    """Addresses of all banks, together in each row of their marks."""
+    bits, columns = bank_address_bits(config), 1 << column_bits(config)
+    for address in range(0, 1 << bits, columns):
+        yield sum(address << bits * bank for bank in range(BANKS))
 
 
 class Marked:
@@ -29,8 +35,8 @@ class Marked:
             getattr(self.dut, name).value = 0
         await self.bench.reset()
         self.dut.wipe.value = 1
-        for row in range(4 * STRETCHES):
-            await self.bench.step(lambda row=row: setattr(self.dut.wipe_row, "value", row))
+        for row in rows_of_marks(WIDE):
+            await self.bench.step(lambda row=row: setattr(self.dut.addresses, "value", row))
         self.dut.wipe.value = 0
 
     def of(self, line, stretch):

@@ -6,9 +6,9 @@ import cocotb
 import pytest
 from presets import CONFIG, run_bench
 from slides import Slide
+from test_bank_marks import rows_of_marks
 
-from splatline.rtl.bank import bank_address_bits
-from splatline.rtl.bank_marks import stretch_bits
+from splatline.rtl.bank_layout import bank_address_bits, stretch_bits
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.format import PRESETS
 from splatline.rtl.layouts import FlushLayout
@@ -30,7 +30,7 @@ class BankSlide(Slide):
         self.dut.jump.value, self.dut.last_word.value = jump, last_word
         self.before = (0, 0, 0)
         inputs = ("drawn", "addresses", "restart", "close", "top", "loaded", "reach", "reaching")
-        await self.reset(inputs, 4 << stretch_bits(CONFIG))
+        await self.reset(inputs, self.dut.addresses, rows_of_marks(CONFIG))
 
     async def cycle(self, top, words=(), loaded=1):
         """One cycle in which words (line, word) are drawn, each in a bank of its own.

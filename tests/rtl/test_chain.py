@@ -169,7 +169,7 @@ def test_frames_follow_each_other_in_a_chain_without_a_gap(config, most, link):
     rng = np.random.default_rng(2)
     frames = [shapes(rng, 900, 50, 48, largest=3, config=config) for _ in range(5)]
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
-    job = ChainJob.dealt(*frames, engines=3, method="elements", write_tables="first")
+    job = ChainJob.dealt(*frames, engines=2, method="elements", write_tables="first")
     times = check([job, job], link=link)[1].times
     assert len(times) == len(frames)
     for before, after in itertools.pairwise(times):

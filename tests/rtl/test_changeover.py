@@ -102,8 +102,8 @@ async def no_place_is_taken_twice_and_no_line_leaves_with_another_frame(dut):
         assert walk.overlaps > 20 or share < 0.1, "nothing was drawn while a frame left"
 
 
-def test_frames_change_over(simulator_name):
-    run_bench(Changeover(PAPER), __file__, simulator_name=simulator_name)
+def test_frames_change_over(block_simulator):
+    run_bench(Changeover(PAPER), __file__, simulator_name=block_simulator)
 
 
 FAULTS = [

@@ -28,8 +28,8 @@ class Coloured(data.StructLayout):
 class Painter(wiring.Component):
     """A colour unit and what is behind it: the colour meets its element.
 
-    Without lanes a stage, as the decoder is one. With them another before it, as the tiler has, in
-    which an element with ``mode`` set stays until it has gone on twice.
+    Two stages: in the first, as in the tiler or the decoder, an element with ``mode`` set stays
+    until it has gone on twice.
     """
 
     def __init__(self, config):
@@ -57,20 +57,16 @@ class Painter(wiring.Component):
             self.o.payload.geometry.eq(held),
             self.o.payload.colour.eq(unit.shade),
         ]
-        there, at_hand = unit.o.valid, unit.o.payload
-        if self.config.lanes:
-            there, twice = Signal(), Signal()
-            at_hand = Signal.like(held)
-            m.d.comb += [
-                unit.moves.eq(step),
-                unit.o.ready.eq(~there | (step & (twice | ~at_hand.mode))),
-            ]
-            with m.If(unit.o.ready):
-                m.d.sync += [there.eq(unit.o.valid), at_hand.eq(unit.o.payload), twice.eq(0)]
-            with m.Elif(step):
-                m.d.sync += twice.eq(1)
-        else:
-            m.d.comb += unit.o.ready.eq(step)
+        there, twice = Signal(), Signal()
+        at_hand = Signal.like(held)
+        m.d.comb += [
+            unit.moves.eq(step),
+            unit.o.ready.eq(~there | (step & (twice | ~at_hand.mode))),
+        ]
+        with m.If(unit.o.ready):
+            m.d.sync += [there.eq(unit.o.valid), at_hand.eq(unit.o.payload), twice.eq(0)]
+        with m.Elif(step):
+            m.d.sync += twice.eq(1)
         with m.If(step):
             m.d.sync += [valid.eq(there), held.eq(at_hand)]
         return m
@@ -119,7 +115,7 @@ async def check(dut, ambient, materials, elements, rates, seed):
     coming = [
         (mode, element)
         for mode, element in zip(modes, elements, strict=True)
-        for _ in range(1 + (mode and CONFIG.lanes))
+        for _ in range(1 + mode)
     ]
     cycles = await bench.run(lambda: len(sink.received) == len(coming), most_cycles=30_000)
     for (mode, (m, d, s)), bits in zip(coming, sink.received, strict=True):
@@ -169,8 +165,8 @@ async def extremes(dut):
         await check(dut, ambient, materials, corners, (1.0, 1.0), number)
 
 
-def test_colours_follow_equation_2(simulator_name):
-    blocks.run_bench(Painter(PAPER), __file__, simulator_name=simulator_name)
+def test_colours_follow_equation_2(block_simulator):
+    blocks.run_bench(Painter(PAPER), __file__, simulator_name=block_simulator)
 
 
 @pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)

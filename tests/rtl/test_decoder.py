@@ -13,6 +13,7 @@ from splatline.sim.cosim.streams import StreamBench
 
 PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(PAPER)}
 FOOTPRINT = FootprintLayout(PAPER)
+LAST = (1 << PAPER.line_bits + 1) - 1
 
 
 def element(rows, mode, x, top, **rest):
@@ -79,7 +80,7 @@ async def check(dut, cases, width, height, rates, seed):
     bench = StreamBench(dut, seed)
     bench.source("i", (element(*case) for case in cases), rates[0])
     sink = bench.sink("o", rates[1])
-    dut.shade.value = 0
+    dut.oldest.value, dut.running.value = LAST, 1  # all lines are in the window
     dut.last_column.value = width - 1
     dut.last_line.value = height - 1
     await bench.reset()
@@ -135,7 +136,7 @@ async def all_lines(dut):
 
 @cocotb.test()
 async def what_passes_through(dut):
-    """Depth, line and the end token arrive unchanged, and the colour as it is at the time."""
+    """Depth, line and the end token arrive unchanged."""
     rng = random.Random(4)
     fields = [{"z": rng.randrange(512), "end": rng.randrange(2)} for _ in range(200)]
     tops = [rng.randrange(-4, 500) for _ in fields]
@@ -147,15 +148,66 @@ async def what_passes_through(dut):
     sink = bench.sink("o", 0.5)
     dut.last_column.value = 511
     dut.last_line.value = 511
-    dut.shade.value = 0o525
+    dut.oldest.value, dut.running.value = LAST, 1
     await bench.reset()
     await bench.run(lambda: len(sink.received) == len(fields), most_cycles=5000)
     for top, field, bits in zip(tops, fields, sink.received, strict=True):
         assert get(bits, "top") == top % (1 << FOOTPRINT["top"].width)
         assert {name: get(bits, name) for name in field} == field
-        assert get(bits, "colour") == 0o525
         if field["end"]:
             assert not footprint_pixels(bits, top, 512)
+
+
+@cocotb.test()
+async def an_element_waits_for_the_window(dut):
+    """It comes in the cycle after its last line is in; its first line shows before that."""
+    rng = random.Random(5)
+    tops = sorted(rng.randrange(-4, 400) for _ in range(150))
+    bench = StreamBench(dut, 5)
+    cases = [element([(0, 7)] * 4, 0, 50, top) for top in tops]
+    source = bench.source("i", [*cases, element([(1, 0)] * 4, 0, 0, LAST, end=1)])
+    sink = bench.sink("o", 0.8)
+    dut.last_column.value = dut.last_line.value = 511
+    oldest = seen = inside = late = running = ran = 0
+    dut.oldest.value = dut.running.value = 0
+    await bench.reset()
+
+    def drive():
+        nonlocal oldest, seen, inside, running, ran
+        seen = oldest if running else seen
+        oldest += (rng.random() < 0.5) * rng.choice([1, 1, 1, 9])
+        ran, running = running, rng.random() < 0.7
+        dut.oldest.value, dut.running.value = oldest, running
+        inside = source.sent - len(sink.received)
+
+    def observe():
+        nonlocal late
+        valid = int(dut.o__valid.value)
+        top = get(dut.o__payload.value.to_unsigned(), "top")
+        if not inside:
+            assert not valid
+            late = 0
+            return
+        taken = valid and int(dut.o__ready.value)
+        at_hand = len(sink.received) - taken
+        if at_hand == len(tops):
+            assert valid, "the end waits for no line"
+            return
+        assert top == tops[at_hand] % (1 << FOOTPRINT["top"].width)
+        assert not valid or tops[at_hand] - seen < 8
+        if valid or tops[at_hand] - seen >= 8:
+            late = 0
+        else:
+            late += ran
+        assert late <= 1, "its lines have been in the window for two cycles"
+
+    await bench.run(
+        lambda: len(sink.received) == len(tops) + 1,
+        most_cycles=5_000,
+        drive=drive,
+        observe=observe,
+    )
+    assert sink.received[-1] >> place("end")[0] & 1
 
 
 def test_decoder_covers_the_pixels_of_the_contract(simulator_name):

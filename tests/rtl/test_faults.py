@@ -41,9 +41,6 @@ BLOCK_FAULTS = [
         Bank, test_bank, "random_requests", fault("dut", "passes_2", "1'h1"), id="no depth test"
     ),
     pytest.param(
-        Bank, test_bank, "random_requests", fault("dut", "conflict", "1'h0"), id="no conflict"
-    ),
-    pytest.param(
         Sequencer,
         test_sequencer,
         "random_words",
@@ -53,7 +50,31 @@ BLOCK_FAULTS = [
     pytest.param(
         Decoder, test_decoder, "all_columns", fault("dut", "words_left", "8'h7f"), id="right border"
     ),
+    pytest.param(
+        Decoder,
+        test_decoder,
+        "an_element_waits_for_the_window",
+        fault("dut", "settled", "1'h1"),
+        id="beyond the window",
+    ),
+    pytest.param(
+        Decoder,
+        test_decoder,
+        "an_element_waits_for_the_window",
+        lambda text: text.replace("settled = running &", "settled = 1'h1 &"),
+        id="not cleared as yet",
+    ),
     pytest.param(Scatter, test_scatter, "free_banks", fault("dut", "end_3", "2'h3"), id="mask"),
+    pytest.param(
+        Scatter, test_scatter, "elements_in_a_row", fault("dut", "rests", "8'h0"), id="no rest"
+    ),
+    pytest.param(
+        Scatter,
+        test_scatter,
+        "elements_in_a_row",
+        fault("dut", "rests", "earlier"),
+        id="short rest",
+    ),
 ]
 
 
@@ -70,6 +91,7 @@ BANK_WINDOW_FAULTS = [
     (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "take | wipe", "marks clear too much"),
     (BankWalker, test_bank_walker, ASKS, "alone", "1'h1", "the rest of a stretch is lost"),
     (BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
+    (BankWalker, test_bank_walker, ASKS, "onward", "1'h1", "what follows is lost"),
     (BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
     (BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "only two stretches are read"),
     (
@@ -106,7 +128,6 @@ WINDOW_FAULTS = {
     "a bank marks nothing": ("wide", "dut.bank_3", "drawn", "1'h0"),
     "background is sent": ("wide", "dut.emitter", "raster__valid", "emit_valid"),
     "load late": ("wide", "dut.loader", "loaded", "1'h1"),
-    "drawn after a load": ("rgb18", "dut.paint", "may_draw", "1'h1"),
     "loaded after a draw": ("rgb18", "dut.paint", "may_load", "1'h1"),
     "flushed words meet": ("rgb18", "dut.emitter", "ready", "1'h1"),
 }
@@ -141,7 +162,7 @@ def test_without_a_fault_nothing_is_noticed_in_the_window(preset):
 
 
 STRETCH_FAULTS = {
-    "the third word's stretch": (Window, r" \| \(across & \(stretch == number - 1\)\)", ""),
+    "the third word's stretch": (Scatter, r" \| \(across & \(stretch == number - 1\)\)", ""),
     "reached at the moment": (BankWalker, r"clean & ~self\.drawn\.any\(\)\)$", "clean)"),
 }
 
@@ -157,7 +178,7 @@ def test_a_stretch_that_is_passed_over_is_noticed(monkeypatch, broken):
 PLANE_FAULTS = [
     ("rgb18", "late_colour_write", "1'h0", "plane 1 not written"),
     ("rgb24", "late_depth_write", "1'h0", "plane 2 not written"),
-    ("rgb18", "conflict", "same", "requests meet the planes"),
+    ("rgb18", "busy", "1'h0", "requests meet the planes"),
 ]
 
 
@@ -191,7 +212,7 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
     ("preset", "edit"),
     [
         pytest.param(
-            "wide", fault("splatline.window.bank_5", "conflict", "1'h0"), id="a bank's conflict"
+            "wide", fault("splatline.window.scatter", "rests", "8'h0"), id="no word rests"
         ),
         pytest.param(
             "paper",

@@ -63,5 +63,5 @@ async def beats_come_out_as_their_words(dut):
             assert cycles <= len(expected) + 3
 
 
-def test_a_beat_of_two_words_is_cut(simulator_name):
-    run_bench(Halver(WIDE), __file__, simulator_name=simulator_name)
+def test_a_beat_of_two_words_is_cut(block_simulator):
+    run_bench(Halver(WIDE), __file__, simulator_name=block_simulator)

@@ -134,5 +134,5 @@ async def a_paused_lane_writes_once(dut):
     await operator.read(8, (50, 8))
 
 
-def test_lane_keeps_the_nearest(simulator_name):
-    run_bench(Lane(PAPER), __file__, simulator_name=simulator_name)
+def test_lane_keeps_the_nearest(block_simulator):
+    run_bench(Lane(PAPER), __file__, simulator_name=block_simulator)

@@ -117,5 +117,5 @@ async def nothing_is_read_outside_a_frame_or_unasked(dut):
         assert int(dut.finished.value) == (not enable)
 
 
-def test_loader_offers_words_as_their_lines_enter(simulator_name):
-    run_bench(Loader(PAPER), __file__, simulator_name=simulator_name)
+def test_loader_offers_words_as_their_lines_enter(block_simulator):
+    run_bench(Loader(PAPER), __file__, simulator_name=block_simulator)

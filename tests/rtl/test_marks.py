@@ -147,5 +147,5 @@ async def a_wipe_takes_four_lines_and_no_more(dut):
             assert await take(dut, bench, rng, line, stretch) == expected
 
 
-def test_marks_are_what_was_touched(simulator_name):
-    run_bench(Marks(PAPER), __file__, simulator_name=simulator_name)
+def test_marks_are_what_was_touched(block_simulator):
+    run_bench(Marks(PAPER), __file__, simulator_name=block_simulator)

@@ -134,5 +134,5 @@ async def nothing_goes_on_before_the_other_side_is_known(dut):
     assert not sink.received
 
 
-def test_the_merger_draws_one_picture_over_the_other(simulator_name):
-    run_bench(Merger(PAPER), __file__, simulator_name=simulator_name)
+def test_the_merger_draws_one_picture_over_the_other(block_simulator):
+    run_bench(Merger(PAPER), __file__, simulator_name=block_simulator)

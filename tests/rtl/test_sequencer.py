@@ -120,5 +120,5 @@ async def a_frame_opens_only_when_admitted(dut):
     assert (source.sent, int(dut.open.value)) == (3, 0), "the next frame waits"
 
 
-def test_sequencer_follows_control_words(simulator_name):
-    run_bench(Sequencer(PAPER), __file__, simulator_name=simulator_name)
+def test_sequencer_follows_control_words(block_simulator):
+    run_bench(Sequencer(PAPER), __file__, simulator_name=block_simulator)

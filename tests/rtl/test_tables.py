@@ -75,5 +75,5 @@ async def nothing_is_taken_while_a_frame_is_open(dut):
     assert REGISTERS.from_bits(int(dut.registers.value)).last_line == 99
 
 
-def test_table_writes_reach_their_place(simulator_name):
-    run_bench(Tables(PAPER), __file__, simulator_name=simulator_name)
+def test_table_writes_reach_their_place(block_simulator):
+    run_bench(Tables(PAPER), __file__, simulator_name=block_simulator)

@@ -367,5 +367,5 @@ async def reset_in_the_middle(dut):
         await check(dut, sorted_frames(rng, 2, 9, 9), 64, 48, (1.0, 0.8), seed)
 
 
-def test_tiler_cuts_the_pixels_of_the_contract(simulator_name):
-    run_bench(Tiler(PAPER), __file__, simulator_name=simulator_name)
+def test_tiler_cuts_the_pixels_of_the_contract(block_simulator):
+    run_bench(Tiler(PAPER), __file__, simulator_name=block_simulator)

@@ -28,7 +28,7 @@ class LaneSlide(Slide):
     async def start(self, jump=1):
         self.dut.loaded.value, self.dut.jump.value = 0, jump
         inputs = ("touch", "group", "words", "reaching", "restart", "close", "enable", "top")
-        await self.reset(inputs, 4 * STRETCHES)
+        await self.reset(inputs, self.dut.wipe_row, range(4 * STRETCHES))
 
     def line_of(self, place, lowest):
         """The line from ``lowest`` on that stands in a place of the window."""
@@ -210,5 +210,5 @@ async def nothing_leaves_unasked(dut):
         await slide.finish(rng)
 
 
-def test_walker_asks_for_what_was_written(simulator_name):
-    run_bench(Walker(PAPER), __file__, simulator_name=simulator_name)
+def test_walker_asks_for_what_was_written(block_simulator):
+    run_bench(Walker(PAPER), __file__, simulator_name=block_simulator)

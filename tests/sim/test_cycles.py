@@ -9,7 +9,7 @@ from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
-from splatline.rtl.bank import bank_address_bits
+from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.engine import engine_latency
 from splatline.rtl.format import PAPER, WIDE, get_preset
 from splatline.rtl.lane import lane_address_bits
@@ -212,9 +212,9 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
 def test_known_counts(config):
     """A cycle a code word, one more for its latency, and the end beat behind.
 
-    Lanes know one cycle later that nothing is left in the window.
+    Lanes know one cycle later that nothing is left in the window; in banks none is dealt.
     """
-    latency = engine_latency(config) + config.lanes
+    latency = engine_latency(config) + (1 if config.lanes else -1)
 
     def count(words):
         frame = cw.make_frame([*words, cw.end(config)], (64, 64), config=config)
@@ -227,8 +227,8 @@ def test_known_counts(config):
     assert count([cw.advance(1, config)] * 10) == latency + 11
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
     # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks,
-    # dots in words of their own leave as so many beats, and on the same word wait for it as often
-    # as there are dots. In lanes a pair of words leaves anyway.
+    # dots in words of their own leave as so many beats, and on the same word each but the first
+    # waits for it, two cycles. In lanes it is one, and a pair of words leaves anyway.
     for dots in (1, 2) if config.lanes else (1, 2, 4):
         columns = [4 + 4 * n for n in range(dots)]
         apart = [dot(column) for column in columns]
@@ -237,7 +237,8 @@ def test_known_counts(config):
         beats = (
             1 if config.lanes else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
         )
-        assert count([start, *same]) - count([start, *apart]) == dots - beats
+        waits = (dots - 1) * (1 if config.lanes else 2)
+        assert count([start, *same]) - count([start, *apart]) == waits - (beats - 1)
 
 
 def test_more_words_never_take_less():
