@@ -5,6 +5,7 @@ from lane_window_proof import LaneWindowProperties, Narrow
 from properties import OneWord, any_constant, parts
 from prove import Fault, Proof
 
+from splatline.rtl.bank import Bank
 from splatline.rtl.bank_layout import BANKS
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.changeover import Changeover
@@ -56,7 +57,8 @@ class WindowProperties(LaneWindowProperties):
         m.d.comb += address.eq(Cat(self.word[1:], slot[2:]))
         self.memories = OneWord(address, init=(-1, 0) * BANKS)  # the background
         self.dut = dut = Window(config)
-        (walker,) = parts(self.add(m, dut), BankWalker)
+        fragment = self.add(m, dut)
+        (walker,) = parts(fragment, BankWalker)
         self.free(
             m,
             dut,
@@ -69,6 +71,23 @@ class WindowProperties(LaneWindowProperties):
         drawn = self._elements(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
+        for index, bank in enumerate(parts(fragment, Bank)):
+            self._keep_apart(m, index, bank)
+
+    def _keep_apart(self, m, index, bank):
+        """Assert what a bank takes for granted: no word is asked for before it was written."""
+        request = bank.request
+        asked = Signal(name=f"asked_{index}")
+        m.d.comb += asked.eq(request.draw | request.clear)
+        before, address = asked, request.address
+        for distance in (1, 2):
+            name = f"{index}_{distance}"
+            then, there = Signal(name=f"asked_{name}"), Signal.like(address, name=f"there_{name}")
+            with m.If(bank.enable):
+                m.d.sync += [then.eq(before), there.eq(address)]
+            same = asked & then & (request.address == there)
+            self.always(m, f"apart_{name}", ~(bank.enable & same))
+            before, address = then, there
 
     def _shade(self, m):
         """Return the colour of the element that last moved on, which is its depth."""
@@ -185,10 +204,11 @@ PROOFS = [
         "window of banks",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
-        14,
+        13,
         Fault("the word of the element before", Scatter, r"same & deal\.want & valid.*\)\)", "0)"),
+        Fault("of the one before that", Scatter, r"again \| earlier if", "again if"),
+        Fault("waited one cycle for", Scatter, r"again if slow", "0 if slow"),
         Fault("only its first words", Scatter, r" & ~several\.any\(\)", ""),
-        Fault("the colour of before", Scatter, r"moves\.eq\(step\)", "moves.eq(self.i.ready)"),
         Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_words"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
         Fault("flushed beside an element", Window, r"has_line & ~wanted", "has_line"),
@@ -202,7 +222,6 @@ PROOFS = [
             "self.flush.valid",
         ),
         Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
-        Fault("found, and lost", BankWalker, r"reading & \(onward.*\)\)", "reading)"),
     ),
     plan(
         "window of banks, two words",
@@ -211,10 +230,15 @@ PROOFS = [
         13,
         Fault("left for right", Emitter, r"line\[2\] \^ half", "line[2]", "_words"),
         Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
-        Fault("another line", Emitter, r"m\.If\(self\.running\)", "m.If(1)", "_words"),
         Fault("one of two is enough", Window, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"),
-        Fault("drawn while it is swept", Window, r"Cat\(swept, loaded\)", "loaded"),
         config=TWO_WORDS,
+    ),
+    plan(
+        "window of banks, sweep",
+        "the same from the sweep's last cycle on",
+        0,
+        9,
+        Fault("drawn while it is swept", Window, r"Cat\(swept, loaded\)", "loaded"),
         changes=SWEEPING,
     ),
     plan(
@@ -222,8 +246,8 @@ PROOFS = [
         "the same for one pixel of one place",
         0,
         16,
-        Fault("of the one before that", Scatter, r"again \| earlier if", "again if"),
-        Fault("waited one cycle for", Scatter, r"again if slow", "0 if slow"),
+        Fault("the colour of before", Scatter, r"moves\.eq\(step\)", "moves.eq(self.i.ready)"),
+        Fault("found, and lost", BankWalker, r"reading & \(onward.*\)\)", "reading)"),
         Fault("two wait already", BankWalker, r" & ~second_valid\)", ")"),
         Fault("marks lost", BankWalker, r"here & ~marks\.busy", "here"),
         pixel=(Const(2, 4), Const(1, 2), Const(1, 2)),
@@ -233,7 +257,7 @@ PROOFS = [
         "window of banks, initial raster",
         "the same for frames that start from an initial raster",
         1,
-        12,
+        13,
         Fault("loaded like an element", Window, r"share\.mask \| .*\)\),", "share.mask),"),
         Fault("drawn where it is loaded", Window, r"Cat\(swept, loaded\)", "swept"),
         Fault("loaded where one leaves", Window, r"\| \(left\.any\(\) & .*\)", ""),
