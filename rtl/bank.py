@@ -14,8 +14,8 @@ __all__ = ["Bank", "BankRequestLayout"]
 class BankRequestLayout(data.StructLayout):
     """What a bank is asked to do in a cycle.
 
-    ``draw``: depth-test the pixels of ``mask`` of the word at ``address``. ``clear``: read that
-    word and leave background in it. At most one of the two.
+    ``draw``: depth-test the pixels of ``mask`` of the word at ``address``, or all if it is to be
+    drawn ``whole``. ``clear``: read that word and leave background in it. At most one of the two.
     """
 
     def __init__(self, config: EngineConfig):
@@ -23,6 +23,7 @@ class BankRequestLayout(data.StructLayout):
             {
                 "draw": 1,
                 "clear": 1,
+                "whole": 1,
                 "mask": config.pixels_per_word,
                 "address": bank_address_bits(config),
             }
@@ -113,7 +114,7 @@ class Bank(wiring.Component):
             passes = Signal(name=f"passes_{pixel}")
             m.d.comb += [
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
-                passes.eq(Cat(new_depth, 1) < Cat(old_depth, merging.mask[pixel])),
+                passes.eq(Cat(new_depth, 1) < Cat(old_depth, merging.mask[pixel] | merging.whole)),
                 merged.depth[pixel].eq(
                     Mux(passes, new_depth, old_depth) | merging.clear.replicate(config.depth_bits)
                 ),

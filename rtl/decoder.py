@@ -1,7 +1,7 @@
 """The decoder: from a code word's rows to the spans that each line of the window receives."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import BLOCK, ROWS, EngineConfig
@@ -101,7 +101,7 @@ class Decoder(wiring.Component):
         for residue, group in enumerate(footprint.upper_group):
             # The first line from the top on with this residue: past a multiple of 4 or not.
             m.d.comb += group.eq(element.top[2:4] + (residue < element.top[:2]))
-        self._deal(m, element, self._rows(m, element), footprint)
+        self._deal(m, element, self._enables(m, element), footprint)
 
         valid = Signal()
         near = Signal()  # its lines are in the window
@@ -127,11 +127,12 @@ class Decoder(wiring.Component):
         behind = Signal(signed(len(top) + 1))
         beyond = config.window_lines - BLOCK  # so many lines ahead, or more
         bits = beyond.bit_length() - 1
-        inside = ~behind[-1] | (behind[bits:].all() & behind[:bits].any())
+        within = Signal()
         m.d.comb += [
+            within.eq(~behind[-1] | (behind[bits:].all() & behind[:bits].any())),
             waits.eq(valid & ~near),
             behind.eq(self.oldest - Mux(waits, top, element.top)),
-            settled.eq(self.running & inside),
+            settled.eq(self.running & within),
         ]
         with m.If(valid & held.end):
             m.d.sync += near.eq(0)
@@ -139,8 +140,8 @@ class Decoder(wiring.Component):
             m.d.sync += near.eq(settled)
         return m
 
-    def _rows(self, m, element):
-        """Return the block's rows, upper and lower four, with ``enable`` for those to draw."""
+    def _enables(self, m, element):
+        """Return which of the block's rows are drawn, of the upper and of the lower four."""
         # Lines of the image from the block's first row on, less 1; 7 stands for more.
         left = Signal(signed(len(element.top) + 1))
         near = Signal(3)
@@ -149,10 +150,7 @@ class Decoder(wiring.Component):
             near.eq(Mux(left[3:].any(), 7, left[:3])),
         ]
         above = element.top < 0  # then it lies in -4 .. -1
-        row = data.StructLayout({"first": 3, "last": 3, "enable": 1})
-        upper, lower = (
-            [Signal(row, name=f"{half}_row_{k}") for k in range(4)] for half in ("upper", "lower")
-        )
+        upper, lower = Signal(4), Signal(4)
         drawn = Signal()
         filled = Signal(4)
         m.d.comb += [
@@ -160,19 +158,14 @@ class Decoder(wiring.Component):
             filled.eq(Cat(scan.first <= scan.last for scan in element.scans)),
         ]
         for k in range(4):
-            scan, turned = element.scans[k], element.scans[3 - k]
             below_border = ~above | (element.top[:3] >= 8 - k)
             m.d.comb += [
-                upper[k].first.eq(scan.first),
-                upper[k].last.eq(scan.last),
-                upper[k].enable.eq(drawn & filled[k] & below_border & (near >= k)),
-                lower[k].first.eq(~turned.last),
-                lower[k].last.eq(~turned.first),
-                lower[k].enable.eq(drawn & filled[3 - k] & ~element.mode & (near >= k + 4)),
+                upper[k].eq(drawn & filled[k] & below_border & (near >= k)),
+                lower[k].eq(drawn & filled[3 - k] & ~element.mode & (near >= k + 4)),
             ]
-        return {"upper": upper, "lower": lower}
+        return upper, lower
 
-    def _deal(self, m, element, rows, footprint):
+    def _deal(self, m, element, enables, footprint):
         """Turn the rows from the block's order into the order of residues, and place them."""
         # Words of the image from X's word on, less 1.
         words_left = Signal(signed(self.config.word_bits + 1))
@@ -181,21 +174,31 @@ class Decoder(wiring.Component):
             words_left.eq(self.last_column[2:] - element.x[2:]),
             inside.eq(Cat(words_left >= word for word in range(3))),
         ]
-        for name, block in rows.items():
-            for residue in range(4):
-                span = SpanDecoder()
+        spans = {name: [SpanDecoder() for _ in range(4)] for name in ("upper", "lower")}
+        for name, row in spans.items():
+            for residue, span in enumerate(row):
                 m.submodules[f"{name}_{residue}"] = span
                 m.d.comb += [
                     span.offset.eq(element.x[:2]),
                     span.inside.eq(inside),
                     footprint[name][residue].eq(span.span),
                 ]
-                with m.Switch(element.top[:2]):
-                    for turn in range(4):
-                        with m.Case(turn):
-                            source = block[(residue - turn) % 4]
-                            m.d.comb += [
-                                span.first.eq(source.first),
-                                span.last.eq(source.last),
-                                span.enable.eq(source.enable),
-                            ]
+        with m.Switch(element.top[:2]):
+            for turn in range(4):
+                with m.Case(turn):
+                    for residue in range(4):
+                        k = (residue - turn) % 4
+                        m.d.comb += [
+                            spans["upper"][residue].first.eq(element.scans[k].first),
+                            spans["upper"][residue].last.eq(element.scans[k].last),
+                            spans["upper"][residue].enable.eq(enables[0][k]),
+                            spans["lower"][residue].enable.eq(enables[1][k]),
+                        ]
+        # The lower half is the upper one turned by half a circle: row k is row 3 - k of that, so
+        # the one turned above for another residue, which depends on the block's top being odd.
+        for residue, span in enumerate(spans["lower"]):
+            even, odd = spans["upper"][(3 - residue) % 4], spans["upper"][(1 - residue) % 4]
+            m.d.comb += [
+                span.first.eq(~Mux(element.top[0], odd.last, even.last)),
+                span.last.eq(~Mux(element.top[0], odd.first, even.first)),
+            ]

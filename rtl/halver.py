@@ -1,6 +1,6 @@
 """Cutting a beat of two words into the two, for a window that is loaded word by word."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -22,7 +22,7 @@ class Halver(wiring.Component):
     i : In(stream of RasterLayout)
         Beats of two words; ``raster_words`` is 2.
     o : Out(stream of LoadLayout)
-        Their words.
+        Their words, each with the pixels of its beat.
     """
 
     def __init__(self, config: EngineConfig):
@@ -54,12 +54,8 @@ class Halver(wiring.Component):
             word.word.eq(Cat(right, beat.word)),
             word.line.eq(beat.line),
             word.end.eq(beat.end),
+            word.pixels.eq(beat.pixels),
         ]
-        for kind in ("depth", "colour"):
-            for pixel in range(pixels):
-                m.d.comb += word.pixels[kind][pixel].eq(
-                    Mux(right, beat.pixels[kind][pixels + pixel], beat.pixels[kind][pixel])
-                )
         with m.If(self.o.valid & self.o.ready):
             m.d.sync += left_done.eq(~last)
         return m

@@ -129,11 +129,16 @@ class RasterLayout(data.StructLayout):
 
 
 class LoadLayout(data.StructLayout):
-    """A memory word of the initial raster with its place in the image, or the raster's end."""
+    """A memory word of the initial raster with its place in the image, or the raster's end.
+
+    ``pixels`` are those of its beat: of a beat of two words the left one is meant if ``word`` is
+    even, else the right one.
+    """
 
     def __init__(self, config: EngineConfig):
         place = PlaceLayout(config).members
-        super().__init__({"pixels": WordLayout(config), **place, "end": 1})
+        pixels = PixelsLayout(config, config.raster_pixels)
+        super().__init__({"pixels": pixels, **place, "end": 1})
 
 
 def _geometry(config: EngineConfig) -> dict:

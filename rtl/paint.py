@@ -5,7 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import BAYER, EngineConfig
-from .layouts import PlaneLayout, WordLayout
+from .layouts import PixelsLayout, PlaneLayout, WordLayout
 from .planar_bank import PaintLayout
 
 __all__ = ["Paint", "dithered", "paint_layout"]
@@ -54,10 +54,11 @@ class Paint(wiring.Component):
         Low: everything stands still.
     z, shade : In
         The element's depth and colour in the cycle of the request.
-    load : In(1)
-        The request is the initial raster's, if there is one. It goes before the element.
-    loaded : In(WordLayout)
-        The word to load.
+    load : In(raster_words)
+        The request, if there is one, is for this word of the initial raster's beat, from left to
+        right. It goes before the element.
+    loaded : In(PixelsLayout)
+        The initial raster's beat.
     drawing : In(1)
         Requests for the element are made in this cycle; not in the two after a load.
     may_load : Out(1)
@@ -73,8 +74,8 @@ class Paint(wiring.Component):
                 "enable": In(1),
                 "z": In(config.z.width),
                 "shade": In(3 * (config.channel_bits + config.dither_bits)),
-                "load": In(1),
-                "loaded": In(WordLayout(config)),
+                "load": In(config.raster_words),
+                "loaded": In(PixelsLayout(config, config.raster_pixels)),
                 "drawing": In(1),
                 "may_load": Out(1, init=1),
                 "new": Out(data.ArrayLayout(paint_layout(config), 4 if config.dither else 1)),
@@ -98,26 +99,43 @@ class Paint(wiring.Component):
     def _whole(self, m):
         """Build the two registers of words that are drawn in one access."""
         config = self.config
-        load = Signal()
-        z, shade, loaded = (
+        z, shade = (
             Signal.like(getattr(self, name), name=f"held_{name}", reset_less=True)
-            for name in ("z", "shade", "loaded")
+            for name in ("z", "shade")
         )
+        words = [
+            Signal(WordLayout(config), name=f"held_word_{n}", reset_less=True)
+            for n in range(config.raster_words)
+        ]
         new = Signal(self.new.shape(), reset_less=True)
         m.d.comb += self.new.eq(new)
+        # All but one are zeros, which registers become for nothing; so an OR will do to join them.
         with m.If(self.enable):
-            m.d.sync += [
-                load.eq(self.load),
-                z.eq(self.z),
-                shade.eq(self.shade),
-                loaded.eq(self.loaded),
-            ]
+            m.d.sync += [z.eq(self.z), shade.eq(self.shade)]
+            with m.If(self.load.any()):
+                m.d.sync += [z.eq(0), shade.eq(0)]
+            for number, word in enumerate(words):
+                m.d.sync += word.eq(self._word(number))
+                with m.If(~self.load[number]):
+                    m.d.sync += word.eq(0)
             for line, colours in zip(range(len(new)), self._colours(shade), strict=False):
                 for pixel in range(config.pixels_per_word):
+                    depth, colour = z, colours[pixel]
+                    for word in words:
+                        depth |= word.depth[pixel]
+                        colour |= word.colour[pixel]
                     m.d.sync += [
-                        new[line].depth[pixel].eq(Mux(load, loaded.depth[pixel], z)),
-                        new[line].colour[pixel].eq(Mux(load, loaded.colour[pixel], colours[pixel])),
+                        new[line].depth[pixel].eq(depth),
+                        new[line].colour[pixel].eq(colour),
                     ]
+
+    def _word(self, number):
+        """Return a word of the initial raster's beat."""
+        first = number * self.config.pixels_per_word
+        return Cat(
+            pixels[first : first + self.config.pixels_per_word]
+            for pixels in (self.loaded.depth, self.loaded.colour)
+        )
 
     def _planes(self, m):
         """Build the registers and delays of words that are drawn in two accesses."""

@@ -134,7 +134,7 @@ class PlanarBank(wiring.Component):
             m.d.comb += passes[pixel].eq(
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
                 Cat(self.new.depth[pixel], 1)
-                < Cat(self.old.depth[pixel][: config.depth_bits], taken.mask[pixel])
+                < Cat(self.old.depth[pixel][: config.depth_bits], taken.mask[pixel] | taken.whole)
             )
         m.d.comb += self.busy.eq(reading.read)
 

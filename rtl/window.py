@@ -10,7 +10,7 @@ from .bank_walker import BankWalker
 from .emitter import Emitter
 from .format import ROWS, EngineConfig
 from .halver import Halver
-from .layouts import FlushLayout, FootprintLayout, LoadLayout, RasterLayout
+from .layouts import FlushLayout, FootprintLayout, PlaceLayout, RasterLayout
 from .loader import Loader
 from .paint import Paint
 from .planar_bank import PlanarBank
@@ -171,7 +171,7 @@ class Window(wiring.Component):
         flushing = Signal()
         held = Signal(BANKS)
         loaded = Signal(2)  # one and two cycles before: that word is still to be written
-        last = Signal(LoadLayout(config), reset_less=True)  # which one
+        last = Signal(PlaceLayout(config), reset_less=True)  # which one
         left = Signal(2)  # the same of words that are flushed
         last_left = Signal(config.slot_bits, reset_less=True)  # of which line
         m.d.comb += [
@@ -225,7 +225,8 @@ class Window(wiring.Component):
                 free[index].eq(has_line & ~wanted & ~busy),
                 bank.enable.eq(running),
                 bank.request.address.eq(Mux(wanted, share.address, service_address)),
-                bank.request.mask.eq(share.mask | loader.o.valid.replicate(len(share.mask))),
+                bank.request.mask.eq(share.mask),
+                bank.request.whole.eq(loader.o.valid),
                 bank.request.draw.eq(scatter.taken[index] | (loading & mine)),
                 bank.request.clear.eq((flushing & mine) | sweeping),
             ]
@@ -250,7 +251,7 @@ class Window(wiring.Component):
         with m.If(running):
             m.d.sync += [loaded.eq(Cat(loading, loaded)), left.eq(Cat(flushing, left))]
         with m.If(loading):
-            m.d.sync += last.eq(loader.o.payload)
+            m.d.sync += [last.word.eq(word), last.line.eq(line)]
         with m.If(flushing):
             m.d.sync += last_left.eq(service.line)
 
@@ -260,11 +261,11 @@ class Window(wiring.Component):
             paint.enable.eq(running),
             paint.z.eq(deal.z),
             paint.shade.eq(self.shade),
-            paint.load.eq(loader.o.valid),
+            paint.load.eq(loader.o.valid << (word[0] if config.raster_words == 2 else 0)),
             paint.loaded.eq(loader.o.payload.pixels),
             paint.drawing.eq(drawing),
             emitter.flush.eq(flushing),
-            emitter.request.eq(service),
+            emitter.request.eq(leaving),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(walker.over),
             self.finished.eq(emitter.finished),

@@ -62,8 +62,9 @@ class BankProperties(Properties):
         pixel, after = Signal(PixelLayout(config)), Signal(PixelLayout(config))
         new, old = pick(dut.new), pick(dut.old)
         background = Const({"depth": config.background_depth}, PixelLayout(config))
+        covered = asked.whole | asked.mask.bit_select(number, 1)
         m.d.comb += [mine.eq(asked.address == address), after.eq(pixel)]
-        with m.If(mine & asked.draw & asked.mask.bit_select(number, 1) & (new.depth < pixel.depth)):
+        with m.If(mine & asked.draw & covered & (new.depth < pixel.depth)):
             m.d.comb += after.eq(new)
         with m.If(mine & asked.clear):
             m.d.comb += after.eq(background)
@@ -130,6 +131,7 @@ PROOFS = [
             ),
             Fault("the colour stays", Bank, r"& ~merging\.clear\.replicate\(.*\)", ""),
             Fault("all pixels", Bank, r"merging\.mask\[pixel\]", "1"),
+            Fault("never all pixels", Bank, r" \| merging\.whole", ""),
         ),
     )
 ]

@@ -122,18 +122,15 @@ PROOFS = [
         depth=5,
         endless=True,
         faults=(
-            Fault("a row too many", Decoder, r"near >= k \+ 4", "near >= k + 3", "_rows"),
+            Fault("a row too many", Decoder, r"near >= k \+ 4", "near >= k + 3", "_enables"),
+            Fault("not turned", Decoder, r"odd\.last, even\.last", "odd.first, even.last", "_deal"),
             Fault(
-                "not turned",
-                Decoder,
-                r"first\.eq\(~turned\.last\)",
-                "first.eq(~turned.first)",
-                "_rows",
+                "turned for an even top", Decoder, r"element\.top\[0\], odd\.last", "0, 0", "_deal"
             ),
             Fault(
                 "right border", Decoder, r"words_left >= word", "words_left + 1 >= word", "_deal"
             ),
-            Fault("top border", Decoder, r">= 8 - k", ">= 7 - k", "_rows"),
+            Fault("top border", Decoder, r">= 8 - k", ">= 7 - k", "_enables"),
             Fault("last word", SpanDecoder, r"last\[2:\] >= word", "last[2:] > word"),
             Fault("not held", Decoder, r"~valid \| \(self\.o\.valid & self\.o\.ready\)", "1"),
             Fault(
@@ -143,7 +140,7 @@ PROOFS = [
             Fault(
                 "the element behind it", Decoder, r"Mux\(waits, top, element\.top\)", "element.top"
             ),
-            Fault("while all stands still", Decoder, r"self\.running & inside", "inside"),
+            Fault("while all stands still", Decoder, r"self\.running & within", "within"),
             Fault("the frame before", Decoder, r"m\.If\(valid & held\.end\)", "m.If(0)"),
             Fault(
                 "the top of the frame before", Decoder, r"m\.Elif\(valid & held\.end\)", "m.Elif(0)"

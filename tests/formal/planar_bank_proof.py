@@ -65,13 +65,12 @@ class PlanarBankProperties(Properties):
 
         # The definition: depth and plane 0, then the planes that follow two steps later.
         background = config.background_depth
-        known, mine, passes = Signal(), Signal(), Signal()
+        known, mine, covered, passes = (Signal() for _ in range(4))
         pixel, after = Signal(self.near), Signal(self.near)
         m.d.comb += [
             mine.eq(asked.address == address),
-            passes.eq(
-                mine & asked.draw & asked.mask.bit_select(self.number, 1) & (depth < pixel.depth)
-            ),
+            covered.eq(asked.whole | asked.mask.bit_select(self.number, 1)),
+            passes.eq(mine & asked.draw & covered & (depth < pixel.depth)),
             after.eq(pixel),
         ]
         with m.If(passes):

@@ -258,7 +258,7 @@ PROOFS = [
         "the same for frames that start from an initial raster",
         1,
         13,
-        Fault("loaded like an element", Window, r"share\.mask \| .*\)\),", "share.mask),"),
+        Fault("loaded like an element", Window, r"whole\.eq\(loader\.o\.valid\)", "whole.eq(0)"),
         Fault("drawn where it is loaded", Window, r"Cat\(swept, loaded\)", "swept"),
         Fault("loaded where one leaves", Window, r"\| \(left\.any\(\) & .*\)", ""),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),

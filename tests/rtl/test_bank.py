@@ -15,6 +15,7 @@ from splatline.sim.cosim.streams import StreamBench
 REQUEST, WORD = BankRequestLayout(PAPER), WordLayout(PAPER)
 WORDS = 1 << bank_address_bits(PAPER)
 BACKGROUND = [(511, 0)] * 4
+WHOLE = 16  # instead of a mask
 
 
 class Operator:
@@ -33,7 +34,9 @@ class Operator:
         await self.bench.reset()
 
     async def cycle(self, request=None, enable=1):
-        """One cycle: a request (address, mask or None for clear, pixels), unless it is too soon.
+        """One cycle: a request, unless it is too soon.
+
+        A request is (address, mask or WHOLE, or None for clear, pixels).
 
         Return whether it was issued.
         """
@@ -44,7 +47,8 @@ class Operator:
         bits = pack(
             REQUEST,
             address=address,
-            mask=mask or 0,
+            mask=(mask or 0) % WHOLE,
+            whole=int(mask == WHOLE),
             draw=int(issue and mask is not None),
             clear=int(issue and mask is None),
         )
@@ -77,7 +81,7 @@ class Operator:
             self.memory[address] = BACKGROUND
         else:
             self.memory[address] = [
-                new if mask >> i & 1 and new[0] < before[0] else before
+                new if (mask == WHOLE or mask >> i & 1) and new[0] < before[0] else before
                 for i, (new, before) in enumerate(zip(pixels, old, strict=True))
             ]
 
@@ -103,7 +107,7 @@ async def random_requests(dut):
         for _ in range(1500):
             request = None
             if rng.random() < 0.9:
-                mask = None if rng.random() < 0.05 else rng.randrange(16)
+                mask = None if rng.random() < 0.05 else rng.randrange(WHOLE + 1)
                 pixels = [(rng.randrange(512), rng.randrange(512)) for _ in range(4)]
                 request = (rng.randrange(spread), mask, pixels)
             await operator.cycle(request, enable=rng.random() < 0.8)
@@ -124,6 +128,7 @@ async def nearer_wins_and_equal_stays(dut):
         (0b0011, 100, 2),
         (0b0110, 99, 3),
         (0b1000, 101, 4),
+        (WHOLE, 100, 5),
     ):
         while not await operator.cycle((3, mask, [(depth, colour)] * 4)):
             pass

@@ -36,90 +36,41 @@ from splatline.sim.cosim import frames, simulator
 from splatline.sim.cosim.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 
-BLOCK_FAULTS = [
-    pytest.param(
-        Bank, test_bank, "random_requests", fault("dut", "passes_2", "1'h1"), id="no depth test"
-    ),
-    pytest.param(
-        Sequencer,
-        test_sequencer,
-        "random_words",
-        fault("dut", "control", "1'h0"),
-        id="no control words",
-    ),
-    pytest.param(
-        Decoder, test_decoder, "all_columns", fault("dut", "words_left", "8'h7f"), id="right border"
-    ),
-    pytest.param(
-        Decoder,
-        test_decoder,
-        "an_element_waits_for_the_window",
-        fault("dut", "settled", "1'h1"),
-        id="beyond the window",
-    ),
-    pytest.param(
-        Decoder,
-        test_decoder,
-        "an_element_waits_for_the_window",
-        lambda text: text.replace("settled = running &", "settled = 1'h1 &"),
-        id="not cleared as yet",
-    ),
-    pytest.param(Scatter, test_scatter, "free_banks", fault("dut", "end_3", "2'h3"), id="mask"),
-    pytest.param(
-        Scatter, test_scatter, "elements_in_a_row", fault("dut", "rests", "8'h0"), id="no rest"
-    ),
-    pytest.param(
-        Scatter,
-        test_scatter,
-        "elements_in_a_row",
-        fault("dut", "rests", "earlier"),
-        id="short rest",
-    ),
-]
-
-
-@pytest.mark.parametrize(("component", "bench", "test", "edit"), BLOCK_FAULTS)
-def test_a_fault_in_a_block_is_noticed(component, bench, test, edit):
-    with pytest.raises(SimulationError):
-        run_preset(PAPER, component, bench.__file__, test=test, edit=edit)
-
-
+WAITS = "an_element_waits_for_the_window"
+MARKS = "a_mark_a_word"
+UNASKED = "nothing_leaves_unasked"
 ASKS = "drawn_words_are_asked_for_once_and_in_order"
-BANK_WINDOW_FAULTS = [
-    (BankMarks, test_bank_marks, "a_mark_a_word", "busy", "1'h0", "marks read while in use"),
-    (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "1'h0", "marks stay"),
-    (BankMarks, test_bank_marks, "a_mark_a_word", "clear_5", "take | wipe", "marks clear too much"),
-    (BankWalker, test_bank_walker, ASKS, "alone", "1'h1", "the rest of a stretch is lost"),
-    (BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
-    (BankWalker, test_bank_walker, ASKS, "onward", "1'h1", "what follows is lost"),
-    (BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
-    (BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "only two stretches are read"),
-    (
-        BankWalker,
-        test_bank_walker,
-        "nothing_leaves_unasked",
-        "leaving",
-        "1'h1",
-        "lines leave early",
-    ),
-    (BankWalker, test_bank_walker, ASKS, "marks.clear_2", "1'h0", "words are asked for twice"),
+PART_FAULTS = [
+    ("paper", Bank, test_bank, "random_requests", "passes_2", "1'h1", "no depth test"),
+    ("paper", Sequencer, test_sequencer, "random_words", "control", "1'h0", "no control words"),
+    ("paper", Decoder, test_decoder, "all_columns", "words_left", "8'h7f", "right border"),
+    ("paper", Decoder, test_decoder, WAITS, "settled", "1'h1", "beyond the window"),
+    ("paper", Decoder, test_decoder, WAITS, "settled", "within", "not cleared as yet"),
+    ("paper", Scatter, test_scatter, "free_banks", "end_3", "2'h3", "mask"),
+    ("paper", Scatter, test_scatter, "elements_in_a_row", "rests", "8'h0", "no rest"),
+    ("paper", Scatter, test_scatter, "elements_in_a_row", "rests", "earlier", "short rest"),
+    ("wide", BankMarks, test_bank_marks, MARKS, "busy", "1'h0", "marks read while in use"),
+    ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "1'h0", "marks stay"),
+    ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "take | wipe", "marks clear too much"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "alone", "1'h1", "a stretch's rest is lost"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "onward", "1'h1", "what follows is lost"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "two stretches at most"),
+    ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", "1'h1", "lines leave early"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "marks.clear_2", "1'h0", "asked for twice"),
 ]
 
 
 @pytest.mark.parametrize(
-    ("component", "bench", "test", "signal", "value"),
-    [pytest.param(*fault[:5], id=fault[5]) for fault in BANK_WINDOW_FAULTS],
+    ("preset", "component", "bench", "test", "signal", "value"),
+    [pytest.param(*planted[:6], id=planted[6]) for planted in PART_FAULTS],
 )
-def test_a_fault_in_a_part_of_the_window_is_noticed(component, bench, test, signal, value):
+def test_a_fault_in_a_part_is_noticed(preset, component, bench, test, signal, value):
     *inner, name = signal.split(".")
+    edit = fault(".".join(["dut", *inner]), name, value)
     with pytest.raises(SimulationError):
-        run_preset(
-            PRESETS["wide"],
-            component,
-            bench.__file__,
-            test=test,
-            edit=fault(".".join(["dut", *inner]), name, value),
-        )
+        run_preset(PRESETS[preset], component, bench.__file__, test=test, edit=edit)
 
 
 WINDOW_FAULTS = {

@@ -18,6 +18,7 @@ REQUEST, PAINT, PLANE = BankRequestLayout(CONFIG), PaintLayout(CONFIG), PlaneLay
 WORDS = 1 << bank_address_bits(CONFIG)
 BITS, DEPTH = CONFIG.plane_bits, CONFIG.background_depth
 BACKGROUND = [(DEPTH, 0)] * 4
+WHOLE = 16  # instead of a mask
 NOTHING = {"depth": [0] * 4, "colour": [0] * 4}
 
 
@@ -31,7 +32,8 @@ def cut(pixels):
 class Operator:
     """Sends requests a cycle at a time and keeps the memory as it ought to be.
 
-    A request is (address, mask or None for clear, pixels, whether they are the initial raster's).
+    A request is (address, mask or WHOLE, or None for clear, pixels, whether they are the initial
+    raster's).
     """
 
     def __init__(self, dut, seed):
@@ -58,7 +60,8 @@ class Operator:
         bits = pack(
             REQUEST,
             address=address,
-            mask=mask or 0,
+            mask=(mask or 0) % WHOLE,
+            whole=int(mask == WHOLE),
             draw=int(issue and mask is not None),
             clear=int(issue and mask is None),
         )
@@ -110,7 +113,7 @@ class Operator:
             self.memory[address] = BACKGROUND
             return
         passes = [
-            bool(mask >> i & 1) and entry["pixels"][i][0] < before[0]
+            (mask == WHOLE or bool(mask >> i & 1)) and entry["pixels"][i][0] < before[0]
             for i, before in enumerate(old)
         ]
         entry["planes"] = any(passes)
@@ -166,7 +169,7 @@ async def random_requests(dut):
             if rng.random() < 0.9:
                 mask = None if rng.random() < 0.1 else rng.randrange(16)
                 loaded = rng.random() < 0.2
-                mask = 15 if loaded and mask is not None else mask
+                mask = WHOLE if loaded and mask is not None else mask
                 request = (rng.randrange(spread), mask, random_pixels(rng), loaded)
             await operator.cycle(request, enable=n < 250 or rng.random() < 0.7)
         for _ in range(4):
