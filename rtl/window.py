@@ -1,16 +1,17 @@
-"""The sliding window: eight banks, and who may use them in a cycle."""
+"""The sliding window of eight banks: what elements pass through on their way to the raster."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.hdl import Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .bank import Bank
+from .bank_arbiter import BankArbiter
 from .bank_layout import BANKS
 from .bank_walker import BankWalker
 from .emitter import Emitter
 from .format import ROWS, EngineConfig
 from .halver import Halver
-from .layouts import FlushLayout, FootprintLayout, PlaceLayout, RasterLayout
+from .layouts import FootprintLayout, RasterLayout
 from .loader import Loader
 from .paint import Paint
 from .planar_bank import PlanarBank
@@ -22,11 +23,10 @@ __all__ = ["Window"]
 class Window(wiring.Component):
     """Draws footprints into sixteen lines that slide down the image.
 
-    Four stages: *deal* (a word to each bank, see :class:`Scatter`), *request* (an address a bank),
-    *merge* (the banks write back; a flushed word stands on its bank's output) and *emit* (the word
-    waits on ``raster``). In the request stage the initial raster goes first, then the element, and
-    the flush takes what banks are left; unless six lines or more wait for it, then it goes before
-    the element. A word that ``raster`` does not take stops all four.
+    Four stages: *deal* (a word to each bank, see :class:`Scatter`), *request* (an address a bank,
+    see :class:`BankArbiter`), *merge* (the banks write back; a flushed word stands on its bank's
+    output) and *emit* (the word waits on ``raster``). A word that ``raster`` does not take stops
+    all four.
 
     Colours cut into planes (:class:`PlanarBank`) add two stages between merge and emit, in which
     the further planes are read and then written.
@@ -100,6 +100,7 @@ class Window(wiring.Component):
         m.submodules.walker = walker = BankWalker(config)
         m.submodules.loader = loader = Loader(config)
         m.submodules.scatter = scatter = Scatter(config)
+        m.submodules.arbiter = arbiter = BankArbiter(config)
         m.submodules.paint = paint = Paint(config)
         m.submodules.emitter = emitter = Emitter(config)
         banks = [
@@ -109,20 +110,12 @@ class Window(wiring.Component):
             m.submodules[f"bank_{index}"] = bank
         running = emitter.running
 
-        sweeping = Signal(init=1)
-        sweep = Signal(len(banks[0].request.address))
-        with m.If(sweeping):
-            m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
-        swept = Signal(2, init=3)  # one and two cycles before: words are still to be written
-        m.d.sync += swept.eq(Cat(sweeping, swept))
-
         close = Signal()  # the end token is taken
         last_word = self.last_column[2:]
         m.d.comb += [
             walker.last_word.eq(last_word),
             walker.loaded.eq(loader.loaded),
             walker.jump.eq(loader.finished),
-            walker.wipe.eq(swept[0]),
             walker.restart.eq(self.finished),
             loader.enable.eq(self.load),
             loader.active.eq(self.active),
@@ -165,113 +158,43 @@ class Window(wiring.Component):
         with m.If(close):
             m.d.sync += [top.eq(top.init), retired.eq(top.init)]  # of the next frame
 
-        # Request: the initial raster, else the element, and a flush in a bank that neither wants.
-        drawing = Signal()
-        loading = Signal()
-        flushing = Signal()
-        held = Signal(BANKS)
-        loaded = Signal(2)  # one and two cycles before: that word is still to be written
-        last = Signal(PlaceLayout(config), reset_less=True)  # which one
-        left = Signal(2)  # the same of words that are flushed
-        last_left = Signal(config.slot_bits, reset_less=True)  # of which line
+        # Request: who may use the banks.
+        connect(m, scatter.o, arbiter.draw)
+        connect(m, loader.o, arbiter.load)
+        connect(m, walker.flush, arbiter.flush)
         m.d.comb += [
-            drawing.eq(
-                scatter.o.valid & ~Cat(swept, loaded).any() & ~loader.o.valid & loader.loaded
-            ),
-            scatter.o.ready.eq(drawing & running & ~(deal.want & ~scatter.taken).any()),
-        ]
-        leaving = walker.flush.payload
-        service = Signal(FlushLayout(config))
-        service_address = Signal.like(sweep)
-        m.d.comb += [
-            service.eq(leaving),
-            service_address.eq(Cat(service.pair, service.line[2:4])),
-        ]
-        word, line = loader.o.payload.word, loader.o.payload.line
-        with m.If(loader.o.valid):
-            upper = word[0] ^ line[2]
-            m.d.comb += [
-                service.pair.eq(word[1:]),
-                service.line.eq(line),
-                service.halves.eq(Cat(~upper, upper)),
-            ]
-        with m.If(sweeping):
-            m.d.comb += service_address.eq(sweep)
-        # Where six complete lines wait, flushing goes before the element in the bank that it needs,
-        # or keeps both of the oldest line, whose marks it waits for. Six, as splats of a few pixels
-        # then lie in other banks than the oldest line; four or eight lines apart they are the same.
-        urgent = Signal()
-        waiting = Signal()  # so many lines wait; known a cycle late
-        ahead = Signal.like(top)
-        m.d.comb += [ahead.eq(top - walker.front), urgent.eq(waiting & emitter.ready)]
-        m.d.sync += waiting.eq(~ahead[-1] & ahead[1:3].all())
-        free = Signal(BANKS)  # for what is to be served
-        for index, bank in enumerate(banks):
-            share = deal.shares[index]
-            mine = Signal(name=f"service_{index}")
-            wanted = Signal(name=f"wanted_{index}")
-            has_line, half = service.line[:2] == index % 4, service.halves[index // 4]
-            # What leaves, or is loaded, is never a word that is being drawn into.
-            busy = bank.busy if config.colour_planes > 1 else 0
-            m.d.comb += [
-                held[index].eq(
-                    urgent
-                    & (leaving.line[:2] == index % 4)
-                    & (leaving.halves[index // 4] | ~walker.flush.valid)
-                ),
-                wanted.eq(drawing & deal.want[index] & ~held[index]),
-                scatter.taken[index].eq(wanted & ~scatter.stale[index] & ~busy & running),
-                mine.eq(has_line & half & ~wanted),
-                free[index].eq(has_line & ~wanted & ~busy),
-                bank.enable.eq(running),
-                bank.request.address.eq(Mux(wanted, share.address, service_address)),
-                bank.request.mask.eq(share.mask),
-                bank.request.whole.eq(loader.o.valid),
-                bank.request.draw.eq(scatter.taken[index] | (loading & mine)),
-                bank.request.clear.eq((flushing & mine) | sweeping),
-            ]
-        served, again = Signal(), Signal()
-        m.d.comb += [
-            served.eq((Cat(free[:4].any(), free[4:].any()) | ~service.halves).all()),
-            # Neither the word that was loaded just now nor one whose place was given up just now.
-            again.eq(
-                (loaded[1] & (Cat(last.word, last.line) == Cat(word, line)))
-                | (left.any() & (last_left == line[: len(last_left)]))
-            ),
-            loader.o.ready.eq(
-                running & ~sweeping & ~swept.any() & ~again & paint.may_load & served
-            ),
-            walker.flush.ready.eq(running & ~sweeping & ~loader.o.valid & emitter.ready & served),
-            loading.eq(loader.o.valid & loader.o.ready),
-            flushing.eq(walker.flush.valid & walker.flush.ready),
-            walker.reaching.eq(drawing & running),
+            arbiter.running.eq(running),
+            arbiter.stale.eq(scatter.stale),
+            arbiter.may_load.eq(paint.may_load),
+            arbiter.loaded.eq(loader.loaded),
+            arbiter.may_flush.eq(emitter.ready),
+            arbiter.ahead.eq(top - walker.front),
+            scatter.taken.eq(arbiter.taken),
+            walker.wipe.eq(arbiter.wiping),
+            walker.reaching.eq(arbiter.drawing & running),
             walker.reach.eq(deal.reach),
         ]
 
-        with m.If(running):
-            m.d.sync += [loaded.eq(Cat(loading, loaded)), left.eq(Cat(flushing, left))]
-        with m.If(loading):
-            m.d.sync += [last.word.eq(word), last.line.eq(line)]
-        with m.If(flushing):
-            m.d.sync += last_left.eq(service.line)
-
         # Merge: what the banks draw, and the way out of what they give up.
         connect(m, emitter.raster, flipped(self.raster))
+        half = loader.o.payload.word[: config.raster_words - 1]  # of a beat of two words
         m.d.comb += [
             paint.enable.eq(running),
             paint.z.eq(deal.z),
             paint.shade.eq(self.shade),
-            paint.load.eq(loader.o.valid << (word[0] if config.raster_words == 2 else 0)),
+            paint.load.eq(loader.o.valid << half),
             paint.loaded.eq(loader.o.payload.pixels),
-            paint.drawing.eq(drawing),
-            emitter.flush.eq(flushing),
-            emitter.request.eq(leaving),
+            paint.drawing.eq(arbiter.drawing),
+            emitter.flush.eq(walker.flush.valid & walker.flush.ready),
+            emitter.request.eq(walker.flush.payload),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(walker.over),
             self.finished.eq(emitter.finished),
         ]
         for index, bank in enumerate(banks):
             m.d.comb += [
+                bank.enable.eq(running),
+                bank.request.eq(arbiter.requests[index]),
                 bank.new.eq(paint.new[index % len(paint.new)]),
                 emitter.words[index].eq(bank.old),
                 walker.drawn[index].eq(bank.drawn),
@@ -279,4 +202,6 @@ class Window(wiring.Component):
                 scatter.drawn[index].eq(bank.drawn),
                 scatter.addresses[index].eq(bank.drawn_address),
             ]
+            if config.colour_planes > 1:
+                m.d.comb += arbiter.busy[index].eq(bank.busy)
         return m

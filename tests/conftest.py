@@ -8,6 +8,8 @@ from hypothesis import settings
 settings.register_profile("dev", deadline=None)
 # On CI the same examples every time: a change that breaks one must be the change under test.
 settings.register_profile("ci", deadline=None, derandomize=True, database=None)
+# Most designs of the tests run for a moment, so compiling them is what takes time.
+os.environ.setdefault("SPLATLINE_QUICK_BUILD", "1")
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 

@@ -6,6 +6,7 @@ from properties import OneWord, any_constant, parts
 from prove import Fault, Proof
 
 from splatline.rtl.bank import Bank
+from splatline.rtl.bank_arbiter import BankArbiter
 from splatline.rtl.bank_layout import BANKS
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.changeover import Changeover
@@ -175,12 +176,14 @@ class WindowProperties(LaneWindowProperties):
 
 
 SWEPT = (
-    Fault("swept", Window, r"sweeping = Signal\(init=1\)", "sweeping = Signal()"),
-    Fault("and written", Window, r"swept = Signal\(2, init=3\)", "swept = Signal(2)"),
+    Fault("swept", BankArbiter, r"sweeping = Signal\(init=1\)", "sweeping = Signal()"),
+    Fault("and written", BankArbiter, r"swept = Signal\(2, init=3\)", "swept = Signal(2)"),
 )
 """The banks have been cleared."""
 
-SWEEPING = (Fault("the sweep's last cycle", Window, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),)
+SWEEPING = (
+    Fault("the sweep's last cycle", BankArbiter, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),
+)
 """They have been cleared but for their last words."""
 
 
@@ -211,7 +214,7 @@ PROOFS = [
         Fault("only its first words", Scatter, r" & ~several\.any\(\)", ""),
         Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_words"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
-        Fault("flushed beside an element", Window, r"has_line & ~wanted", "has_line"),
+        Fault("flushed beside an element", BankArbiter, r"has_line & ~wanted", "has_line"),
         Fault("closed before it is drawn", Window, r"& ~scatter\.o\.valid & loader", "& loader"),
         Fault("left before it is written", Window, r"top\.eq\(retired\)", "top.eq(top)"),
         Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
@@ -230,7 +233,9 @@ PROOFS = [
         13,
         Fault("left for right", Emitter, r"line\[2\] \^ half", "line[2]", "_words"),
         Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
-        Fault("one of two is enough", Window, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"),
+        Fault(
+            "one of two is enough", BankArbiter, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"
+        ),
         config=TWO_WORDS,
     ),
     plan(
@@ -238,7 +243,7 @@ PROOFS = [
         "the same from the sweep's last cycle on",
         0,
         9,
-        Fault("drawn while it is swept", Window, r"Cat\(swept, loaded\)", "loaded"),
+        Fault("drawn while it is swept", BankArbiter, r"Cat\(swept, loaded\)", "loaded"),
         changes=SWEEPING,
     ),
     plan(
@@ -258,9 +263,11 @@ PROOFS = [
         "the same for frames that start from an initial raster",
         1,
         13,
-        Fault("loaded like an element", Window, r"whole\.eq\(loader\.o\.valid\)", "whole.eq(0)"),
-        Fault("drawn where it is loaded", Window, r"Cat\(swept, loaded\)", "swept"),
-        Fault("loaded where one leaves", Window, r"\| \(left\.any\(\) & .*\)", ""),
+        Fault(
+            "loaded like an element", BankArbiter, r"whole\.eq\(self\.load\.valid\)", "whole.eq(0)"
+        ),
+        Fault("drawn where it is loaded", BankArbiter, r"Cat\(swept, loaded\)", "swept"),
+        Fault("loaded where one leaves", BankArbiter, r"\| \(left\.any\(\) & .*\)", ""),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
         Fault("left before it was loaded", Loader, r" & ~self\.moves", ""),
     ),

@@ -1,0 +1,178 @@
+"""Who may use the window's banks in a cycle."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .bank import BankRequestLayout
+from .bank_layout import BANKS, bank_address_bits
+from .format import EngineConfig
+from .layouts import DealLayout, FlushLayout, LoadLayout, PlaceLayout
+
+__all__ = ["BankArbiter"]
+
+
+class BankArbiter(wiring.Component):
+    """Gives each bank an address a cycle: of the initial raster, of an element, or of a flush.
+
+    The initial raster goes first, then the element, and the flush takes what banks are left; unless
+    six lines or more wait for it, then it goes before the element. No word is asked for that is
+    still to be written: :class:`Scatter` sees to that among elements, all else is seen to here.
+
+    After reset all words are cleared, which takes as many cycles as a bank has words.
+
+    **Latency**: 0, combinational. **Throughput**: an element a cycle or a word of the initial
+    raster, and a flush beside it while its banks are free.
+
+    Members
+    -------
+    running : In(1)
+        Low: the banks stand still, and nothing is taken.
+    draw : In(stream of DealLayout)
+        Words of an element.
+    stale : In(8)
+        Banks in which the element's word is still to be written: it waits.
+    taken : Out(8)
+        Banks that take their word of the element in this cycle.
+    drawing : Out(1)
+        The element's turn has come, though not all its banks need be free.
+    load : In(stream of LoadLayout)
+        A word of the initial raster.
+    may_load : In(1)
+        There is room for its pixels.
+    loaded : In(1)
+        The initial raster of all lines in the window is there: elements may be drawn.
+    flush : In(stream of FlushLayout)
+        Words that are to leave; of a line that nothing more is drawn into, in which nothing is on
+        its way. While none are offered the line counts, which is the next one that leaves.
+    may_flush : In(1)
+        There is room for them.
+    ahead : In(signed(line_bits + 2))
+        So many lines are complete, as of the element that is offered.
+    busy : In(8)
+        Banks that work on further planes.
+    requests : Out(8 x BankRequestLayout)
+        What the banks are to do.
+    wiping : Out(1)
+        The words that the banks were asked for one cycle before are cleared after a reset.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "running": In(1),
+                "draw": In(stream.Signature(DealLayout(config))),
+                "stale": In(BANKS),
+                "taken": Out(BANKS),
+                "drawing": Out(1),
+                "load": In(stream.Signature(LoadLayout(config))),
+                "may_load": In(1),
+                "loaded": In(1),
+                "flush": In(stream.Signature(FlushLayout(config))),
+                "may_flush": In(1),
+                "ahead": In(signed(config.line_bits + 2)),
+                "busy": In(BANKS),
+                "requests": Out(data.ArrayLayout(BankRequestLayout(config), BANKS)),
+                "wiping": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        deal, leaving = self.draw.payload, self.flush.payload
+
+        sweeping = Signal(init=1)
+        sweep = Signal(bank_address_bits(self.config))
+        with m.If(sweeping):
+            m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
+        swept = Signal(2, init=3)  # one and two cycles before: words are still to be written
+        m.d.sync += swept.eq(Cat(sweeping, swept))
+
+        # What is served besides the element: the initial raster's word, else those that leave.
+        word, line = self.load.payload.word, self.load.payload.line
+        service = Signal(FlushLayout(self.config))
+        address = Signal.like(sweep)
+        m.d.comb += [service.eq(leaving), address.eq(Cat(service.pair, service.line[2:4]))]
+        with m.If(self.load.valid):
+            upper = word[0] ^ line[2]
+            m.d.comb += [
+                service.pair.eq(word[1:]),
+                service.line.eq(line),
+                service.halves.eq(Cat(~upper, upper)),
+            ]
+        with m.If(sweeping):
+            m.d.comb += address.eq(sweep)
+
+        # Where six complete lines wait, flushing goes before the element in the bank that it needs,
+        # or keeps both of the oldest line, whose marks it waits for. Six, as splats of a few pixels
+        # then lie in other banks than the oldest line; four or eight lines apart they are the same.
+        urgent = Signal()
+        waiting = Signal()  # so many lines wait; known a cycle late
+        m.d.comb += urgent.eq(waiting & self.may_flush)
+        m.d.sync += waiting.eq(~self.ahead[-1] & self.ahead[1:3].all())
+
+        loading, flushing = Signal(), Signal()
+        loaded = Signal(2)  # one and two cycles before: that word is still to be written
+        held = Signal(BANKS)  # kept for what leaves
+        free = Signal(BANKS)  # for what is to be served
+        m.d.comb += [
+            self.wiping.eq(swept[0]),
+            self.drawing.eq(
+                self.draw.valid & ~Cat(swept, loaded).any() & ~self.load.valid & self.loaded
+            ),
+            self.draw.ready.eq(self.drawing & self.running & ~(deal.want & ~self.taken).any()),
+        ]
+        for index in range(BANKS):
+            share, request = deal.shares[index], self.requests[index]
+            mine = Signal(name=f"mine_{index}")
+            wanted = Signal(name=f"wanted_{index}")
+            has_line, half = service.line[:2] == index % 4, service.halves[index // 4]
+            # What leaves, or is loaded, is never a word that is being drawn into.
+            m.d.comb += [
+                held[index].eq(
+                    urgent
+                    & (leaving.line[:2] == index % 4)
+                    & (leaving.halves[index // 4] | ~self.flush.valid)
+                ),
+                wanted.eq(self.drawing & deal.want[index] & ~held[index]),
+                self.taken[index].eq(
+                    wanted & ~self.stale[index] & ~self.busy[index] & self.running
+                ),
+                mine.eq(has_line & half & ~wanted),
+                free[index].eq(has_line & ~wanted & ~self.busy[index]),
+                request.address.eq(Mux(wanted, share.address, address)),
+                request.mask.eq(share.mask),
+                request.whole.eq(self.load.valid),
+                request.draw.eq(self.taken[index] | (loading & mine)),
+                request.clear.eq((flushing & mine) | sweeping),
+            ]
+
+        # A load meets neither the word that was loaded just now nor one that was given up just now.
+        last = Signal(PlaceLayout(self.config), reset_less=True)  # which one was loaded
+        left = Signal(2)  # one and two cycles before: words that left are still to be cleared
+        last_left = Signal(self.config.slot_bits, reset_less=True)  # of which line
+        served, again = Signal(), Signal()
+        m.d.comb += [
+            served.eq((Cat(free[:4].any(), free[4:].any()) | ~service.halves).all()),
+            again.eq(
+                (loaded[1] & (Cat(last.word, last.line) == Cat(word, line)))
+                | (left.any() & (last_left == line[: len(last_left)]))
+            ),
+            self.load.ready.eq(
+                self.running & ~sweeping & ~swept.any() & ~again & self.may_load & served
+            ),
+            self.flush.ready.eq(
+                self.running & ~sweeping & ~self.load.valid & self.may_flush & served
+            ),
+            loading.eq(self.load.valid & self.load.ready),
+            flushing.eq(self.flush.valid & self.flush.ready),
+        ]
+        with m.If(self.running):
+            m.d.sync += [loaded.eq(Cat(loading, loaded)), left.eq(Cat(flushing, left))]
+        with m.If(loading):
+            m.d.sync += [last.word.eq(word), last.line.eq(line)]
+        with m.If(flushing):
+            m.d.sync += last_left.eq(leaving.line)
+        return m
