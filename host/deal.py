@@ -13,7 +13,7 @@ from ..rtl.format import ROWS, EngineConfig
 from .deal_methods import DEFAULT_METHOD, METHODS
 from .errors import InputError
 from .frame import Frame
-from .order import advance_word, end_word
+from .order import advance_word, end_word, in_turn
 
 __all__ = ["deal"]
 
@@ -27,8 +27,8 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
     earlier part stays, and with ``columns`` the order in a line changes too.
 
     A strip of columns keeps an engine's elements together, so that it has few words to send beside
-    those it draws. Its elements come from the left and the right half of it in turn: two of them
-    that follow each other into the same pixel or word of memory would cost a cycle.
+    those it draws. Its elements come from two or three parts of it in turn: those that follow each
+    other into the same pixel or word of memory cost cycles. More parts would lie too close.
 
     Parameters
     ----------
@@ -64,7 +64,9 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         owners = _by_line(lines, engines)
     else:
         columns = (elements >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)).astype(np.int64)
-        order, owners = _by_column(columns, lines, engines, config.max_width)
+        # A pixel in a lane is written after a cycle, a word in a bank after two.
+        parts = 2 if config.lanes else 3
+        order, owners = _by_column(columns, lines, engines, parts, config.max_width)
         elements = elements[order]
     parts, sizes = _write(
         elements,
@@ -134,7 +136,7 @@ def _by_line(lines: Any, engines: int) -> Any:
 
 
 @nb.njit(cache=True)
-def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any, Any]:
+def _by_column(columns: Any, lines: Any, engines: int, parts: int, width: int) -> tuple[Any, Any]:
     """Return the order of the elements by line, engine and turn, and the owner of each in it.
 
     The cuts of a line are where the running totals ask for them, so that over all lines the engines
@@ -165,10 +167,8 @@ def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any,
             cuts[engine] = min(max(cut, cuts[engine - 1]), end - begin)
         for engine in range(engines):
             first, last = cuts[engine], cuts[engine + 1]
-            half = (last - first + 1) // 2
             for rank in range(first, last):
-                turn = rank - first
-                place = 2 * turn if turn < half else 2 * (turn - half) + 1
+                place = in_turn(rank - first, last - first, parts)
                 order[begin + first + place] = ranked[rank]
                 owners[begin + rank] = engine
         begin = end

@@ -12,7 +12,7 @@ from ..rtl.format import EngineConfig
 from .encode import Encoded
 from .shapes import EMPTY_SCANS
 
-__all__ = ["advance_word", "end_word", "sort_by_line"]
+__all__ = ["advance_word", "end_word", "in_turn", "sort_by_line"]
 
 
 TURNS = 256
@@ -91,6 +91,22 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     return stream, int(steps.sum()) + 1
 
 
+@nb.njit(inline="always")
+def in_turn(rank: int, count: int, strips: int) -> int:
+    """Return the turn of the word with a rank among ``count``, if strips of them take turns.
+
+    The first strips have a word more, if the words do not go into them evenly.
+    """
+    shortest, longer = divmod(count, strips)
+    head = longer * (shortest + 1)  # words of the strips that have one more
+    if rank < head:
+        strip, place = divmod(rank, shortest + 1)
+    else:
+        strip, place = divmod(rank - head, shortest)
+        strip += longer
+    return strips * place + strip
+
+
 def _control(config: EngineConfig) -> int:
     return 1 << config.mode.lsb | EMPTY_SCANS << config.scans.lsb
 
@@ -165,16 +181,8 @@ def _by_column(
                 following[(turned[i] >> lsb & mask) + np.uint64(1)] += 1
             for column in range(x[1] + 1):
                 following[column + 1] += following[column]
-            # The first strips have a word more, if the words do not go into them evenly.
-            shortest, longer = divmod(counts[line], STRIPS)
-            head = longer * (shortest + 1)  # words of those
             for i in range(begin, end):
                 column = turned[i] >> lsb & mask
                 rank = following[column]
                 following[column] += 1
-                if rank < head:
-                    strip, place = divmod(rank, shortest + 1)
-                else:
-                    strip, place = divmod(rank - head, shortest)
-                    strip += longer
-                stream[starts[line] + STRIPS * place + strip] = turned[i]
+                stream[starts[line] + in_turn(rank, counts[line], STRIPS)] = turned[i]

@@ -152,13 +152,17 @@ class BankArbiter(wiring.Component):
         # A load meets neither the word that was loaded just now nor one that was given up just now.
         last = Signal(PlaceLayout(self.config), reset_less=True)  # which one was loaded
         left = Signal(2)  # one and two cycles before: words that left are still to be cleared
-        last_left = Signal(self.config.slot_bits, reset_less=True)  # of which line
+        places = [  # of which lines
+            Signal(self.config.slot_bits, name=f"place_left_{n}", reset_less=True) for n in range(2)
+        ]
         served, again = Signal(), Signal()
         m.d.comb += [
             served.eq((Cat(free[:4].any(), free[4:].any()) | ~service.halves).all()),
             again.eq(
                 (loaded[1] & (Cat(last.word, last.line) == Cat(word, line)))
-                | (left.any() & (last_left == line[: len(last_left)]))
+                | Cat(
+                    left[n] & (place == line[: len(place)]) for n, place in enumerate(places)
+                ).any()
             ),
             self.load.ready.eq(
                 self.running & ~sweeping & ~swept.any() & ~again & self.may_load & served
@@ -171,8 +175,7 @@ class BankArbiter(wiring.Component):
         ]
         with m.If(self.running):
             m.d.sync += [loaded.eq(Cat(loading, loaded)), left.eq(Cat(flushing, left))]
+            m.d.sync += [places[0].eq(leaving.line), places[1].eq(places[0])]
         with m.If(loading):
             m.d.sync += [last.word.eq(word), last.line.eq(line)]
-        with m.If(flushing):
-            m.d.sync += last_left.eq(leaving.line)
         return m

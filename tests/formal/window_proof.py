@@ -267,7 +267,7 @@ PROOFS = [
             "loaded like an element", BankArbiter, r"whole\.eq\(self\.load\.valid\)", "whole.eq(0)"
         ),
         Fault("drawn where it is loaded", BankArbiter, r"Cat\(swept, loaded\)", "swept"),
-        Fault("loaded where one leaves", BankArbiter, r"\| \(left\.any\(\) & .*\)", ""),
+        Fault("loaded where one leaves", BankArbiter, r"\| Cat\(\s+left\[n\] .*\s+\)\.any\(\)", ""),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
         Fault("left before it was loaded", Loader, r" & ~self\.moves", ""),
     ),
@@ -277,6 +277,12 @@ PROOFS = [
         1,
         12,
         Fault("the right word is lost", Halver, r"last\.eq\(right", "last.eq(1"),
+        Fault(
+            "the line that left before that one",
+            BankArbiter,
+            r"places\[1\]\.eq\(places\[0\]\)",
+            "places[1].eq(leaving.line)",
+        ),
         config=TWO_WORDS,
         long=True,
     ),

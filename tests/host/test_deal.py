@@ -107,8 +107,9 @@ def test_lines_stay_together():
             assert owners.setdefault(line, n) == n
 
 
-def test_strips_of_columns_lie_side_by_side_and_are_drawn_from_both_halves():
-    frame = random_frame(6, 4000)
+@pytest.mark.parametrize(("preset", "turns"), [("paper", 2), ("wide", 3)])
+def test_strips_of_columns_lie_side_by_side_and_their_parts_take_turns(preset, turns):
+    frame = random_frame(6, 4000, PRESETS[preset])
     last = {}
     for part in deal(frame, 4, "columns"):
         lines = {}
@@ -117,9 +118,8 @@ def test_strips_of_columns_lie_side_by_side_and_are_drawn_from_both_halves():
         for line, columns in lines.items():
             assert min(columns) >= last.get(line, 0), "a strip lies right of the one before"
             last[line] = max(columns)
-            half = (len(columns) + 1) // 2
-            assert columns[::2] == sorted(columns)[:half]
-            assert columns[1::2] == sorted(columns)[half:]
+            for turn, some in enumerate(np.array_split(sorted(columns), turns)):
+                assert columns[turn::turns] == list(some)
 
 
 def test_steps_longer_than_x_holds_are_cut():

@@ -6,6 +6,7 @@ import pytest
 from random_frames import nonsense, shapes
 
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
+from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
@@ -256,6 +257,15 @@ def test_more_words_never_take_less():
 def test_a_stream_without_an_end_is_cut_short(words):
     with pytest.raises(InputError, match="no end-of-frame word"):
         count_cycles(cw.make_frame(words, (8, 8)))
+
+
+@pytest.mark.parametrize("config", [PAPER, WIDE], ids=lambda config: config.name)
+@pytest.mark.parametrize("engines", [1, 4])
+def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, engines):
+    """An engine's part of a dense frame: elements that follow each other lie in other words."""
+    for part in deal(scene("terrain", (256, 256), config), engines, "columns"):
+        apart = count_cycles(part, after_reset=False, conflicts=False)
+        assert count_cycles(part, after_reset=False) < 1.03 * apart
 
 
 def test_words_after_the_end_are_not_counted():
