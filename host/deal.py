@@ -64,9 +64,9 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         owners = _by_line(lines, engines)
     else:
         columns = (elements >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)).astype(np.int64)
-        # A pixel in a lane is written after a cycle, a word in a bank after two.
-        parts = 2 if config.lanes else 3
-        order, owners = _by_column(columns, lines, engines, parts, config.max_width)
+        # A pixel in a lane is written after a cycle; a bank needs two for a word.
+        turns = 2 if config.lanes else 3
+        order, owners = _by_column(columns, lines, engines, turns, config.max_width)
         elements = elements[order]
     parts, sizes = _write(
         elements,
@@ -136,7 +136,7 @@ def _by_line(lines: Any, engines: int) -> Any:
 
 
 @nb.njit(cache=True)
-def _by_column(columns: Any, lines: Any, engines: int, parts: int, width: int) -> tuple[Any, Any]:
+def _by_column(columns: Any, lines: Any, engines: int, turns: int, width: int) -> tuple[Any, Any]:
     """Return the order of the elements by line, engine and turn, and the owner of each in it.
 
     The cuts of a line are where the running totals ask for them, so that over all lines the engines
@@ -168,7 +168,7 @@ def _by_column(columns: Any, lines: Any, engines: int, parts: int, width: int) -
         for engine in range(engines):
             first, last = cuts[engine], cuts[engine + 1]
             for rank in range(first, last):
-                place = in_turn(rank - first, last - first, parts)
+                place = in_turn(rank - first, last - first, turns)
                 order[begin + first + place] = ranked[rank]
                 owners[begin + rank] = engine
         begin = end

@@ -95,7 +95,7 @@ class DecoderProperties(Properties):
                 reached = (span.first[2:] <= word) & (word <= span.last[2:])
                 touches = reached & (span.first <= span.last)
                 self.always(m, f"touches_{word}", ~span.words[word] | touches)
-            # Which the window counts on for spans without words as well.
+            # The window's proof takes it for granted, of spans without words as well.
             within = (span.first[2:] != 3) & (span.last[2:] != 3)
             self.always(m, "within", within)
             self.always(m, "rows", (line >= 0) & (line <= last_line) | ~span.words.any())
