@@ -10,6 +10,7 @@ import numpy as np
 
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.scenes import SCENES
+from splatline.rtl.format import COMPACT
 from splatline.rtl.variants import SHAPED
 
 FACTORS = (1, 2, 4, 6)
@@ -20,10 +21,10 @@ def count(frame):
     """Return how many words of a frame are compact, and how many are others (the contract)."""
     config = frame.config
 
-    def bit(field):
-        return frame.codewords >> np.uint64(field.lsb) & np.uint64(1) == 1
+    def take(field):
+        return frame.codewords >> np.uint64(field.lsb) & np.uint64(field.mask)
 
-    is_compact = ~bit(config.mode) & bit(config.compact_set) & ~bit(config.compact_clear)
+    is_compact = (take(config.mode) == 0) & (take(config.compact_mark) == COMPACT)
     return int(is_compact.sum()), int((~is_compact).sum())
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numba as nb
 
-from ..rtl.format import BLOCK, PAPER, ROWS
+from ..rtl.format import BLOCK, COMPACT, PAPER, ROWS
 from .emit import LARGEST, put_symmetric
 from .shapes import SIZES
 from .symmetric import corner, encode_symmetric
@@ -16,7 +16,7 @@ __all__ = ["encode_compact"]
 
 # SCANS has the same place in every configuration, and so have the fields in it.
 SCANS_LSB = PAPER.scans.lsb
-MARK = 1 << PAPER.compact_set.lsb - SCANS_LSB
+MARK = COMPACT << PAPER.compact_mark.lsb - SCANS_LSB
 SIZE = PAPER.compact_size.lsb - SCANS_LSB
 LEVEL_X = PAPER.compact_level_x.lsb - SCANS_LSB
 LEVEL_Y = PAPER.compact_level_y.lsb - SCANS_LSB

@@ -165,14 +165,37 @@ def _row_masks(word: int, top: int, cell_row: int, offset: int) -> int:
     for k in range(HIGH):
         row = cell_row * HIGH + k - top
         if 0 <= row < (ROWS if word & 1 else BLOCK):
-            at = row if row < ROWS else BLOCK - 1 - row
-            first, last = word >> 1 + 6 * at & 7, word >> 4 + 6 * at & 7
-            if row >= ROWS:  # turned by 180 degrees
-                first, last = BLOCK - 1 - last, BLOCK - 1 - first
+            first, last = _block_row(word, row)
             if first <= last:
                 bits = ((2 << last) - (1 << first)) << offset
                 both |= (bits & 255) << WIDE * k | (bits >> WIDE) << WIDE * (HIGH + k)
     return both
+
+
+@nb.njit
+def _block_row(word: int, row: int) -> tuple[int, int]:
+    """Return the first and last column of a row of a word's block; first > last if it is empty."""
+    first, last = _ends(word, ROWS - 1)
+    raised = word & 1 == 0 and first >= BLOCK // 2 > last
+    if raised:
+        right = 1 - (first + last) % 2
+    else:
+        first, last = _ends(word, 0)
+        right = (first >> 1 & 1) if first > last else 0
+    if row < ROWS:
+        first, last = _ends(word, row)
+        return (last, first) if raised and row == ROWS - 1 else (first, last)
+    at = BLOCK - 1 - row - raised  # the row that is turned
+    if at < 0 or (raised and at == ROWS - 1):
+        return 1, 0
+    first, last = _ends(word, at)
+    return BLOCK - 1 + right - last, BLOCK - 1 + right - first
+
+
+@nb.njit(inline="always")
+def _ends(word: int, row: int) -> tuple[int, int]:
+    """Return what a word has of a row."""
+    return word >> 1 + 6 * row & 7, word >> 4 + 6 * row & 7
 
 
 @nb.njit

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import EngineConfig
+from ..rtl.format import COMPACT, EngineConfig
 from .atomic import atomic_write
 from .errors import InputError
 from .frame import Frame, Tables
@@ -186,8 +186,9 @@ def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDA
     """Return which words are compact: none for an engine without a shape ROM."""
     if config.shapes == "none":
         return np.zeros(len(words), np.bool_)
-    mask = 1 << config.mode.lsb | 1 << config.compact_set.lsb | 1 << config.compact_clear.lsb
-    return words & np.uint64(mask) == np.uint64(1 << config.compact_set.lsb)
+    mark = config.compact_mark
+    mask = 1 << config.mode.lsb | mark.mask << mark.lsb
+    return words & np.uint64(mask) == np.uint64(COMPACT << mark.lsb)
 
 
 def _is_end(word: int, config: EngineConfig) -> bool:

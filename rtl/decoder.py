@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from .format import BLOCK, ROWS, EngineConfig
 from .layouts import FootprintLayout, GeometryLayout, SpanLayout
+from .shape_rows import ShapeRows
 
 __all__ = ["Decoder", "SpanDecoder"]
 
@@ -23,6 +24,8 @@ class SpanDecoder(wiring.Component):
         The row is not empty and its line lies in the image.
     offset : In(2)
         Pixel of its word in which the block's column 0 lies.
+    shifted : In(1)
+        The row lies one column further right.
     inside : In(3)
         Which of that word and its two neighbours on the right lie in the image.
     span : Out(SpanLayout)
@@ -33,6 +36,7 @@ class SpanDecoder(wiring.Component):
     last: In(3)
     enable: In(1)
     offset: In(2)
+    shifted: In(1)
     inside: In(3)
     span: Out(SpanLayout())
 
@@ -41,8 +45,9 @@ class SpanDecoder(wiring.Component):
         m = Module()
         span = self.span
         m.d.comb += [
-            span.first.eq(self.first + self.offset),
-            span.last.eq(self.last + self.offset),
+            # With the shift as the carry into the adder, where it costs nothing.
+            span.first.eq((Cat(1, self.first) + Cat(self.shifted, self.offset))[1:]),
+            span.last.eq((Cat(1, self.last) + Cat(self.shifted, self.offset))[1:]),
         ]
         for word in range(3):
             touched = (span.first[2:] <= word) & (span.last[2:] >= word)
@@ -101,7 +106,8 @@ class Decoder(wiring.Component):
         for residue, group in enumerate(footprint.upper_group):
             # The first line from the top on with this residue: past a multiple of 4 or not.
             m.d.comb += group.eq(element.top[2:4] + (residue < element.top[:2]))
-        self._deal(m, element, self._enables(m, element), footprint)
+        shape = ShapeRows(m, element)
+        self._deal(m, element, shape, self._enables(m, element, shape), footprint)
 
         valid = Signal()
         near = Signal()  # its lines are in the window
@@ -140,7 +146,7 @@ class Decoder(wiring.Component):
             m.d.sync += near.eq(settled)
         return m
 
-    def _enables(self, m, element):
+    def _enables(self, m, element, shape):
         """Return which of the block's rows are drawn, of the upper and of the lower four."""
         # Lines of the image from the block's first row on, less 1; 7 stands for more.
         left = Signal(signed(len(element.top) + 1))
@@ -152,20 +158,21 @@ class Decoder(wiring.Component):
         above = element.top < 0  # then it lies in -4 .. -1
         upper, lower = Signal(4), Signal(4)
         drawn = Signal()
-        filled = Signal(4)
+        turned = Signal(4)
         m.d.comb += [
             drawn.eq(~element.end & (left >= 0)),
-            filled.eq(Cat(scan.first <= scan.last for scan in element.scans)),
+            # A raised shape's row 3 is in its middle and has no half turn.
+            turned.eq(Mux(shape.raised, shape.filled[:3][::-1], shape.filled[::-1])),
         ]
         for k in range(4):
             below_border = ~above | (element.top[:3] >= 8 - k)
             m.d.comb += [
-                upper[k].eq(drawn & filled[k] & below_border & (near >= k)),
-                lower[k].eq(drawn & filled[3 - k] & ~element.mode & (near >= k + 4)),
+                upper[k].eq(drawn & shape.filled[k] & below_border & (near >= k)),
+                lower[k].eq(drawn & turned[k] & ~element.mode & (near >= k + 4)),
             ]
         return upper, lower
 
-    def _deal(self, m, element, enables, footprint):
+    def _deal(self, m, element, shape, enables, footprint):
         """Turn the rows from the block's order into the order of residues, and place them."""
         # Words of the image from X's word on, less 1.
         words_left = Signal(signed(self.config.word_bits + 1))
@@ -189,16 +196,21 @@ class Decoder(wiring.Component):
                     for residue in range(4):
                         k = (residue - turn) % 4
                         m.d.comb += [
-                            spans["upper"][residue].first.eq(element.scans[k].first),
-                            spans["upper"][residue].last.eq(element.scans[k].last),
+                            spans["upper"][residue].first.eq(shape.rows[k].first),
+                            spans["upper"][residue].last.eq(shape.rows[k].last),
                             spans["upper"][residue].enable.eq(enables[0][k]),
                             spans["lower"][residue].enable.eq(enables[1][k]),
                         ]
-        # The lower half is the upper one turned by half a circle: row k is row 3 - k of that, so
-        # the one turned above for another residue, which depends on the block's top being odd.
+        # The lower half is the upper one turned by half a circle: row k is row 3 - k of that, or
+        # 2 - k of a raised shape's; so the one turned above for another residue, which depends on
+        # the block's top being odd.
+        odd = element.top[0]
         for residue, span in enumerate(spans["lower"]):
-            even, odd = spans["upper"][(3 - residue) % 4], spans["upper"][(1 - residue) % 4]
-            m.d.comb += [
-                span.first.eq(~Mux(element.top[0], odd.last, even.last)),
-                span.last.eq(~Mux(element.top[0], odd.first, even.first)),
-            ]
+            rows = [spans["upper"][(3 - residue + turn) % 4] for turn in range(4)]
+            for end, other in (("first", "last"), ("last", "first")):
+                ends = [getattr(row, other) for row in rows]
+                raised = Mux(odd, ends[1], ends[3])
+                m.d.comb += getattr(span, end).eq(
+                    ~Mux(shape.raised, raised, Mux(odd, ends[2], ends[0]))
+                )
+            m.d.comb += span.shifted.eq(shape.shifted)

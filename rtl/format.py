@@ -13,6 +13,7 @@ from dataclasses import dataclass
 __all__ = [
     "BAYER",
     "BLOCK",
+    "COMPACT",
     "PAPER",
     "PRESETS",
     "ROWS",
@@ -28,6 +29,9 @@ BLOCK = 8
 
 ROWS = 4
 """Rows of the block that a code word carries; symmetry gives the rest."""
+
+COMPACT = 0b00010
+"""What marks a compact word."""
 
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs there are, and the largest size that each holds."""
@@ -219,7 +223,7 @@ class EngineConfig:
         return Field(self.scans.lsb + 6 * row, 3)
 
     def last(self, row: int) -> Field:
-        """Last column of a row, inclusive; a row with ``first > last`` is empty."""
+        """Last column of a row, inclusive; a row with ``first > last`` has a meaning of its own."""
         return Field(self.scans.lsb + 6 * row + 3, 3)
 
     @property
@@ -252,18 +256,13 @@ class EngineConfig:
         """End of frame; counts in control words alone."""
         return Field(self.diffuse.lsb, 1)
 
-    # A compact word: MODE 0, and in row 3 the highest bit of ``first`` is set and that of ``last``
-    # is not, so that it is empty in a way in which no host writes it.
+    # A compact word: MODE 0, and ``COMPACT`` in place of row 3's upper bits. So its ends are 4 or 5
+    # and 0, which no host writes of a raised shape.
 
     @property
-    def compact_set(self) -> Field:
-        """1 in a compact word: the highest bit of row 3's first column."""
-        return Field(self.first(ROWS - 1).end - 1, 1)
-
-    @property
-    def compact_clear(self) -> Field:
-        """0 in a compact word: the highest bit of row 3's last column."""
-        return Field(self.last(ROWS - 1).end - 1, 1)
+    def compact_mark(self) -> Field:
+        """``COMPACT`` in a compact word: row 3 but for its lowest bit."""
+        return Field(self.first(ROWS - 1).lsb + 1, 5)
 
     @property
     def compact_size(self) -> Field:

@@ -6,7 +6,7 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value
 from amaranth.lib import data, memory, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .format import BLOCK, ROWS, EngineConfig, Field
+from .format import BLOCK, COMPACT, ROWS, EngineConfig, Field
 from .layouts import CodeWordLayout
 from .shape_contents import SMALLEST, TINY, shape_contents
 
@@ -122,7 +122,7 @@ class ShapeRom(wiring.Component):
         low = Cat(Mux(size[2], size[0], ~size[3]), size[1] & size[2], ~size[2])
         row = Value.cast(low)
         m.d.comb += [
-            compact.eq(~word.mode & take(config.compact_set) & ~take(config.compact_clear)),
+            compact.eq(~word.mode & (take(config.compact_mark) == COMPACT)),
             mirror.eq(level_x[5] ^ level_y[5] ^ turn),
         ]
         kept = _Stage(self.layout)

@@ -7,6 +7,7 @@ from amaranth.lib.wiring import In, Out
 from .choose import number_of, pick
 from .format import BLOCK, EngineConfig
 from .layouts import GeometryLayout, TileLayout
+from .shape_rows import ShapeRows
 
 __all__ = ["Tiler"]
 
@@ -132,39 +133,54 @@ class Tiler(wiring.Component):
             m.d.sync += near.eq(
                 Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
             )
-        pixels = self._turn(m, self._rows(m, element, left), held, lower, column)
+        shape = ShapeRows(m, element)
+        raised, shifted = (Signal(name=name, reset_less=True) for name in ("raised", "shifted"))
+        with m.If(self.i.ready):
+            m.d.sync += [raised.eq(shape.raised), shifted.eq(shape.shifted)]
+        # Where the tile begins, from the left edge of the word that X lies in, and on which line
+        # modulo 4: the rows of lower ones may lie a line higher or a column further right.
+        place, turn = Signal(self.config.pixel_bits + 1), Signal(2)
+        m.d.comb += [
+            place.eq(held["x"][: self.config.pixel_bits] + (lower & shifted)),
+            turn.eq(held["top"][:2] - (lower & raised)),
+        ]
+        rows = self._rows(m, element, shape, left)
+        pixels = self._turn(m, rows, turn, place[:-1], lower, raised, column)
         lines = self._lines(m, element, tile, held["top"], lower)
-        columns = self._columns(m, element, tile, held["x"], column)
+        columns = self._columns(m, element, tile, held["x"], place, column)
         for i in range(SIDE):
             for j in range(self.config.pixels_per_word):
                 m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
         return m
 
-    def _rows(self, m, element, left):
+    def _rows(self, m, element, shape, left):
         """Return the upper rows as masks, and note which tiles have a pixel."""
-        rows = [Signal(BLOCK, name=f"row_{k}", reset_less=True) for k in range(SIDE)]
-        filled = Cat(scan.first <= scan.last for scan in element.scans)
+        masks = [Signal(BLOCK, name=f"mask_{k}", reset_less=True) for k in range(SIDE)]
         upper = Signal(self.across)  # the upper tiles that have a pixel, from the left
+        turned = Signal(self.across)  # those of which the half turn has one
         step = self.config.pixel_bits
         for n in range(self.across):
-            reach = [
-                (scan.first[step:] <= n if n < self.across - 1 else 1)
-                & (scan.last[step:] >= n if n else 1)
-                for scan in element.scans
+            reach = Cat(
+                (row.first[step:] <= n if n < self.across - 1 else 1)
+                & (row.last[step:] >= n if n else 1)
+                for row in shape.rows
+            )
+            reached = shape.filled & reach
+            m.d.comb += [
+                upper[n].eq(reached.any()),
+                turned[n].eq(reached[:3].any() | (reached[3] & ~shape.raised)),
             ]
-            m.d.comb += upper[n].eq((filled & Cat(reach)).any())
         with m.If(self.i.ready):
-            for scan, row in zip(element.scans, rows, strict=True):
-                m.d.sync += row.eq(Cat((scan.first <= c) & (scan.last >= c) for c in range(BLOCK)))
+            for row, mask in zip(shape.rows, masks, strict=True):
+                m.d.sync += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
             # The lower half is the upper one turned: its left is the upper one's right.
-            turned = upper[::-1] & ~element.mode.replicate(self.across)
-            m.d.sync += left.eq(Cat(upper, turned) & ~element.end.replicate(len(left)))
-        return rows
+            lower = turned[::-1] & ~element.mode.replicate(self.across)
+            m.d.sync += left.eq(Cat(upper, lower) & ~element.end.replicate(len(left)))
+        return masks
 
-    def _turn(self, m, rows, held, lower, column):
+    def _turn(self, m, rows, turn_line, turn_column, lower, raised, column):
         """Take the tile out of the rows; return its pixels by residue of line and column."""
         wide = self.config.pixels_per_word
-        turn_line, turn_column = held["top"][:2], held["x"][: self.config.pixel_bits]
         tile, by_line, turned = (
             [Signal(wide, name=f"{name}_{k}") for k in range(SIDE)]
             for name in ("tile", "by_line", "turned")
@@ -175,6 +191,8 @@ class Tiler(wiring.Component):
                 pick([pixels[place : place + wide] for place in places], column)
                 for pixels in (rows[k], rows[SIDE - 1 - k][::-1])
             )
+            if k == 0:  # a raised shape's row 3 has no half turn
+                other = Mux(raised, 0, other)
             m.d.comb += tile[k].eq(Mux(lower, other, row))
         with m.Switch(turn_line):
             for turn in range(SIDE):
@@ -218,7 +236,7 @@ class Tiler(wiring.Component):
             ]
         return inside
 
-    def _columns(self, m, element, tile, x, column):
+    def _columns(self, m, element, tile, x, place, column):
         """Place the tile's columns; return which of them lie in the image, by residue."""
         bits = self.config.pixel_bits
         last_word = self.last_column[bits:]
@@ -236,7 +254,7 @@ class Tiler(wiring.Component):
         for j in range(len(columns)):
             past = Signal(name=f"next_{j}")
             m.d.comb += [
-                past.eq(x[:bits] > j),
+                past.eq(place > j),
                 tile.next[j].eq(past),
                 columns[j].eq(
                     pick([Mux(past, inside[n + 1], inside[n]) for n in range(self.across)], column)

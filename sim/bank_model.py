@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
-from ..rtl.format import BLOCK, ROWS
+from ..rtl.format import BLOCK
 from .bank_walk import (
     ASKED,
     BANKS,
@@ -29,19 +29,17 @@ from .bank_walk import (
 )
 from .pipeline_model import (
     ABOVE,
-    COLUMN,
     EMPTY,
     END_WORD,
-    FIRST,
     FIRST_STAGE,
     FOLLOWING,
     HEAD,
-    LAST,
     LINES,
     WORD,
     Machine,
     advance,
     new_front,
+    unfold,
 )
 
 __all__ = ["walk_banks"]
@@ -230,14 +228,12 @@ def _place(word: int, top: int, window: Window, machine: Machine) -> None:
     Words and lines outside the image are left out.
     """
     x = word >> machine.x_lsb & machine.x_mask
-    for row in range(ROWS):
-        first, last = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
-        if first > last:
-            continue
-        _place_row(top + row, x + first, x + last, x // WORD, window, machine)
-        if word & 1 == 0:  # the row turned by 180 degrees
-            begin, end = x + BLOCK - 1 - last, x + BLOCK - 1 - first
-            _place_row(top + BLOCK - 1 - row, begin, end, x // WORD, window, machine)
+    rows = np.empty((BLOCK, 2), np.int64)
+    unfold(word, rows)
+    for row in range(BLOCK):
+        first, last = rows[row]
+        if first <= last:
+            _place_row(top + row, x + first, x + last, x // WORD, window, machine)
 
 
 @nb.njit(cache=True, inline="always")

@@ -13,11 +13,11 @@ import numpy.typing as npt
 
 from ..host.errors import InputError
 from ..host.frame import Frame
-from ..rtl.format import BLOCK, ROWS, EngineConfig
+from ..rtl.format import ROWS, EngineConfig
 from .bank_model import walk_banks
 from .bank_walk import BANKS
 from .expand import expand_frame, slots
-from .golden import decode, render
+from .golden import block_rows, decode, render
 from .lane_model import least_lane_cycles, walk_lanes
 from .pipeline_model import machine_of
 
@@ -137,22 +137,16 @@ def _groups(drawn: npt.NDArray[np.bool_], pixels: int) -> int:
 
 def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
     """Return how many pixels elements cover, each for itself."""
-    columns = np.maximum(fields["last"].astype(np.int64) - fields["first"] + 1, 0).sum(axis=1)
-    return int((columns * (2 - fields["mode"].astype(np.int64))).sum())
+    first, last = block_rows(fields)
+    return int(np.maximum(last - first + 1, 0).sum())
 
 
 def _touched_words(frame: Frame) -> npt.NDArray[np.int64]:
     """Return which of three neighbouring words each row touches: shape (elements, 8, 3), 0 or 1."""
     fields = decode(expand_frame(frame).codewords, frame.config)
     fields = fields[~fields["control"]]
-    first, last = fields["first"], fields["last"]
-    symmetric = (fields["mode"] == 0)[:, np.newaxis]
-    # The lower rows are the upper ones turned, or empty.
-    first = np.concatenate([first, np.where(symmetric, BLOCK - 1 - last[:, ::-1], 1)], axis=1)
-    last = np.concatenate(
-        [last, np.where(symmetric, BLOCK - 1 - fields["first"][:, ::-1], 0)], axis=1
-    )
-    offset = (fields["x"] % frame.config.pixels_per_word)[:, np.newaxis]
+    first, last = block_rows(fields)
+    offset = (fields["x"].astype(np.int64) % frame.config.pixels_per_word)[:, np.newaxis]
     begin, end = (first + offset) // 4, (last + offset) // 4
     word = np.arange(3)
     inside = (begin[..., np.newaxis] <= word) & (word <= end[..., np.newaxis])

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from ..host.frame import Frame
 from ..host.shapes import EMPTY_SCANS, shape_table
-from ..rtl.format import BLOCK, ROWS, EngineConfig, Field
+from ..rtl.format import BLOCK, COMPACT, ROWS, EngineConfig, Field
 
 __all__ = ["Expansion", "expand", "expand_frame", "slots"]
 
@@ -110,7 +110,7 @@ def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDA
     """Return which words are compact."""
     if config.shapes == "none":
         return np.zeros(len(words), np.bool_)
-    marked = (_take(words, config.compact_set) == 1) & (_take(words, config.compact_clear) == 0)
+    marked = _take(words, config.compact_mark) == COMPACT
     return marked & (_take(words, config.mode) == 0)
 
 

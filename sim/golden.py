@@ -15,12 +15,12 @@ import numpy.typing as npt
 
 from ..host.errors import InputError
 from ..host.frame import Frame, Tables
-from ..rtl.format import PAPER, ROWS, EngineConfig, Field
+from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig, Field
 from .expand import expand_frame
 from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
 from .raster import Raster
 
-__all__ = ["decode", "render"]
+__all__ = ["block_rows", "decode", "render"]
 
 WORD_WORK = 4
 """How much more work a code word is than a pixel of the image, about."""
@@ -36,6 +36,8 @@ CODEWORD = np.dtype(
         ("material", np.uint16),
         ("x", np.uint16),
         ("z", np.uint16),
+        ("raised", np.bool_),
+        ("shifted", np.bool_),
         ("control", np.bool_),
         ("end", np.bool_),
     ]
@@ -119,8 +121,10 @@ def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> n
     -------
     numpy.ndarray
         Shape (n,), with the named fields of ``docs/contract.md`` as unsigned integers: ``mode``,
-        ``first`` and ``last`` (four rows each), ``diffuse``, ``specular``, ``material``, ``x``,
-        ``z``; and as bool ``control`` (a control word) and ``end`` (that ends the frame).
+        ``first`` and ``last`` (four rows each, a raised shape's middle one in order),
+        ``diffuse``, ``specular``, ``material``, ``x``, ``z``; and as bool ``raised`` and
+        ``shifted`` (where the middle of a symmetric word lies), ``control`` (a control word) and
+        ``end`` (that ends the frame).
     """
     words = np.asarray(codewords, np.uint64)
     fields = np.empty(words.shape, CODEWORD)
@@ -133,10 +137,47 @@ def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> n
     for row in range(ROWS):
         fields["first"][:, row] = take(config.first(row))
         fields["last"][:, row] = take(config.last(row))
-    empty = (fields["first"] > fields["last"]).all(axis=1)
-    fields["control"] = empty & (fields["mode"] == 1)
+    first, last, symmetric = fields["first"], fields["last"], fields["mode"] == 0
+    empty = first > last
+    fields["control"] = empty.all(axis=1) & ~symmetric
+    half, middle = BLOCK // 2, ROWS - 1
+    raised = symmetric & (first[:, middle] >= half) & (last[:, middle] < half)
+    even = (first[:, middle] + last[:, middle]) % 2 == 0
+    fields["raised"] = raised
+    fields["shifted"] = np.where(raised, even, symmetric & empty[:, 0] & (first[:, 0] & 2 != 0))
+    first[raised, middle], last[raised, middle] = last[raised, middle], first[raised, middle]
     fields["end"] = fields["control"] & (take(config.control_end) == 1)
     return fields
+
+
+def block_rows(
+    fields: npt.NDArray[Any],
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return the pixels of elements' blocks, row by row.
+
+    Parameters
+    ----------
+    fields
+        Elements, from :func:`decode`: shape (n,).
+
+    Returns
+    -------
+    first, last
+        Columns, inclusive: shape (n, 8). A row that is empty has its first behind its last.
+    """
+    first, last = fields["first"].astype(np.int64), fields["last"].astype(np.int64)
+    raised = fields["raised"][:, np.newaxis]
+    right = BLOCK - 1 + fields["shifted"].astype(np.int64)[:, np.newaxis]
+    turned = (first <= last) & (fields["mode"] == 0)[:, np.newaxis]
+    turned[:, -1:] &= ~raised  # it is in the middle, and its own half turn
+    lower_first, lower_last = np.where(turned, right - last, 1), np.where(turned, right - first, 0)
+
+    def block(upper: npt.NDArray[np.int64], lower: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        below = lower[:, ::-1]
+        below = np.where(raised, np.roll(below, -1, axis=1), below)
+        return np.concatenate([upper, below], axis=1)
+
+    return block(first, lower_first), block(last, lower_last)
 
 
 def _start(frame: Frame, initial: Raster | None) -> Raster:

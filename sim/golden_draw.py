@@ -41,6 +41,9 @@ COLUMN = np.uint64(PAPER.first(0).mask)
 COLUMNS = np.uint64(sum(PAPER.first(0).mask << ROW_BITS * row for row in range(ROWS)))
 CARRIES = np.uint64(sum((PAPER.first(0).mask + 1) << ROW_BITS * row for row in range(ROWS)))
 CARRY_LSB = PAPER.first(0).width
+MIDDLE_FIRST = np.uint64(PAPER.first(ROWS - 1).lsb)
+MIDDLE_LAST = np.uint64(PAPER.last(ROWS - 1).lsb)
+HALF = np.uint64(BLOCK // 2 - 1)
 
 ONE = np.uint64(1)
 MODE = np.uint64(1 << PAPER.mode.lsb)
@@ -199,20 +202,38 @@ def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout:
         # Less than another word only if the depth is: all other bits are ones.
         key = word | below_z
         symmetric = word & MODE == 0
-        rows = _filled_rows(word)  # none in a control word
+        shape, raised, shifted = _middle(word) if symmetric else (word, 0, 0)
+        rows = _filled_rows(shape)  # none in a control word
         while rows:
             carry = _lowest_bit(rows)
             rows &= rows - ONE
             row = carry // ROW_BITS
             lsb = np.uint64(carry - CARRY_LSB)
-            first = np.int64(word >> (lsb + FIRSTS_LSB) & COLUMN)
-            last = np.int64(word >> (lsb + LASTS_LSB) & COLUMN)
+            first = np.int64(shape >> (lsb + FIRSTS_LSB) & COLUMN)
+            last = np.int64(shape >> (lsb + LASTS_LSB) & COLUMN)
             count = last - first + 1
             start = (y - ABOVE + row) % BLOCK * stride + x + first
             _draw_row(pixels, start, count, key, word)
-            if symmetric:  # the row turned by 180 degrees
-                below = (y + BELOW - row) % BLOCK * stride
-                _draw_row(pixels, below + x + BLOCK - 1 - last, count, key, word)
+            # The row turned by 180 degrees; the one in the middle of the shape is its own.
+            if symmetric and not (raised and row == ROWS - 1):
+                below = (y + BELOW - raised - row) % BLOCK * stride
+                _draw_row(pixels, below + x + BLOCK - 1 + shifted - last, count, key, word)
+
+
+@nb.njit(cache=True, inline="always")
+def _middle(word: int) -> Any:
+    """Return a symmetric word, and the lines and columns by which its middle lies off.
+
+    That is, what is turned lies so many lines higher and columns further right, 0 or 1. The word
+    has its row 3 from left to right.
+    """
+    first, last = word >> MIDDLE_FIRST & COLUMN, word >> MIDDLE_LAST & COLUMN
+    if first > HALF and last <= HALF:
+        ends = (COLUMN << MIDDLE_FIRST) | (COLUMN << MIDDLE_LAST)
+        ordered = (word & ~ends) | last << MIDDLE_FIRST | first << MIDDLE_LAST
+        return ordered, 1, 1 - np.int64((first ^ last) & ONE)
+    first, last = word >> FIRSTS_LSB & COLUMN, word >> LASTS_LSB & COLUMN
+    return word, 0, np.int64(first > last) & np.int64(first >> ONE & ONE)
 
 
 @nb.njit(cache=True, inline="always")

@@ -10,20 +10,18 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
-from ..rtl.format import BLOCK, ROWS
+from ..rtl.format import BLOCK
 from .pipeline_model import (
     ABOVE,
-    COLUMN,
     EMPTY,
     END_WORD,
-    FIRST,
     FIRST_STAGE,
     FOLLOWING,
     HEAD,
-    LAST,
     Machine,
     advance,
     new_front,
+    unfold,
 )
 
 __all__ = ["least_lane_cycles", "walk_lanes"]
@@ -112,11 +110,11 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     )
     walk = lanes.walk
     walk[TOP], walk[AHEAD] = -ABOVE, -1
-    tile, coming = np.zeros(2 + SIDE, np.int64), np.zeros(2 + SIDE, np.int64)
+    tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
     given, meets, drawn, ending = NOTHING, False, False, False
     lagging = False  # in the cycle before, for lines that leave to go before tiles
     near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
-    x = 0
+    x, right = 0, 0
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
@@ -158,7 +156,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             if head != EMPTY:
                 walk[TOP] = top
             if given == TILE:
-                _clip(lanes.tiles[number], top, x, number, coming, machine)
+                _clip(lanes.tiles[number], top, x, right, number, coming, machine)
                 lanes.left[0] = left & (left - 1)
             meets = going and given == TILE and _meet(coming, tile, machine)
             tile[:] = coming
@@ -175,7 +173,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             lanes.left[0] = 0
             if head != EMPTY and head != front.state[END_WORD]:
                 x = words[head] >> machine.x_lsb & machine.x_mask
-                lanes.left[0] = _cut(words[head], lanes.tiles, machine.pixels)
+                lanes.left[0], right = _cut(words[head], lanes.tiles, machine.pixels)
         cycle += 1
     return 0
 
@@ -210,36 +208,44 @@ def least_lane_cycles(words: Any, pixels: int) -> int:
 
 
 @nb.njit(cache=True)
-def _cut(word: int, tiles: Any, pixels: int) -> int:
-    """Cut an element into its tiles; return which of them have a pixel, clipped away or not."""
+def _cut(word: int, tiles: Any, pixels: int) -> tuple[int, int]:
+    """Cut an element into its tiles; return which of them have a pixel, clipped away or not.
+
+    And by how many columns its lower tiles lie further right, 0 or 1.
+    """
     tiles[:] = 0
     across = BLOCK // pixels
     whole = (1 << pixels) - 1
-    for row in range(ROWS):
-        first, last = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
+    rows = np.empty((BLOCK, 2), np.int64)
+    _, right = unfold(word, rows)
+    for row in range(BLOCK):
+        first, last = rows[row]
         if first > last:
             continue
-        columns = (2 << last) - (1 << first)
-        turned = (2 << (7 - first)) - (1 << (7 - last))
+        lower = row // SIDE
+        columns = ((2 << last) - (1 << first)) >> right * lower
         for number in range(across):
-            tiles[number, row] = columns >> number * pixels & whole
-            if word & 1 == 0:  # the row turned by 180 degrees
-                tiles[across + number, 3 - row] = turned >> number * pixels & whole
+            tiles[across * lower + number, row % SIDE] = columns >> number * pixels & whole
     left = 0
     for number in range(len(tiles)):
         left |= int(tiles[number].any()) << number
-    return left
+    return left, right
 
 
 @nb.njit(cache=True)
-def _clip(columns: Any, top: int, x: int, number: int, tile: Any, machine: Machine) -> None:
-    """Set ``tile``: first line and column, and what of each line lies in the image.
+def _clip(
+    columns: Any, top: int, x: int, right: int, number: int, tile: Any, machine: Machine
+) -> None:
+    """Set ``tile``: first line and column, what of each line lies in the image, and first word.
 
     Of columns, what lies in the image's words.
     """
     pixels = machine.pixels
     across = BLOCK // pixels
-    line, column = top + SIDE * (number // across), x + pixels * (number % across)
+    lower = number // across
+    line, column = top + SIDE * lower, x + pixels * (number % across)
+    tile[2 + SIDE] = column // pixels
+    column += right * lower
     tile[0], tile[1] = line, column
     # A tile that begins right of the image has no column.
     room = max((machine.last_column // pixels + 1) * pixels - column, 0)
@@ -271,7 +277,7 @@ def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
 def _reach(tile: Any, machine: Machine) -> int:
     """Return the stretches that a tile's two words lie in, a bit each, whatever it draws there."""
     words = 2 * machine.half_words
-    word = tile[1] // machine.pixels
+    word = tile[2 + SIDE]
     reach = 0
     for number in (word % words, (word + 1) % words):
         reach |= 1 << number // STRETCH

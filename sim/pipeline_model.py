@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
-from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig
+from ..rtl.format import BLOCK, COMPACT, PAPER, ROWS, EngineConfig
 
 __all__ = [
     "ABOVE",
@@ -33,6 +33,7 @@ __all__ = [
     "advance",
     "machine_of",
     "new_front",
+    "unfold",
 ]
 
 LINES = PAPER.window_lines
@@ -54,7 +55,7 @@ ABOVE = BLOCK // 2
 FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
 LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
 COLUMN = PAPER.first(0).mask
-MARK_SET, MARK_CLEAR = PAPER.compact_set.lsb, PAPER.compact_clear.lsb
+MARK_LSB, MARK_MASK = PAPER.compact_mark.lsb, PAPER.compact_mark.mask
 
 ROM_STAGES = 3
 """Stages of the shape ROM, where there is one."""
@@ -222,6 +223,40 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
 
 
 @nb.njit(cache=True)
+def unfold(word: int, rows: Any) -> tuple[int, int]:
+    """Set the rows of an element's block: first and last column, first > last if it is empty.
+
+    Return by how many lines what is turned lies higher, and by how many columns further right,
+    each 0 or 1.
+
+    Parameters
+    ----------
+    word
+        A code word that is no control word.
+    rows
+        Shape (8, 2), int64.
+    """
+    for row in range(ROWS):
+        rows[row, 0], rows[row, 1] = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
+    rows[ROWS:, 0], rows[ROWS:, 1] = 1, 0
+    if word & 1:
+        return 0, 0
+    middle = ROWS - 1
+    raised = int(rows[middle, 0] >= ROWS > rows[middle, 1])
+    if raised:
+        rows[middle, 0], rows[middle, 1] = rows[middle, 1], rows[middle, 0]
+        right = int((rows[middle, 0] + rows[middle, 1]) % 2 == 0)
+    else:
+        right = int(rows[0, 0] > rows[0, 1] and rows[0, 0] & 2 != 0)
+    for row in range(ROWS - raised):
+        if rows[row, 0] <= rows[row, 1]:
+            below = BLOCK - 1 - raised - row
+            rows[below, 0] = BLOCK - 1 + right - rows[row, 1]
+            rows[below, 1] = BLOCK - 1 + right - rows[row, 0]
+    return raised, right
+
+
+@nb.njit(cache=True)
 def _advance_rom(words: Any, front: Front, machine: Machine) -> None:
     """Let the words in the shape ROM move on; what gives nothing leaves its end by itself.
 
@@ -248,7 +283,7 @@ def _is_pair(word: int, machine: Machine) -> bool:
 
 @nb.njit(cache=True, inline="always")
 def _is_compact(word: int) -> bool:
-    return not word & 1 and word >> MARK_SET & 1 == 1 and not word >> MARK_CLEAR & 1
+    return not word & 1 and word >> MARK_LSB & MARK_MASK == COMPACT
 
 
 @nb.njit(cache=True, inline="always")

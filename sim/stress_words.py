@@ -11,7 +11,7 @@ from ..host.cloud import Cloud
 from ..host.frame import Frame
 from ..host.view import View
 from ..rtl.format import BLOCK, ROWS
-from .golden import decode
+from .golden import block_rows, decode
 
 __all__ = [
     "Fragments",
@@ -52,17 +52,10 @@ def fragments(frame: Frame) -> Fragments:
     """
     fields, line, at = elements_of(frame)
     parts = []
+    firsts, lasts = block_rows(fields)
     for row in range(BLOCK):
-        if row < ROWS:
-            first = fields["first"][:, row].astype(np.int64)
-            last = fields["last"][:, row].astype(np.int64)
-        else:
-            # Rows 4..7 of a symmetric element are rows 3..0 turned.
-            first = BLOCK - 1 - fields["last"][:, BLOCK - 1 - row].astype(np.int64)
-            last = BLOCK - 1 - fields["first"][:, BLOCK - 1 - row].astype(np.int64)
-            last[fields["mode"] == 1] = -1
-            first[fields["mode"] == 1] = 0
-        for column in range(BLOCK):
+        first, last = firsts[:, row], lasts[:, row]
+        for column in range(BLOCK + 1):  # half a pixel off, it may reach one further
             x = fields["x"].astype(np.int64) + column
             y = line - ROWS + row
             inside = (first <= column) & (column <= last)

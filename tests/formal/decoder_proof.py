@@ -123,10 +123,11 @@ PROOFS = [
         endless=True,
         faults=(
             Fault("a row too many", Decoder, r"near >= k \+ 4", "near >= k + 3", "_enables"),
-            Fault("not turned", Decoder, r"odd\.last, even\.last", "odd.first, even.last", "_deal"),
-            Fault(
-                "turned for an even top", Decoder, r"element\.top\[0\], odd\.last", "0, 0", "_deal"
-            ),
+            Fault("not turned", Decoder, r'"first", "last"\)', '"first", "first")', "_deal"),
+            Fault("turned for an even top", Decoder, r"odd, ends\[2\]", "0, 0", "_deal"),
+            Fault("raised for an even top", Decoder, r"odd, ends\[1\]", "0, 0", "_deal"),
+            Fault("raised, but as full", Decoder, r"filled\[:3\]", "filled", "_enables"),
+            Fault("not shifted", Decoder, r"eq\(shape\.shifted\)", "eq(0)", "_deal"),
             Fault(
                 "right border", Decoder, r"words_left >= word", "words_left + 1 >= word", "_deal"
             ),

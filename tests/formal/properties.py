@@ -11,6 +11,7 @@ from amaranth.hdl import (
     Elaboratable,
     Fragment,
     Module,
+    Mux,
     ResetSignal,
     Signal,
     Value,
@@ -37,17 +38,34 @@ def any_constant(m, shape, name):
 def covers(element, row, column):
     """Return whether an element has a pixel in a row of its block and a column of the image.
 
-    This is the contract's text: rows 0..3 as given, row 7 - k as row k turned, or empty.
+    This is the contract's text: rows 0..3 as given, row 7 - k as row k turned, or empty; of a
+    raised shape row 3 with its ends exchanged, and row 6 - k as row k turned. What is turned lies
+    one column further right, or not.
     """
+    symmetric = element.mode == 0
+    scans = element.scans
+    raised = symmetric & (scans[3].first >= 4) & (scans[3].last <= 3)
+    at_half = Mux(
+        raised,
+        ((scans[3].first + scans[3].last) & 1) == 0,
+        (scans[0].first > scans[0].last) & scans[0].first[1],
+    )
     found = 0
     for number in range(8):
-        scan = element.scans[min(number, 7 - number)]
-        if number < 4:
-            first, last, there = scan.first, scan.last, 1
-        else:
-            first, last, there = 7 - scan.last, 7 - scan.first, element.mode == 0
-        across = (first <= column - element.x) & (column - element.x <= last)
-        found = found | ((row == number) & there & across)
+        upper, centred = number < 4, min(number, 7 - number)
+        for is_raised in range(2):
+            k = centred if upper else centred - is_raised
+            if k < 0:
+                continue
+            scan = scans[k]
+            first, last = scan.first, scan.last
+            if k == 3 and is_raised:
+                first, last = last, first
+            if not upper:
+                first, last = 7 + at_half - last, 7 + at_half - first
+            there = (raised == is_raised) & (upper | symmetric)
+            across = (first <= column - element.x) & (column - element.x <= last)
+            found = found | ((row == number) & there & across)
     return found & ~element.end
 
 

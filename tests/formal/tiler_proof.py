@@ -130,6 +130,9 @@ FAULTS = (
     Fault("a tile lost", Tiler, r"left\.eq\(rest\)", "left.eq(0)"),
     Fault("a line misplaced", Tiler, r"past\.eq\(top\[:2\] > i\)", "past.eq(0)", "_lines"),
     Fault("not turned", Tiler, r"\[::-1\]", "", "_turn"),
+    Fault("not raised", Tiler, r"lower & raised", "0"),
+    Fault("not shifted", Tiler, r"lower & shifted", "0"),
+    Fault("the middle drawn twice", Tiler, r"Mux\(raised, 0, other\)", "other", "_turn"),
     Fault("not yet the next frame's window", Tiler, r" \| \(valid & given\.end\)", ""),
     Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & "),
 )

@@ -27,7 +27,7 @@ def compact_words(config, size, level_x, level_y, part=0, rest=0):
         config.compact_part,
     )
     words = np.asarray(rest, np.uint64) & np.uint64(~config_mask(config) & (1 << 64) - 1)
-    words = words | np.uint64(1 << config.compact_set.lsb)
+    words = words | np.uint64(1 << 21)
     for value, field in zip(values, fields, strict=True):
         words = words | value.astype(np.uint64) << np.uint64(field.lsb)
     return words
@@ -56,8 +56,8 @@ def mixed_words(config, rng, count):
     """Any 64 bits, half of them made compact of any size, plain ones and control words between."""
     words = rng.integers(0, 1 << 64, count, np.uint64)
     compact = rng.random(count) < 0.5
-    words[compact] |= np.uint64(1 << config.compact_set.lsb)
-    words[compact] &= np.uint64(~(1 << config.compact_clear.lsb | 1) & (1 << 64) - 1)
+    words[compact] &= np.uint64(~(0b11111 << 20 | 1) & (1 << 64) - 1)
+    words[compact] |= np.uint64(1 << 21)
     words[rng.random(count) < 0.05] = advance_word(3, config)
     return words
 

@@ -4,6 +4,7 @@ import random
 from functools import cache
 
 import cocotb
+from blocks import block_rows
 
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.format import PAPER
@@ -28,12 +29,9 @@ def element(rows, mode, x, top, **rest):
 
 def contract_pixels(rows, mode, x, top, width, height):
     """Pixels that docs/contract.md says are covered."""
-    block = list(rows)
-    if mode == 0:
-        block += [(7 - last, 7 - first) for first, last in reversed(rows)]
     return {
         (top + row, x + column)
-        for row, (first, last) in enumerate(block)
+        for row, first, last in block_rows(rows, mode)
         for column in range(first, last + 1)
         if 0 <= top + row < height and x + column < width
     }
@@ -106,6 +104,25 @@ async def all_pairs_of_rows(dut):
                 cases.append((rows, mode, 100 + offset, 40 + (number + offset) % 8))
     cycles = await check(dut, cases, 512, 512, (1.0, 1.0), 1)
     assert cycles <= len(cases) + 4, "one element a cycle"
+
+
+@cocotb.test()
+async def middles_at_half_pixels(dut):
+    """Every code of a raised middle row and of an empty first row, at every offset."""
+    rng = random.Random(6)
+    raised = [(first, last) for first in range(4, 8) for last in range(4)]
+    empty = [(first, last) for first in range(8) for last in range(first)]
+    cases = [
+        (rows, mode, 100 + offset, 40 + rng.randrange(8))
+        for offset in range(4)
+        for mode in (0, 1)
+        for row in [(1, 0), (0, 0), (0, 7), (2, 5)]
+        for rows in [
+            *([row, *rng.choices(ROW_CODES, k=2), code] for code in raised),
+            *([code, *rng.choices(ROW_CODES, k=2), row] for code in empty),
+        ]
+    ]
+    await check(dut, cases, 108, 512, (1.0, 1.0), 6)
 
 
 @cocotb.test()

@@ -272,7 +272,7 @@ def test_no_table_write_comes_between_the_words_that_a_compact_one_makes():
     dut = Engine(config)
     codewords, tables = dut.codewords, dut.tables
     compact = word([(0, 0)] * 4, 40, 5, mode=0, config=config) & ~(((1 << 24) - 1) << 1)
-    compact |= 12 << 1 | 32 << 6 | 32 << 12 | 1 << 18 | 1 << config.compact_set.lsb
+    compact |= 12 << 1 | 32 << 6 | 32 << 12 | 1 << 18 | 1 << 21
 
     async def bench(ctx):
         ctx.set(codewords.valid, 1)

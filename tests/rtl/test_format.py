@@ -101,7 +101,7 @@ def test_a_compact_word_s_fields_lie_side_by_side_in_the_scans():
         fields = [config.compact_size, config.compact_level_x, config.compact_level_y,
                   config.compact_part]  # fmt: skip
         assert [(field.lsb, field.end) for field in fields] == [(1, 6), (6, 12), (12, 18), (18, 20)]
-        assert (config.compact_set.lsb, config.compact_clear.lsb) == (21, 24)
+        assert (config.compact_mark.lsb, config.compact_mark.end) == (20, 25)
 
 
 def test_a_rom_is_added_once():

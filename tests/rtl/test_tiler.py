@@ -5,6 +5,7 @@ import random
 
 import cocotb
 import numpy as np
+from blocks import block_rows, is_shifted
 from tiles import LOWEST, ROOM, overlap, unpack_tile
 
 from splatline.rtl.format import PAPER
@@ -44,19 +45,17 @@ def random_rows(rng):
 
 def expected_tiles(rows, mode, x, top, width, height):
     """Tiles that docs/contract.md asks for, {(lower, right): pixels in the image's words}."""
-    block = list(rows)
-    if mode == 0:
-        block += [(7 - last, 7 - first) for first, last in reversed(rows)]
     tiles = {}
-    for row, (first, last) in enumerate(block):
+    for row, first, last in block_rows(rows, mode):
+        moved = row // 4 * is_shifted(rows, mode)
         for column in range(first, last + 1):
-            pixels = tiles.setdefault((row // 4, column // 4), set())
+            pixels = tiles.setdefault((row // 4, (column - moved) // 4), set())
             if 0 <= top + row < height and (x + column) // 4 <= (width - 1) // 4:
                 pixels.add((top + row, x + column))
     return tiles
 
 
-def tile_pixels(tile, x, top):
+def tile_pixels(tile, rows, mode, x, top):
     """Which tile this is of an element, and its pixels; each lane must have its own place."""
     first, second = tile["words"] % WORDS, tile["words"] // WORDS
     assert second == (first + 1) % WORDS
@@ -69,7 +68,7 @@ def tile_pixels(tile, x, top):
         line += (q - line) % 4
         assert tile["group"] >> 2 * q & 3 == line // 4 % 4
         for p in range(4):
-            column = x + 4 * right
+            column = x + 4 * right + lower * is_shifted(rows, mode)
             column += (p - column) % 4
             assert (second if tile["next"] >> p & 1 else first) == column // 4 % WORDS
             if tile["mask"] >> 4 * q + p & 1:
@@ -131,7 +130,7 @@ class Slide:
             assert payload["z"] == self.depths[self.moved], "another's colour"
             assert ends == (case is END)
             if not ends:
-                lower = tile_pixels(payload, case[2], case[3])[0][0]
+                lower = tile_pixels(payload, *case)[0][0]
                 assert case[3] + 4 * lower - self.oldest < ROOM, "a tile before its lines"
         self.taken = valid and ready
         self.waiting = valid and not ready
@@ -202,7 +201,7 @@ async def check(dut, cases, width=512, height=512, rates=(1.0, 1.0), seed=1, fol
         before = tile
     tiles = iter(received)
     for case, count, wanted, z in zip(cases, counts, expected, slide.depths, strict=True):
-        _, _, x, top = case
+        top = case[3]
         found = {}
         for tile in itertools.islice(tiles, count):
             assert tile["end"] == (case is END), case
@@ -211,7 +210,7 @@ async def check(dut, cases, width=512, height=512, rates=(1.0, 1.0), seed=1, fol
                 assert tile["mask"] == 0
                 continue
             assert tile["z"] == z
-            key, pixels = tile_pixels(tile, x, top)
+            key, pixels = tile_pixels(tile, *case)
             assert key not in found, "a tile came twice"
             found[key] = pixels
         assert found == wanted, (case, width, height)
@@ -248,6 +247,25 @@ async def each_single_pixel(dut):
         for column in range(8)
     ]
     await check(dut, cases, rates=(1.0, 0.9), seed=2)
+
+
+@cocotb.test()
+async def middles_at_half_pixels(dut):
+    """Every code of a raised middle row and of an empty first row, at every offset."""
+    rng = random.Random(6)
+    others = [(1, 0), (0, 0), (0, 7), (2, 5)]
+    raised = [(first, last) for first in range(4, 8) for last in range(4)]
+    empty = [(first, last) for first in range(8) for last in range(first)]
+    cases = [
+        (rows, mode, 100 + offset, 4 + offset)
+        for offset in range(4)
+        for mode in (0, 0, 1)
+        for rows in [
+            *([rng.choice(others), *random_rows(rng)[:2], code] for code in raised),
+            *([code, *random_rows(rng)[:2], rng.choice(others)] for code in empty),
+        ]
+    ]
+    await check(dut, cases, 104, 512)
 
 
 @cocotb.test()

@@ -121,9 +121,20 @@ def is_control(word):
 
 def covers(word, row, column):
     """Whether a code word's block has a pixel."""
+    rows = rows_of(word)
+    up = right = 0  # by how much the lower half lies off
+    if bits(word, 0, 1) == 0:
+        first, last = rows[3]
+        if first >= 4 and last <= 3:
+            up, right = 1, int((first + last) % 2 == 0)
+            rows[3] = last, first
+        elif rows[0][0] > rows[0][1]:
+            right = rows[0][0] >> 1 & 1
     if row >= 4:  # the half turn of the upper half, where there is one
-        return bits(word, 0, 1) == 0 and covers(word, 7 - row, 7 - column)
-    first, last = rows_of(word)[row]
+        row, column = 7 - up - row, 7 + right - column
+        if bits(word, 0, 1) == 1 or row < 0 or (up and row == 3):
+            return False
+    first, last = rows[row]
     return first <= column <= last
 
 
@@ -160,7 +171,7 @@ def draw(frame, initial=None):
             for channel in range(3)
         ]
         for row in range(8):
-            for column in range(8):
+            for column in range(9):
                 line, place = y - 4 + row, fields["x"] + column
                 inside = 0 <= line < frame.height and place < frame.width
                 if inside and covers(word, row, column) and fields["z"] < depth[line][place]:

@@ -151,11 +151,37 @@ def test_there_is_at_least_one_band(bands):
 
 
 def test_a_symmetric_word_has_its_half_turn_below():
-    rows = [(7, 0), (7, 0), (2, 2), (1, 3)]
+    rows = [(1, 0), (1, 0), (2, 2), (1, 3)]
     assert drawn([cw.advance(6), cw.encode(rows, x=10)]) == {
         (4, 12), (5, 11), (5, 12), (5, 13),
         (6, 14), (6, 15), (6, 16), (7, 15),
     }  # fmt: skip
+
+
+def test_the_middle_of_a_symmetric_word_may_lie_half_a_line_higher():
+    """Row 3 with its ends exchanged is the middle: here a diamond, and one that is not as wide."""
+    rows = [(1, 0), (4, 4), (3, 5), (6, 2)]  # 2 + 6 is even: about column 4
+    assert drawn([cw.advance(6), cw.encode(rows, x=10)]) == {
+        (3, 14), (4, 13), (4, 14), (4, 15),
+        *((5, 12 + n) for n in range(5)),
+        (6, 13), (6, 14), (6, 15), (7, 14),
+    }  # fmt: skip
+    rows = [(1, 0), (3, 3), (3, 5), (5, 2)]  # odd: about the border of columns 3 and 4
+    assert drawn([cw.advance(6), cw.encode(rows, x=10)]) == {
+        (3, 13), (4, 13), (4, 14), (4, 15),
+        *((5, 12 + n) for n in range(4)),
+        (6, 12), (6, 13), (6, 14), (7, 14),
+    }  # fmt: skip
+
+
+def test_the_middle_of_a_symmetric_word_may_lie_half_a_column_further_right():
+    """As an empty first row says whose first column has the bit 1."""
+    for code in [(first, last) for first in (2, 3, 6, 7) for last in range(first)]:
+        rows = [code, (1, 0), (0, 0), (3, 5)]
+        assert drawn([cw.advance(4), cw.encode(rows, x=3)]) == {
+            (2, 3), (3, 6), (3, 7), (3, 8),
+            (4, 6), (4, 7), (4, 8), (5, 11),
+        }  # fmt: skip
 
 
 def test_a_fraction_has_four_rows_alone():
@@ -226,7 +252,7 @@ def test_colour_saturates_and_drops_its_fraction():
 
 
 def test_an_empty_symmetric_word_is_no_control_word():
-    word = cw.encode(cw.NOTHING, mode=0, d=1, x=9)
+    word = cw.encode([(1, 0)] * 4, mode=0, d=1, x=9)
     rows = [(0, 0), (7, 0), (7, 0), (7, 0)]
     assert drawn([cw.advance(4), word, cw.encode(rows, mode=1)]) == {(0, 0)}
 

@@ -1,0 +1,57 @@
+"""What a code word's rows say: which pixels, and where the half that is turned lies."""
+
+from amaranth.hdl import Cat, Mux, Signal
+
+__all__ = ["ShapeRows"]
+
+
+class ShapeRows:
+    """The four rows of an element's upper half, and the place of its lower one.
+
+    Combinational; it is a part of the module whose ``m`` it is given.
+
+    Parameters
+    ----------
+    m
+        The module.
+    element
+        What the code word says, a view of :class:`GeometryLayout`.
+
+    Attributes
+    ----------
+    rows
+        The ends of rows 0..3: four signals with ``first`` and ``last``, inclusive. Those of a
+        raised shape's row 3 come in the other order.
+    filled
+        Which of them have pixels: 4 bits.
+    raised
+        The shape's middle lies half a line higher, in row 3: so that has no half turn, and the half
+        turns of rows 0..2 lie one line higher. Not in a fraction.
+    shifted
+        The middle lies half a column further right, and what is turned one column. It means nothing
+        in a fraction.
+    """
+
+    def __init__(self, m, element):
+        scans = element.scans
+        self.rows = [Signal.like(scan, name=f"row_{k}") for k, scan in enumerate(scans)]
+        self.filled = Signal(4)
+        self.raised = Signal()
+        self.shifted = Signal()
+        middle = scans[3]
+        m.d.comb += [
+            *(row.eq(scan) for row, scan in zip(self.rows[:3], scans, strict=False)),
+            self.raised.eq(~element.mode & middle.first[2] & ~middle.last[2]),
+            self.rows[3].first.eq(Mux(self.raised, middle.last, middle.first)),
+            self.rows[3].last.eq(Mux(self.raised, middle.first, middle.last)),
+            self.filled.eq(Cat(scan.first <= scan.last for scan in scans)),
+            self.shifted.eq(
+                Mux(
+                    self.raised,
+                    middle.first[0] == middle.last[0],
+                    ~self.filled[0] & scans[0].first[1],
+                )
+            ),
+        ]
+        with m.If(self.raised):
+            m.d.comb += self.filled[3].eq(1)
