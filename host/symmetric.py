@@ -1,4 +1,4 @@
-"""Symmetric elements: whole places; the paper's with whole diameters and shapes from the table."""
+"""Symmetric elements: of true size at half places; the paper's from the table, at whole ones."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ def encode_turned(
 ) -> int:
     """Write an ellipse of up to 8 x 8 pixels, of its true size and shape, as one symmetric word.
 
-    Its middle is the pixel corner nearest to its centre, as the paper's; so it is its own half
-    turn. One that covers no pixel's centre there is drawn as the pixel that holds its own.
+    Its middle is the corner of half pixels nearest to its centre; so it is its own half turn. Where
+    the word has no room for that, as what would say so is taken up by pixels, it is the nearest
+    whole line, or column. One that covers no pixel's centre there is drawn as the pixel that holds
+    its own.
 
     Parameters
     ----------
@@ -32,21 +34,58 @@ def encode_turned(
     common, at, to
         See ``encode_symmetric``.
     """
+    twice_x, twice_y = corner(2.0 * column), corner(2.0 * line)
+    # The nearest corner of half pixels; then its neighbours, of which one is a pixel's corner.
+    off_x, off_y = 2.0 * column - twice_x, 2.0 * line - twice_y
+    next_x, next_y = -1 if off_x < 0.0 else 1, -1 if off_y < 0.0 else 1
+    x_first = abs(off_x) > abs(off_y)
+    right, raised, scans = 0, 0, EMPTY_SCANS
+    for attempt in range(4):
+        to_x, to_y = attempt & 1, attempt >> 1
+        if not x_first:
+            to_x, to_y = to_y, to_x
+        x, y = twice_x + to_x * next_x, twice_y + to_y * next_y
+        right, raised = x & 1, y & 1
+        scans = _upper_half(square, form, right, raised)
+        if _has_word(scans, right, raised, form, square):
+            twice_x, twice_y = x, y
+            break
+    if scans == EMPTY_SCANS:
+        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+    return _put_block(twice_x >> 1, twice_y + 1 >> 1, right, raised, scans, common, at, to)
+
+
+@nb.njit(inline="always")
+def _has_word(scans: int, right: int, raised: int, form: Any, square: float) -> bool:
+    """Return whether a symmetric word can say that the middle of these rows is where it is.
+
+    A raised shape has seven lines, and more than a pixel in its middle one.
+    """
+    if raised:
+        middle = scans >> 6 * (ROWS - 1)
+        return (middle & 7) < middle >> 3 and form[0] * square <= form[3] * float(ROWS * ROWS)
+    return not right or (scans & 7) > (scans >> 3 & 7)
+
+
+@nb.njit(inline="always")
+def _upper_half(square: float, form: Any, right: int, raised: int) -> int:
+    """Return rows 0..3 of an ellipse in the middle of its block.
+
+    ``right``, ``raised``: the middle lies half a column further right, half a line higher.
+    """
     a, b, _, determinant = form
     inverse = 1.0 / a
     scans = 0
     for row in range(ROWS):
-        dv = row + 0.5 - ROWS
+        dv = row + 0.5 * (1 + raised) - ROWS
         rest = a * square - determinant * dv * dv
         half = math.sqrt(rest if rest > 0.0 else 0.0) * inverse
         # Pixel c has its centre at c + 0.5.
-        middle = 0.5 * (BLOCK - 1) - b * dv * inverse
+        middle = 0.5 * (BLOCK - 1 + right) - b * dv * inverse
         low, high = max(middle - half, 0.0), min(middle + half, BLOCK - 1.0)
         first, last = math.ceil(min(low, float(BLOCK))), math.floor(max(high, -1.0))
         scans |= ((first | last << 3) if rest >= 0.0 and first <= last else 1) << 6 * row
-    if scans == EMPTY_SCANS:
-        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
-    return _put_block(corner(column), corner(line), scans, common, at, to)
+    return scans
 
 
 @nb.njit
@@ -92,7 +131,8 @@ def encode_symmetric(
     x, y = corner(column), corner(line)
     level_x, level_y = shape
     if size <= BLOCK:
-        return _put_block(x, y, int(table[size, level_x, level_y, 0]), common, at, to)
+        scans = int(table[size, level_x, level_y, 0])
+        return _put_block(x, y, 0, 0, scans, common, at, to)
 
     if size < SIZES:
         upper = table[size, level_x, level_y]
@@ -116,16 +156,37 @@ def corner(place: float) -> int:
 
 
 @nb.njit
-def _put_block(x: int, y: int, scans: int, common: int, at: int, to: Any) -> int:
-    """Write the block about a pixel corner, as two fractions where one word would start outside."""
+def _put_block(
+    x: int, y: int, right: int, raised: int, scans: int, common: int, at: int, to: Any
+) -> int:
+    """Write the block about a pixel corner, as two fractions where one word would start outside.
+
+    ``right``, ``raised``: the middle lies half a column right of the corner, half a line above it.
+    """
     width, height = to[2], to[3]
     x -= BLOCK // 2
     if x >= 0 and y >= 0:
         if x >= width or y - ROWS >= height:
             return at
-        return put_symmetric(common, scans, x, y, at, to)
+        return put_symmetric(common, _mark_middle(scans, right, raised), x, y, at, to)
     at = emit(scans, x, y - ROWS, common, at, to)
-    return emit(turned(scans), x, y, common, at, to)
+    lower = turned(scans)
+    if raised:  # row 3 is its own half turn
+        lower = lower & ~63 | 1
+    return emit(lower, x + right, y - raised, common, at, to)
+
+
+@nb.njit(inline="always")
+def _mark_middle(scans: int, right: int, raised: int) -> int:
+    """Return the rows of a symmetric word as they say where its middle is (``docs/contract.md``).
+
+    A raised shape's row 3 has its ends exchanged, which are as even as its middle says. Of others
+    the first row is empty if the middle lies half a column off, and says it by its first column.
+    """
+    at = 6 * (ROWS - 1)
+    if raised:
+        return scans & (1 << at) - 1 | (scans >> at + 3 | (scans >> at & 7) << 3) << at
+    return scans & ~63 | 2 if right else scans
 
 
 @nb.njit

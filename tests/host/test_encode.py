@@ -195,6 +195,60 @@ def test_fast_is_one_word_for_all_that_fits_a_block():
     assert (fields["mode"] == 0).any()
 
 
+def test_a_fast_splat_of_more_than_four_lines_lies_at_the_nearest_half_pixel():
+    """Its true ellipse about there, wherever one word can say so, and else about one next to it."""
+    rng = np.random.default_rng(11)
+    width, height = 61, 47
+    nearest = 0
+    for _ in range(600):
+        slope = np.float32(rng.normal(size=2) * rng.choice([0.0, 0.3, 1.5]))
+        diameter = np.float32(rng.uniform(4.2, 7.9))
+        column = np.float32(rng.uniform(-5, width + 5))
+        line = np.float32(rng.uniform(-5, height + 5))
+        splats = splats_of(column, line, diameter, 0, slope)
+        words = words_of(splats, width, height, quality="fast")
+        truth, _ = true_ellipse(column, line, diameter, slope, width, height)
+        if truth.any(axis=1).sum() <= 4:
+            continue  # a fraction at its true place
+        assert len(words) <= 2
+        found = drawn(splats, width, height, quality="fast")
+        places = []
+        for x in half_pixels_by(column):
+            for y in half_pixels_by(line):
+                whole, near = true_ellipse(x, y, diameter, slope, width, height)
+                off = np.hypot(x - column, y - line)
+                places.append((off, ((found == whole) | near).all(), x, y, whole))
+        places.sort(key=lambda place: place[0])
+        assert any(same for _, same, *_ in places), (column, line, diameter, slope)
+        _, same, x, y, whole = places[0]
+        away, _ = true_ellipse(x % 1 + 8, y % 1 + 8, diameter, slope, 17, 17)  # from the borders
+        rows = away.any(axis=1).sum()
+        in_a_line = rows <= 7 and away[8].sum() >= 2  # of which it says so by two of its pixels
+        can_say = in_a_line if y % 1 else x % 1 == 0 or rows <= 6
+        assert same or not can_say, (column, line, diameter, slope)
+        nearest += same
+    assert nearest > 200
+
+
+def half_pixels_by(place):
+    """The two multiples of a half on either side."""
+    return np.floor(2 * place) / 2, np.floor(2 * place) / 2 + 0.5
+
+
+def test_a_splat_at_a_half_pixel_is_whole_across_the_left_and_the_upper_border():
+    """There it goes as two fractions: the same pixels as of one word, moved."""
+    for column, line in ((8.5, 8.5), (8.0, 8.5), (8.5, 8.0)):
+        splats = splats_of(column, line, 5.4, 0, (0.2, 0.1))
+        inside = drawn(splats, 24, 24, quality="fast")
+        assert len(words_of(splats, 24, 24, quality="fast")) == 1
+        for dx, dy in ((-6, 0), (0, -6), (-7, -7)):
+            moved = splats_of(column + dx, line + dy, 5.4, 0, (0.2, 0.1))
+            found = drawn(moved, 24, 24, quality="fast")
+            expected = np.zeros_like(inside)
+            expected[: 24 + dy, : 24 + dx] = inside[-dy:, -dx:]
+            assert (found == expected).all(), (column, line, dx, dy)
+
+
 def test_each_fraction_has_the_depth_of_the_plane_at_its_own_place():
     column, line, gradient = 30.0, 24.0, (0.004, -0.007)
     splats = splats_of(column, line, 40.0, slope=(-0.4, 0.7))
