@@ -59,11 +59,17 @@ def encode_turned(
 def _has_word(scans: int, right: int, raised: int, form: Any, square: float) -> bool:
     """Return whether a symmetric word can say that the middle of these rows is where it is.
 
-    A raised shape has seven lines, and more than a pixel in its middle one.
+    A raised shape has seven lines, and more than a pixel in its middle one, whose ends are as even
+    as that says. One that lies half a column off has seven columns.
     """
+    if right:
+        for row in range(ROWS):
+            if scans >> 6 * row & 7 == 0:
+                return False
     if raised:
-        middle = scans >> 6 * (ROWS - 1)
-        return (middle & 7) < middle >> 3 and form[0] * square <= form[3] * float(ROWS * ROWS)
+        first, last = scans >> 6 * (ROWS - 1) & 7, scans >> 6 * (ROWS - 1) + 3 & 7
+        fits = form[0] * square <= form[3] * float(ROWS * ROWS)
+        return fits and first < last and (first + last) % 2 == 1 - right
     return not right or (scans & 7) > (scans >> 3 & 7)
 
 

@@ -230,6 +230,30 @@ def test_a_fast_splat_of_more_than_four_lines_lies_at_the_nearest_half_pixel():
     assert nearest > 200
 
 
+@pytest.mark.parametrize("focal", [30.0, 1e6])
+def test_a_fast_splat_is_its_own_half_turn_however_wide(focal):
+    """About half a pixel at the most from its centre; seen aslant it is wider than its diameter."""
+    rng = np.random.default_rng(12)
+    wide = 0
+    for _ in range(300):
+        diameter, column, line = rng.uniform(4.5, 8.0), *rng.uniform(20, 60, 2)
+        slope = rng.normal(size=2) * 0.2
+        splats = splats_of(column, line, diameter, 0, slope)
+        if len(words_of(splats, 80, 80, quality="fast")) > 1:
+            continue  # drawn in perspective
+        found = drawn(splats, 80, 80, quality="fast")
+        lines, columns = (np.flatnonzero(found.any(axis=axis)) for axis in (1, 0))
+        if len(lines) <= 4:
+            continue
+        wide += len(columns) == 8
+        own = found[lines[0] : lines[-1] + 1, columns[0] : columns[-1] + 1]
+        assert (own == own[::-1, ::-1]).all(), (column, line, diameter, slope)
+        if focal > 1e5:  # else the ellipse's middle is not the disc's
+            assert abs(lines[0] + lines[-1] + 1 - 2 * line) <= 1.001
+            assert abs(columns[0] + columns[-1] + 1 - 2 * column) <= 1.001
+    assert wide > 5
+
+
 def half_pixels_by(place):
     """The two multiples of a half on either side."""
     return np.floor(2 * place) / 2, np.floor(2 * place) / 2 + 0.5
