@@ -8,9 +8,9 @@ from typing import Any
 import numba as nb
 
 from ..rtl.format import BLOCK, COMPACT, PAPER, ROWS
-from .emit import LARGEST, put_symmetric
+from .emit import LARGEST, corner, put_symmetric
 from .shapes import SIZES
-from .symmetric import corner, encode_symmetric
+from .symmetric import encode_symmetric
 
 __all__ = ["encode_compact"]
 

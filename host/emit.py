@@ -1,7 +1,8 @@
-"""Writing code words: a fraction's bits, clipping its rows, turning a block."""
+"""Writing code words: a fraction, a block about its middle, clipped and turned."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numba as nb
@@ -9,7 +10,16 @@ import numba as nb
 from ..rtl.format import BLOCK, ROWS
 from .shapes import EMPTY_SCANS
 
-__all__ = ["LARGEST", "ONE_PIXEL", "emit", "put", "put_symmetric", "turned"]
+__all__ = [
+    "LARGEST",
+    "ONE_PIXEL",
+    "corner",
+    "emit",
+    "put",
+    "put_block",
+    "put_symmetric",
+    "turned",
+]
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
@@ -70,3 +80,43 @@ def put_symmetric(common: int, scans: int, x: int, line: int, at: int, to: Any) 
     words[at] = common | scans << 1 | x << x_lsb
     lines[at] = line
     return at + 1
+
+
+@nb.njit(inline="always")
+def corner(place: float) -> int:
+    """Return the nearest border of pixels; further off than any integer is far enough."""
+    return math.floor(min(max(place, -LARGEST), LARGEST) + 0.5)
+
+
+@nb.njit
+def put_block(
+    x: int, y: int, right: int, raised: int, scans: int, common: int, at: int, to: Any
+) -> int:
+    """Write the block about a pixel corner, as two fractions where one word would start outside.
+
+    ``right``, ``raised``: the middle lies half a column right of the corner, half a line above it.
+    """
+    width, height = to[2], to[3]
+    x -= BLOCK // 2
+    if x >= 0 and y >= 0:
+        if x >= width or y - ROWS >= height:
+            return at
+        return put_symmetric(common, _mark_middle(scans, right, raised), x, y, at, to)
+    at = emit(scans, x, y - ROWS, common, at, to)
+    lower = turned(scans)
+    if raised:  # row 3 is its own half turn
+        lower = lower & ~63 | 1
+    return emit(lower, x + right, y - raised, common, at, to)
+
+
+@nb.njit(inline="always")
+def _mark_middle(scans: int, right: int, raised: int) -> int:
+    """Return the rows of a symmetric word as they say where its middle is (``docs/contract.md``).
+
+    A raised shape's row 3 has its ends exchanged, which are as even as its middle says. Of others
+    the first row is empty if the middle lies half a column off, and says it by its first column.
+    """
+    at = 6 * (ROWS - 1)
+    if raised:
+        return scans & (1 << at) - 1 | (scans >> at + 3 | (scans >> at & 7) << 3) << at
+    return scans & ~63 | 2 if right else scans

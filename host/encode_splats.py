@@ -19,10 +19,11 @@ from .exact import (
     one_fraction,
     quantised_depth,
 )
+from .half_places import encode_turned
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 from .shapes import LEVELS, quantise
-from .symmetric import encode_symmetric, encode_turned
+from .symmetric import encode_symmetric
 
 __all__ = ["encode_splats", "measure_room"]
 
