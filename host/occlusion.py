@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.format import BLOCK, ROWS, EngineConfig
+from .unfold import unfold
 
 __all__ = ["Pyramid", "cover", "is_hidden", "new_pyramid"]
 
@@ -140,6 +141,7 @@ def _cover(
     rows, columns = bound.shape
     for band in nb.prange(BANDS):
         first_row, end_row = rows * band // BANDS, rows * (band + 1) // BANDS
+        block = np.empty((BLOCK, 2), np.int64)
         for chunk in range(len(starts)):
             for i in range(starts[chunk], stops[chunk]):
                 top = lines[i] - ROWS  # of the block's first row
@@ -147,11 +149,11 @@ def _cover(
                     continue
                 word = words[i]
                 x, z = word >> x_lsb & x_mask, word >> z_lsb & z_mask
-                block_rows = ROWS if word & 1 else BLOCK
+                unfold(word, block)
                 for row in range(max(top // HIGH, first_row), end_row):
-                    if row * HIGH >= top + block_rows:
+                    if row * HIGH >= top + (ROWS if word & 1 else BLOCK):
                         break
-                    both = _row_masks(word, top, row, x % WIDE)
+                    both = _row_masks(block, top, row, x % WIDE)
                     column = x // WIDE
                     _add(both & FULL, z, row, column, bound, mask, gathered)
                     if both >> WIDE * HIGH and column + 1 < columns:
@@ -159,43 +161,17 @@ def _cover(
 
 
 @nb.njit
-def _row_masks(word: int, top: int, cell_row: int, offset: int) -> int:
-    """Return which pixels of a cell (low half) and of the next (high half) a word covers."""
+def _row_masks(block: Any, top: int, cell_row: int, offset: int) -> int:
+    """Return which pixels of a cell (low half) and of the next (high half) a block covers."""
     both = 0
     for k in range(HIGH):
         row = cell_row * HIGH + k - top
-        if 0 <= row < (ROWS if word & 1 else BLOCK):
-            first, last = _block_row(word, row)
+        if 0 <= row < BLOCK:
+            first, last = block[row]
             if first <= last:
                 bits = ((2 << last) - (1 << first)) << offset
                 both |= (bits & 255) << WIDE * k | (bits >> WIDE) << WIDE * (HIGH + k)
     return both
-
-
-@nb.njit
-def _block_row(word: int, row: int) -> tuple[int, int]:
-    """Return the first and last column of a row of a word's block; first > last if it is empty."""
-    first, last = _ends(word, ROWS - 1)
-    raised = word & 1 == 0 and first >= BLOCK // 2 > last
-    if raised:
-        right = 1 - (first + last) % 2
-    else:
-        first, last = _ends(word, 0)
-        right = (first >> 1 & 1) if first > last else 0
-    if row < ROWS:
-        first, last = _ends(word, row)
-        return (last, first) if raised and row == ROWS - 1 else (first, last)
-    at = BLOCK - 1 - row - raised  # the row that is turned
-    if at < 0 or (raised and at == ROWS - 1):
-        return 1, 0
-    first, last = _ends(word, at)
-    return BLOCK - 1 + right - last, BLOCK - 1 + right - first
-
-
-@nb.njit(inline="always")
-def _ends(word: int, row: int) -> tuple[int, int]:
-    """Return what a word has of a row."""
-    return word >> 1 + 6 * row & 7, word >> 4 + 6 * row & 7
 
 
 @nb.njit

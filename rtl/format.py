@@ -223,7 +223,7 @@ class EngineConfig:
         return Field(self.scans.lsb + 6 * row, 3)
 
     def last(self, row: int) -> Field:
-        """Last column of a row, inclusive; a row with ``first > last`` has a meaning of its own."""
+        """Last column of a row, inclusive; ``first > last``: it is empty, or marks a half place."""
         return Field(self.scans.lsb + 6 * row + 3, 3)
 
     @property

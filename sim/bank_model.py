@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
+from ..host.unfold import unfold
 from ..rtl.format import BLOCK
 from .bank_walk import (
     ASKED,
@@ -39,7 +40,6 @@ from .pipeline_model import (
     Machine,
     advance,
     new_front,
-    unfold,
 )
 
 __all__ = ["walk_banks"]

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
+from ..host.unfold import unfold
 from ..rtl.format import BLOCK
 from .pipeline_model import (
     ABOVE,
@@ -21,7 +22,6 @@ from .pipeline_model import (
     Machine,
     advance,
     new_front,
-    unfold,
 )
 
 __all__ = ["least_lane_cycles", "walk_lanes"]
@@ -217,7 +217,7 @@ def _cut(word: int, tiles: Any, pixels: int) -> tuple[int, int]:
     across = BLOCK // pixels
     whole = (1 << pixels) - 1
     rows = np.empty((BLOCK, 2), np.int64)
-    _, right = unfold(word, rows)
+    right = unfold(word, rows)
     for row in range(BLOCK):
         first, last = rows[row]
         if first > last:

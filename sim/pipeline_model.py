@@ -14,18 +14,16 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
+from ..host.unfold import COLUMN, FIRST, LAST
 from ..rtl.format import BLOCK, COMPACT, PAPER, ROWS, EngineConfig
 
 __all__ = [
     "ABOVE",
-    "COLUMN",
     "EMPTY",
     "END_WORD",
-    "FIRST",
     "FIRST_STAGE",
     "FOLLOWING",
     "HEAD",
-    "LAST",
     "LINES",
     "WORD",
     "Front",
@@ -33,7 +31,6 @@ __all__ = [
     "advance",
     "machine_of",
     "new_front",
-    "unfold",
 ]
 
 LINES = PAPER.window_lines
@@ -51,10 +48,7 @@ EMPTY = -1
 ABOVE = BLOCK // 2
 """Lines from a block's first row to the line that the engine is at."""
 
-# The scans have the same place in every configuration, so that the compiler may know it.
-FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
-LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
-COLUMN = PAPER.first(0).mask
+# These have the same place in every configuration, so that the compiler may know it.
 MARK_LSB, MARK_MASK = PAPER.compact_mark.lsb, PAPER.compact_mark.mask
 
 ROM_STAGES = 3
@@ -220,40 +214,6 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
             state[END_WORD] = following if ends else EMPTY
             state[FOLLOWING] += 2 if machine.rom and _is_pair(word, machine) else 1
     return head_moves
-
-
-@nb.njit(cache=True)
-def unfold(word: int, rows: Any) -> tuple[int, int]:
-    """Set the rows of an element's block: first and last column, first > last if it is empty.
-
-    Return by how many lines what is turned lies higher, and by how many columns further right,
-    each 0 or 1.
-
-    Parameters
-    ----------
-    word
-        A code word that is no control word.
-    rows
-        Shape (8, 2), int64.
-    """
-    for row in range(ROWS):
-        rows[row, 0], rows[row, 1] = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
-    rows[ROWS:, 0], rows[ROWS:, 1] = 1, 0
-    if word & 1:
-        return 0, 0
-    middle = ROWS - 1
-    raised = int(rows[middle, 0] >= ROWS > rows[middle, 1])
-    if raised:
-        rows[middle, 0], rows[middle, 1] = rows[middle, 1], rows[middle, 0]
-        right = int((rows[middle, 0] + rows[middle, 1]) % 2 == 0)
-    else:
-        right = int(rows[0, 0] > rows[0, 1] and rows[0, 0] & 2 != 0)
-    for row in range(ROWS - raised):
-        if rows[row, 0] <= rows[row, 1]:
-            below = BLOCK - 1 - raised - row
-            rows[below, 0] = BLOCK - 1 + right - rows[row, 1]
-            rows[below, 1] = BLOCK - 1 + right - rows[row, 0]
-    return raised, right
 
 
 @nb.njit(cache=True)
