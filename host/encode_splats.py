@@ -14,11 +14,10 @@ from .emit import LARGEST, ONE_PIXEL, emit
 from .exact import (
     conic,
     covers_own_pixel,
-    encode_exact,
     in_perspective,
     one_fraction,
-    quantised_depth,
 )
+from .fractions import STEEP, encode_fractions, fraction_size, quantised_depth
 from .half_places import encode_turned
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
@@ -42,26 +41,31 @@ no pixel's centre has the nearest in its own metric, anywhere in its block, from
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def measure_room(source: Any, fixed: Any, room: Any) -> None:
     """Set how many words each chunk has at the most."""
-    floats, starts, stops = source[0], source[3], source[4]
+    floats, _, doubles, starts, stops = source
+    inverse_focal, inverse_span = fixed[5], fixed[7]
     for chunk in nb.prange(len(starts)):
         total = 0
         for i in range(starts[chunk], stops[chunk]):
-            total += _room(floats[i, COLUMN], floats[i, LINE], floats[i, DIAMETER], fixed)
+            change = doubles[i, DEPTH] * inverse_span
+            change_x = float(floats[i, SLOPE_X]) * inverse_focal * change
+            change_y = float(floats[i, SLOPE_Y]) * inverse_focal * change
+            place = floats[i, COLUMN], floats[i, LINE]
+            total += _room(place, floats[i, DIAMETER], change_x, change_y, fixed)
         room[chunk] = total
 
 
 @nb.njit(error_model="numpy")
-def _room(column: float, line: float, diameter: float, fixed: Any) -> int:
+def _room(place: Any, diameter: float, change_x: float, change_y: float, fixed: Any) -> int:
     """Return the most words that a splat may take.
 
     A disc seen at the slant a = x / z reaches sqrt(1 + a^2) times its radius (see ``conic``), and
     2 r pixels hold the centres of at most floor(2 r) + 1. The symmetric shapes reach a pixel
-    further, for their whole places and diameters.
+    further, for their whole places and diameters. For the changes see ``fraction_size``.
     """
     quality, width, height, inverse_focal = fixed[2], fixed[3], fixed[4], fixed[5]
     if quality < 2 and diameter <= BLOCK:
         return 2
-    a, b = abs(column - 0.5 * width), abs(line - 0.5 * height)
+    a, b = abs(place[0] - 0.5 * width), abs(place[1] - 0.5 * height)
     a, b = a * inverse_focal, b * inverse_focal
     # As in ``cull.lies_outside``; what comes nearer than half the distance may fill the image.
     share = 0.5 * diameter * inverse_focal
@@ -72,7 +76,12 @@ def _room(column: float, line: float, diameter: float, fixed: Any) -> int:
         wide, high = wide + 2.0 * ROWS, high + 4.0 * ROWS
     lines = min(int(min(high, LARGEST)) + 1, height + 2 * ROWS)
     columns = min(int(min(wide, LARGEST)) + 1, width + BLOCK)
-    return -(-lines // ROWS) * -(-columns // BLOCK)
+    if lines <= ROWS and columns <= BLOCK:
+        return 1
+    most_columns, most_lines = fraction_size(
+        change_x, change_y, STEEP if quality == 2 else math.inf
+    )
+    return -(-lines // most_lines) * -(-columns // most_columns)
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
@@ -253,8 +262,9 @@ def _encode_other(
             inverse_span,
             ellipse[3],
             fixed[10],
+            STEEP if quality == 2 else math.inf,
         )
-        end = encode_exact(ellipse[0], ellipse[1], ellipse[2], form, plane, common, at, to)
+        end = encode_fractions(ellipse[0], ellipse[1], ellipse[2], form, plane, common, at, to)
         if end > at or not nearest_pixel:
             return end
     common |= quantised_depth(depth, largest) << z_lsb

@@ -1,9 +1,9 @@
-"""Exact footprints: fractions at a splat's true place, size and slant, each with its own depth.
+"""Exact footprints: the ellipse that a splat is on the image, at its true place, size and slant.
 
 A disc's image is, to first order in its size, the ellipse ``A u^2 + 2 B u v + C v^2 <= r^2`` about
 its centre, u and v in pixels; ``in_perspective`` gives the true one of a disc for which that is not
-enough. Each line is cut where the ellipse crosses its pixels' centres, and four lines by eight
-columns make a fraction.
+enough. Each line is cut where the ellipse crosses its pixels' centres. Most splats fit four lines
+of eight columns, one fraction; ``host.fractions`` has the others.
 """
 
 from __future__ import annotations
@@ -14,20 +14,18 @@ from typing import Any
 import numba as nb
 
 from ..rtl.format import BLOCK, ROWS
-from .emit import LARGEST, put
-from .shapes import EMPTY_SCANS
+from .emit import LARGEST
 
 __all__ = [
     "CLOSED",
     "conic",
     "covers_own_pixel",
-    "encode_exact",
     "extent",
     "in_perspective",
     "one_fraction",
-    "quantised_depth",
+    "row_code",
+    "span",
 ]
-
 
 CLOSED = 0.99
 """Square of a disc's radius over its distance up to which its image is an ellipse."""
@@ -76,7 +74,7 @@ def in_perspective(
     Q(w) <= (R / z)^2 (1 + n'.w)^2, with Q the conic's form: again a quadratic in w. Its determinant
     is that of Q less (R / z)^2 |n'|^2, since Q is |n'|^2 across n'.
 
-    A disc that reaches as far as the eye's plane, R >= z, has no ellipse; see ``_open_row``.
+    A disc that reaches as far as the eye's plane, R >= z, has no ellipse; see ``host.fractions``.
 
     Parameters
     ----------
@@ -130,15 +128,7 @@ def extent(centre: float, square: float) -> tuple[int, int]:
 
 
 @nb.njit(inline="always")
-def quantised_depth(depth: float, largest: int) -> int:
-    """Return the code of a depth given as a share of the frame's range."""
-    # Not a number, as a range of 0 makes of a plane at infinity, counts as nearest.
-    depth = depth if depth > 0.0 else 0.0
-    return int((depth if depth < 1.0 else 1.0) * largest + 0.5)
-
-
-@nb.njit(inline="always")
-def _span(
+def span(
     most: float, turn: float, middle: float, inverse: float, width: int
 ) -> tuple[int, int, bool]:
     """Return the first and last pixel of a row, and whether it has any.
@@ -171,7 +161,7 @@ def _span(
 
 
 @nb.njit(inline="always")
-def _code(first: int, last: int, filled: bool, begin: int) -> int:
+def row_code(first: int, last: int, filled: bool, begin: int) -> int:
     """Return a row of the fraction at column ``begin``, as SCANS has it."""
     return (first - begin | last - begin << 3) if filled else 1
 
@@ -220,13 +210,13 @@ def one_fraction(
     lean = -b * inverse
     dv = top + 0.5 - line
     middle = column + lean * dv - 0.5
-    first_0, last_0, fills_0 = _span(most, determinant * dv * dv, middle, inverse, width)
+    first_0, last_0, fills_0 = span(most, determinant * dv * dv, middle, inverse, width)
     dv, middle = dv + 1.0, middle + lean
-    first_1, last_1, fills_1 = _span(most, determinant * dv * dv, middle, inverse, width)
+    first_1, last_1, fills_1 = span(most, determinant * dv * dv, middle, inverse, width)
     dv, middle = dv + 1.0, middle + lean
-    first_2, last_2, fills_2 = _span(most, determinant * dv * dv, middle, inverse, width)
+    first_2, last_2, fills_2 = span(most, determinant * dv * dv, middle, inverse, width)
     dv, middle = dv + 1.0, middle + lean
-    first_3, last_3, fills_3 = _span(most, determinant * dv * dv, middle, inverse, width)
+    first_3, last_3, fills_3 = span(most, determinant * dv * dv, middle, inverse, width)
     # Rows below the image are empty.
     fills_1, fills_2 = fills_1 & (bottom > top), fills_2 & (bottom > top + 1)
     fills_3 = fills_3 & (bottom > top + 2)
@@ -241,126 +231,9 @@ def one_fraction(
     if right >= left + BLOCK:
         return 2, 0, 0, 0
     scans = (
-        _code(first_0, last_0, fills_0, left)
-        | _code(first_1, last_1, fills_1, left) << 6
-        | _code(first_2, last_2, fills_2, left) << 12
-        | _code(first_3, last_3, fills_3, left) << 18
+        row_code(first_0, last_0, fills_0, left)
+        | row_code(first_1, last_1, fills_1, left) << 6
+        | row_code(first_2, last_2, fills_2, left) << 12
+        | row_code(first_3, last_3, fills_3, left) << 18
     )
     return 1 if left <= right else 0, left, top, scans
-
-
-@nb.njit(error_model="numpy")
-def encode_exact(
-    column: float,
-    line: float,
-    square: float,
-    form: Any,
-    plane: Any,
-    common: int,
-    at: int,
-    to: Any,
-) -> int:
-    """Write a splat's fractions; see :mod:`splatline.host.emit` for ``at`` and ``to``.
-
-    Each has the depth that the disc's plane has at the mean place of its pixels.
-
-    Parameters
-    ----------
-    column, line, square, form
-        As for :func:`one_fraction`.
-    plane
-        The disc's plane: column and line of its centre, n'x and n'y over the focal length, the
-        centre's distance along the view, the least distance and 1 over the depth range, the square
-        of the radius over the distance, and the distance of the near plane.
-    common
-        The words' bits that do not depend on the place.
-    """
-    width, height, z_lsb, largest = to[2], to[3], to[5], to[6]
-    is_open = plane[7] >= CLOSED
-    top, bottom = extent(line, form[0] / form[3] * square)
-    top, bottom = (0, height - 1) if is_open else (max(top, 0), min(bottom, height - 1))
-    for begin_line in range(top, bottom + 1, ROWS):
-        rows = min(bottom + 1 - begin_line, ROWS)
-        left, right = width, -1
-        for row in range(rows):
-            first, last = _row(begin_line + row, column, line, square, form, plane, width)
-            if first <= last:
-                left, right = min(left, first), max(right, last)
-        for begin in range(left, right + 1, BLOCK):
-            scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
-            for row in range(rows):
-                first, last = _row(begin_line + row, column, line, square, form, plane, width)
-                first, last = max(first, begin), min(last, begin + BLOCK - 1)
-                if first <= last:
-                    scans ^= (1 ^ _code(first, last, True, begin)) << 6 * row
-                    count = last - first + 1
-                    pixels += count
-                    across += count * (first + last + 1)  # twice their centres' sum
-                    down += count * (2 * row + 1)
-            if pixels:
-                du = 0.5 * across / pixels - plane[0]
-                dv = begin_line + 0.5 * down / pixels - plane[1]
-                # Where the ray meets the plane; none does behind the eye.
-                nearer = 1.0 + plane[2] * du + plane[3] * dv
-                distance = plane[4] / nearer if nearer > 0.0 else math.inf
-                z = quantised_depth((distance - plane[5]) * plane[6], largest)
-                at = put(common | z << z_lsb, scans, begin, begin_line, at, to)
-    return at
-
-
-@nb.njit(error_model="numpy")
-def _row(
-    row: int, column: float, line: float, square: float, form: Any, plane: Any, width: int
-) -> tuple[int, int]:
-    """Return the first and last pixel of a line of the image; first > last if there is none."""
-    if plane[7] >= CLOSED:
-        return _open_row(row, column, line, square, form, plane, width)
-    inverse = 1.0 / form[0]
-    dv = row + 0.5 - line
-    middle = column - form[1] * inverse * dv - 0.5
-    first, last, fills = _span(form[0] * square, form[3] * dv * dv, middle, inverse, width)
-    return (first, last) if fills else (width, -1)
-
-
-@nb.njit(error_model="numpy")
-def _open_row(
-    row: int, column: float, line: float, square: float, form: Any, plane: Any, width: int
-) -> tuple[int, int]:
-    """Return a row of a disc that reaches behind the eye's plane: its image is no ellipse.
-
-    The condition of ``in_perspective``, times the focal length squared and with (u, v) in pixels,
-    is F(u) = a u^2 + 2 h u + k <= 0 on a row; what is in front of the near plane has
-    0 < g = 1 + n'.(u, v) / focal <= z / near. Where g is 0, F is above 0; so one side of that
-    place holds the row's pixels, an interval.
-    """
-    slope_x, slope_y = plane[2], plane[3]
-    v = row + 0.5 - line
-    ahead = 1.0 + slope_y * v  # g is this plus slope_x u
-    a = form[0] - slope_x * slope_x * square
-    h = form[1] * v - slope_x * square * ahead
-    k = form[2] * v * v - square * ahead * ahead
-    low, high = -column, width - column
-    root = h * h - a * k
-    if a > 0.0:
-        if root < 0.0:
-            return width, -1
-        half = math.sqrt(root) / a
-        low, high = max(low, -h / a - half), min(high, -h / a + half)
-    elif a < 0.0 and root >= 0.0:
-        half = math.sqrt(root) / -a
-        if slope_x > 0.0:
-            low = max(low, -h / a + half)
-        else:
-            high = min(high, -h / a - half)
-    # Between the eye's plane and the near one.
-    nearest = plane[4] / plane[8]
-    if slope_x != 0.0:
-        zero, near = -ahead / slope_x, (nearest - ahead) / slope_x
-        low, high = max(low, min(zero, near)), min(high, max(zero, near))
-    elif not 0.0 < ahead <= nearest:
-        return width, -1
-    if not low <= high:
-        return width, -1
-    first = math.ceil(max(column + low - 0.5, 0.0))
-    last = math.floor(min(column + high - 0.5, width - 1.0))
-    return (first, last) if first <= last else (width, -1)

@@ -5,8 +5,9 @@ __all__ = ["DEFAULT_QUALITY", "QUALITIES"]
 QUALITIES = {
     "paper": "the symmetric shape always, at whole places and whole diameters",
     "fast": "one word a splat up to 8 pixels, a fraction at the true place where it fits one, "
-    "else a symmetric shape of the true size at the nearest half pixel; larger ones as exact",
-    "exact": "fractions at the true place and size, each with its own depth",
+    "else a symmetric shape of the true size at the nearest half pixel; larger ones as exact, in "
+    "whole fractions",
+    "exact": "fractions at the true place and size, each with its own depth, halved where steep",
 }
 """Names, in the order in which the compiled code numbers them."""
 

@@ -204,7 +204,7 @@ def measure(case: Case, quality: str) -> Outcome:
         return Outcome(refused=True, problems=refused)
     except Exception as error:  # whatever it is, it is what came of the case
         return Outcome(problems=(f"raised {type(error).__name__}: {error}",))
-    problems = faults(frame, scene.cloud, scene.view, scene.radii)
+    problems = faults(frame, scene.cloud, scene.view, scene.radii, quality)
     if bounds.refused:
         problems.append("drawn, though nothing is in view")
     psnr = holes = stray = changed = psnr_base = None

@@ -88,13 +88,14 @@ def contested(frame: Frame) -> npt.NDArray[np.bool_]:
     return (ties > 1).reshape(frame.height, frame.width)
 
 
-def most_words(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> int:
+def most_words(cloud: Cloud, view: View, radii: npt.NDArray[np.float64], quality: str) -> int:
     """Return more code words than a cloud can need, control words included.
 
     A splat's image lies in a circle of radius R focal / z times sqrt(1 + a^2 + b^2), a and b its
     centre's x / z and y / z: that is how far a slanted disc at the border is drawn out. Two pixels
     more make up for whole places and diameters. It takes a word for every four lines and eight
-    columns that the circle and the image share, and one more a direction where it is cut.
+    columns that the circle and the image share, and one more a direction where it is cut; in
+    ``exact`` for half as many lines or columns.
     """
     centres = (cloud.positions - view.eye) @ view.axes.T
     centres = np.ascontiguousarray(centres)
@@ -105,13 +106,21 @@ def most_words(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> int:
         away = np.linalg.norm(centres[front], axis=1) / z
         across = np.minimum(2.0 * radii[front] * view.focal / z * away, 1e6) + 4.0
     across = np.where(np.isnan(across), 1e6, across)
-    down = np.minimum(np.ceil(across / ROWS) + 2, view.height // ROWS + 3)
-    wide = np.minimum(np.ceil(across / BLOCK) + 2, view.width // BLOCK + 3)
+
+    def words(lines: int, columns: int) -> npt.NDArray[np.float64]:
+        down = np.minimum(np.ceil(across / lines) + 2, view.height // lines + 3)
+        return down * np.minimum(np.ceil(across / columns) + 2, view.width // columns + 3)
+
+    most = words(ROWS, BLOCK)
+    if quality == "exact":
+        most = np.maximum(words(ROWS // 2, BLOCK), words(ROWS, BLOCK // 2))
     control = view.height + 2 * BLOCK + 1
-    return int((down * wide).sum()) + control
+    return int(most.sum()) + control
 
 
-def faults(frame: Frame, cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> list[str]:
+def faults(
+    frame: Frame, cloud: Cloud, view: View, radii: npt.NDArray[np.float64], quality: str
+) -> list[str]:
     """Return what is wrong with a frame by itself, one line each; none if it is sound."""
     config = frame.config
     found = []
@@ -128,7 +137,7 @@ def faults(frame: Frame, cloud: Cloud, view: View, radii: npt.NDArray[np.float64
     outside = (fields["x"] >= frame.width) | (line - ROWS >= frame.height)
     if (idle & outside).any():
         found.append("a word's block lies outside the image")
-    limit = most_words(cloud, view, radii)
+    limit = most_words(cloud, view, radii, quality)
     if len(frame.codewords) > limit:
         found.append(f"{len(frame.codewords)} words, at most {limit} are needed")
     counts = frame.counts

@@ -273,18 +273,55 @@ def test_a_splat_at_a_half_pixel_is_whole_across_the_left_and_the_upper_border()
             assert (found == expected).all(), (column, line, dx, dy)
 
 
-def test_each_fraction_has_the_depth_of_the_plane_at_its_own_place():
-    column, line, gradient = 30.0, 24.0, (0.004, -0.007)
-    splats = splats_of(column, line, 40.0, slope=(-0.4, 0.7))
-    # A pixel is 1e-6 of the distance, and the range 1e-4 of it.
-    found = picture(splats, 61, 47, quality="exact", depth_range=(1 - 5e-5, 1 + 5e-5))
+def depth_error(slope, quality):
+    """How far a large disc's pixels lie from its plane, in steps of 9 bits: most, mean, words.
+
+    A pixel is 1e-6 of the distance, and the range 1e-4 of it: so a slope changes the depth by a
+    hundredth of itself from pixel to pixel, of the range's whole.
+    """
+    column, line = 30.0, 24.0
+    splats = splats_of(column, line, 40.0, slope=slope)
+    options = {"quality": quality, "depth_range": (1 - 5e-5, 1 + 5e-5)}
+    found = picture(splats, 61, 47, **options)
     y, x = np.mgrid[:47, :61] + 0.5
-    plane = (0.5 + gradient[0] * (x - column) + gradient[1] * (y - line)) * 510
+    plane = (0.5 - 0.01 * (slope[0] * (x - column) + slope[1] * (y - line))) * 510
     off = np.abs(found.depth - plane)[found.drawn]
-    # Within a fraction of 8 x 4 pixels the plane leaves its middle by half of that at the most.
-    assert off.max() <= 510 * (4 * 0.004 + 2 * 0.007) + 1
-    one_depth = np.abs(255 - plane)[found.drawn]
-    assert off.mean() < 0.2 * one_depth.mean()
+    return off.max(), off.mean(), len(words_of(splats, 61, 47, **options))
+
+
+@pytest.mark.parametrize("quality", ["fast", "exact"])
+@pytest.mark.parametrize("slope", [(-0.4, 0.7), (0.1, -1.2), (0.9, 0.0), (0.02, 0.03)])
+def test_each_fraction_has_the_depth_of_the_plane_at_its_own_place(slope, quality):
+    most, _, _ = depth_error(slope, quality)
+    across, down = 5.1 * np.abs(slope)  # steps of 9 bits a pixel
+    # A pixel's centre leaves that of 8 x 4 pixels by 3.5 and 1.5 at the most, or, of pixels at a
+    # curved rim, by some more; and rounding by half a step.
+    columns, lines = 4.5, 2.5
+    if quality == "exact" and 7 * across + 3 * down > 3:
+        columns, lines = (2.5, 2.5) if 8 * across >= 4 * down else (4.5, 1.5)
+    assert most <= across * columns + down * lines + 0.5
+
+
+@pytest.mark.parametrize("slope", [(0.3, 0.1), (-0.1, 0.9), (0.8, -0.8)])
+def test_a_steep_fraction_is_halved_where_it_is_steeper(slope):
+    coarse, fine = depth_error(slope, "fast"), depth_error(slope, "exact")
+    assert fine[0] < 0.75 * coarse[0]
+    assert fine[1] < 0.75 * coarse[1]
+    assert 1.4 * coarse[2] < fine[2] <= 2.4 * coarse[2]
+
+
+def test_a_flat_fraction_stays_whole():
+    # 7 x 0.0008 + 3 x 0.00005 of the range is 2.9 of 512; more than 3 are steep.
+    assert depth_error((0.08, 0.005), "exact") == depth_error((0.08, 0.005), "fast")
+    assert depth_error((0.085, 0.005), "exact")[2] > depth_error((0.085, 0.005), "fast")[2]
+
+
+@pytest.mark.parametrize("slope", [(9.0, 0.0), (0.0, 9.0)])
+def test_a_steep_splat_that_fills_the_image_takes_twice_the_words(slope):
+    splats = splats_of(30, 30, 1e3, slope=slope)
+    options = {"depth_range": (1 - 5e-5, 1 + 5e-5)}
+    fine = words_of(splats, 64, 64, quality="exact", **options)
+    assert len(fine) == 2 * len(words_of(splats, 64, 64, quality="fast", **options))
 
 
 def depths_drawn(depths, depth_range):
@@ -306,14 +343,16 @@ def test_depths_fill_their_range_and_are_held_to_it():
     st.sampled_from(list(QUALITIES)),
     st.floats(0.01, 300),
     st.floats(0.05, 1e4),
+    st.sampled_from([0.0, 1e-300, 1e-6, 1e-3, 0.1, 1.0]),
 )
-@settings(max_examples=60, deadline=None)
-def test_no_chunk_outgrows_the_room_measured_for_it(seed, quality, largest, focal):
+@settings(max_examples=120, deadline=None)
+def test_no_chunk_outgrows_the_room_measured_for_it(seed, quality, largest, focal, depth_range):
     rng = np.random.default_rng(seed)
     count = 50
     slope = rng.normal(size=(count, 2)) * 10.0 ** rng.uniform(-2, 6, (count, 1))
     places = rng.uniform(-30, 90, (2, count))
     splats = splats_of(*places, rng.uniform(0, largest, count), slope=slope)
-    found = encoded(splats, 64, 47, quality=quality, focal=focal * 100)
+    depths = 1.0 - 0.5 * depth_range, 1.0 + 0.5 * depth_range
+    found = encoded(splats, 64, 47, quality=quality, focal=focal * 100, depth_range=depths)
     assert found.stops[0] - found.starts[0] <= len(found.words)
     assert found.counts.sum() == found.stops[0] - found.starts[0]

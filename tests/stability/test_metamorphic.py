@@ -116,14 +116,14 @@ def test_moving_cloud_and_camera_together_changes_ties_alone(name, quality, shif
     assert changed(scene, turned(scene, np.eye(3), np.array(shift)), quality) <= TIES
 
 
+@pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("quality", QUALITIES)
 @pytest.mark.parametrize("name", CLOUDS)
-def test_the_mirrored_cloud_is_the_mirrored_picture(name, quality):
-    # Lit from the middle, as the two pictures have the same lights. Small splats, since wide ones
-    # are cut into words from the left.
+def test_the_mirrored_cloud_is_the_mirrored_picture(name, quality, size):
+    # Lit from the middle, as the two pictures have the same lights.
     lamp = Lighting((Light((0.0, -0.5, -1.0), 0.8),))
     scene = dataclasses.replace(fitted(CLOUDS[name]()), lighting=lamp)
-    scene = dataclasses.replace(scene, radii=0.5 * scene.radii)
+    scene = dataclasses.replace(scene, radii=size * scene.radii)
     right = scene.view.axes[0]
     across = np.eye(3) - 2.0 * np.outer(right, right)
     there = turned(scene, across)
@@ -132,8 +132,9 @@ def test_the_mirrored_cloud_is_the_mirrored_picture(name, quality):
     picture, mirrored = (draw(one, quality)[1] for one in (scene, there))
     back = Raster(mirrored.depth[:, ::-1], mirrored.colour[:, ::-1], mirrored.config)
     # A depth tie goes to the first word of a line, and a slant on the border of two levels to the
-    # upper one, in both pictures alike: those are the ties that a mirror does not keep.
-    assert picture.mismatches(back) / picture.depth.size <= 5 * TIES
+    # upper one, in both pictures alike: those are the ties that a mirror does not keep. Large splats
+    # have more of them, but no other depths.
+    assert picture.mismatches(back) / picture.depth.size <= (5 if size < 1.0 else 25) * TIES
     depth = np.count_nonzero(picture.depth != back.depth) / picture.depth.size
     assert depth <= 3 * TIES
 
