@@ -99,6 +99,8 @@ def accuracy(
             presets=("paper", "rgb24"),
             fewer_presets=("paper",),
             ladders=(None,),
+            sampled=(3.5,),
+            samples={"paper": (4,)},
             repeats=1,
         )
     with Counter(sweep.total()) as counter:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..sim.raster import Raster
     from ..sim.reference import Reference
 
-__all__ = ["FLOAT", "FLOAT_ONE_DEPTH", "Sweep", "measure"]
+__all__ = ["FLOAT", "FLOAT_ONE_DEPTH", "Sweep", "measure", "way"]
 
 FLOAT = "float"
 FLOAT_ONE_DEPTH = "float, one depth a splat"
@@ -31,6 +31,11 @@ FLOAT_ONE_DEPTH = "float, one depth a splat"
 
 ONCE = {"materials", "index"}
 """Stages of the host that a cloud needs once, not every frame."""
+
+
+def way(quality: str, samples: int) -> str:
+    """Return what to call a quality drawn with some samples a pixel."""
+    return quality if samples == 1 else f"{quality} \N{MULTIPLICATION SIGN}{samples}"
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,10 @@ class Sweep:
         Engines that splats of other sizes are drawn for.
     ladders
         Splats of which the error budget is drawn up.
+    sampled
+        Splats that are drawn with several samples a pixel as well.
+    samples
+        How many, by the presets that draw them.
     repeats
         Calls of host and golden renderer, of which the fastest counts.
     """
@@ -65,6 +74,10 @@ class Sweep:
     presets: tuple[str, ...] = ("paper", "dither", "rgb18", "rgb24", "deep")
     fewer_presets: tuple[str, ...] = ("paper", "dither", "rgb18", "rgb24")
     ladders: tuple[float | None, ...] = (None, 3.5, 7.0)
+    sampled: tuple[float | None, ...] = (None, 3.5, 7.0)
+    samples: Mapping[str, tuple[int, ...]] = field(
+        default_factory=lambda: {"paper": (4, 16), "rgb24": (4, 16)}
+    )
     repeats: int = 3
 
     def total(self) -> int:
@@ -85,11 +98,14 @@ class Run:
         The engine; None: drawn by none.
     switched
         The skip that is not as the host has it by default.
+    samples
+        A pixel, each from a frame of its own.
     """
 
     quality: str
     preset: str | None = None
     switched: str | None = None
+    samples: int = 1
 
 
 @dataclass
@@ -141,7 +157,9 @@ def measure(sweep: Sweep, advance: Callable[[str], None]) -> tuple[dict[str, Any
     crops = []
     for case in _cases(sweep):
         for run in _plan(sweep, case.splats):
-            advance(f"{case.scene}, {case.splats or 'auto'}: {run.quality} {run.preset or ''}")
+            several = f", {run.samples} samples" if run.samples > 1 else ""
+            what = f"{run.quality} {run.preset or ''}{several}"
+            advance(f"{case.scene}, {case.splats or 'auto'}: {what}")
             runs.append(_draw_float(case, run) if run.preset is None else _draw(case, run, sweep))
         # What a float row has no value for is null, so that every run has the same keys.
         ladders += _walk(case, sweep, advance)
@@ -168,6 +186,12 @@ def _plan(sweep: Sweep, splats: float | None) -> list[Run]:
     presets = sweep.presets if splats is None else sweep.fewer_presets
     runs = [Run(FLOAT), Run(FLOAT_ONE_DEPTH)]
     runs += [Run(quality, preset) for preset in presets for quality in QUALITIES]
+    if splats in sweep.sampled:
+        runs += [
+            Run(DEFAULT_QUALITY, preset, samples=samples)
+            for preset in presets
+            for samples in sweep.samples.get(preset, ())
+        ]
     if splats is None:
         runs += [Run(DEFAULT_QUALITY, presets[0], skip) for skip in SKIPS]
     return runs
@@ -216,41 +240,44 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
 
 def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
     """Draw and measure what an engine draws."""
+    from ..host.samples import total_counts
     from ..rtl.format import PRESETS
     from ..sim import metrics
+    from ..sim.average import average
     from ..sim.budget import blurred_psnr
     from ..sim.cycles import count_cycles
     from .engines import Drawing
 
     assert run.preset is not None
     config = PRESETS[run.preset]
-    frame = _make_frame(case, run, config, sweep.repeats)
-    raster, seconds = _golden(frame, sweep.repeats)
+    frames = _make_frames(case, run, config, sweep.repeats)
+    drawn = [_golden(frame, sweep.repeats) for frame in frames]
+    picture, seconds = average([raster for raster, _ in drawn]), sum(each for _, each in drawn)
     if run.switched is None:
-        case.crops.add(run.quality, run.preset, raster.to_rgb(case.background))
-    stages = frame.counts["seconds"]
+        case.crops.add(way(run.quality, run.samples), run.preset, picture.to_rgb(case.background))
+    stages = total_counts(frames)["seconds"]
     host = sum(value for name, value in stages.items() if name not in ONCE)
     numbers = {
         **case.key,
         **_shown(case),
         **drawing_statistics(
-            frame,
-            Drawing(raster),
+            frames,
+            Drawing(picture),
             engine="golden",
             seconds={**stages, "host": host, "golden": seconds},
             stall=0.0,
             seed=0,
         ),
         **metrics.compare(
-            raster,
+            picture,
             case.exact,
             background=case.background,
-            depth_range=frame.counts["depth_range"],
+            depth_range=frames[0].counts["depth_range"],
         ),
-        "psnr_blurred_db": blurred_psnr(raster.to_rgb(case.background), case.exact.rgb),
+        "psnr_blurred_db": blurred_psnr(picture.to_rgb(case.background), case.exact.rgb),
     }
     numbers["switched"] = run.switched
-    numbers["cycles"] = count_cycles(frame)
+    numbers["cycles"] = sum(map(count_cycles, frames))
     numbers["cycles_per_element"] = numbers["cycles"] / numbers["elements"]
     return _rounded(numbers)
 
@@ -275,6 +302,7 @@ def _draw_float(case: Case, run: Run) -> dict[str, Any]:
             **case.key,
             "quality": run.quality,
             "preset": None,
+            "samples": 1,
             **_shown(case),
             "size": [case.view.width, case.view.height],
             "points": len(case.cloud),
@@ -303,21 +331,21 @@ def _walk(case: Case, sweep: Sweep, advance: Callable[[str], None]) -> Iterator[
             yield _rounded({**case.key, "quality": quality, "preset": "paper", **next(steps)})
 
 
-def _make_frame(case: Case, run: Run, config: EngineConfig, repeats: int) -> Frame:
-    """Return the frame of the fastest call; the first, which may have compiled, is left out."""
+def _make_frames(case: Case, run: Run, config: EngineConfig, repeats: int) -> list[Frame]:
+    """Return the frames of the fastest call; the first, which may have compiled, is left out."""
     from ..host.index import build_index
     from ..host.materials import find_materials
-    from ..host.pipeline import make_frame
+    from ..host.samples import make_frames, total_counts
     from ..host.skips import DEFAULT_SKIPS
 
     skips = DEFAULT_SKIPS if run.switched is None else DEFAULT_SKIPS ^ {run.switched}
     found = find_materials(case.cloud, 1 << config.material_bits)
     index = build_index(case.cloud, case.radii, found)
-    frames = [
-        make_frame(index, case.view, config=config, quality=run.quality, skips=skips)
+    calls = [
+        make_frames(index, case.view, run.samples, config=config, quality=run.quality, skips=skips)
         for _ in range(repeats + 1)
     ]
-    return min(frames[1:], key=lambda frame: sum(frame.counts["seconds"].values()))
+    return min(calls[1:], key=lambda frames: sum(total_counts(frames)["seconds"].values()))
 
 
 def _golden(frame: Frame, repeats: int) -> tuple[Raster, float]:

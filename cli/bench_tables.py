@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from .bench_accuracy import FLOAT, FLOAT_ONE_DEPTH
+from .bench_accuracy import FLOAT, FLOAT_ONE_DEPTH, way
 from .bench_targets import TARGETS, judge, pick
 
 __all__ = ["budgets", "fitted", "page", "title"]
@@ -62,7 +62,9 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
         *_budget_tables(results),
         "## Splats of the points' spacing",
         "PSNR in dB over the image, over the pixels that the reference covers for more than a half,"
-        " and of the error blurred by 1.5 pixels, which is what is left of it from afar.",
+        " and of the error blurred by 1.5 pixels, which is what is left of it from afar."
+        " `exact \N{MULTIPLICATION SIGN}4`: four samples a pixel (`render --samples 4`), for all of"
+        " which are the times, words and cycles.",
         _fitted_table(runs),
         "## Splats of other sizes",
         "PSNR in dB; the size is the median diameter in pixels.",
@@ -86,13 +88,17 @@ def title(row: Mapping[str, Any]) -> str:
 def fitted(runs: Iterable[_Run]) -> dict[str, list[_Run]]:
     """Return the engines' runs with splats of the points' spacing, by scene and view.
 
-    Each gets ``seconds`` as one number, host and golden renderer together.
+    Each gets ``seconds`` as one number, host and golden renderer together, the cycles of all
+    samples of an element, and ``way``, its quality and samples as a name.
     """
     scenes: dict[str, list[_Run]] = {}
     for run in pick(runs, splats="auto", switched=None):
         if run["preset"] is not None and run["psnr_db"] is not None:
             seconds = run["seconds"]["host"] + run["seconds"]["golden"]
-            scenes.setdefault(title(run), []).append({**run, "seconds": seconds})
+            cycles = run["cycles_per_element"]
+            costs = {"seconds": seconds, "cycles_per_element": cycles and cycles * run["samples"]}
+            shown = {**run, **costs, "way": way(run["quality"], run["samples"])}
+            scenes.setdefault(title(run), []).append(shown)
     return scenes
 
 
@@ -102,7 +108,7 @@ def budgets(results: Mapping[str, Any]) -> dict[tuple[Any, str], dict[str, dict[
     for row in results["ladders"]:
         scenes = found.setdefault((row["splats"], row["quality"]), {})
         scenes.setdefault(title(row), {})[row["step"]] = row["psnr_db"]
-    for run in pick(results["runs"], switched=None, preset="paper"):
+    for run in pick(results["runs"], switched=None, preset="paper", samples=1):
         scenes = found.get((run["splats"], run["quality"]), {})
         if title(run) in scenes:
             scenes[title(run)]["golden"] = run["psnr_db"]
@@ -145,12 +151,12 @@ def _fitted_table(runs: list[_Run]) -> str:
         rows.append(
             [
                 title(run),
-                run["quality"],
+                way(run["quality"], run["samples"]),
                 run["preset"] or "-",
                 _format(seconds.get("host"), "{:.1f}", 1e3),
                 _format(seconds.get("golden"), "{:.1f}", 1e3),
                 _words(run),
-                _format(run["cycles_per_element"], "{:.3f}"),
+                _format(run["cycles_per_element"], "{:.3f}", run["samples"]),
                 *(_format(run[key], template) for key, _, template in ERRORS),
             ]
         )
@@ -161,17 +167,22 @@ def _sizes_table(runs: list[_Run]) -> str:
     engines = [
         run for run in pick(runs, switched=None) if run["splats"] != "auto" and run["preset"]
     ]
-    columns = list(dict.fromkeys((run["preset"], run["quality"]) for run in engines))
+    columns = list(dict.fromkeys(map(_column, engines)))
     rows = []
     for key in dict.fromkeys((title(run), run["splats"]) for run in engines):
         here = [run for run in pick(runs, switched=None, splats=key[1]) if title(run) == key[0]]
-        values = {(run["preset"], run["quality"]): run["psnr_db"] for run in here}
+        values = {_column(run): run["psnr_db"] for run in here}
         bars = [values.get((None, quality)) for quality in (FLOAT, FLOAT_ONE_DEPTH)]
         found = [*bars, *(values.get(column) for column in columns)]
         rows.append([key[0], f"{key[1]:g}", *(_format(value, "{:.2f}") for value in found)])
     heads = ["scene", "px", FLOAT, FLOAT_ONE_DEPTH]
-    heads += [f"{preset} {quality}" for preset, quality in columns]
+    heads += [f"{preset} {name}" for preset, name in columns]
     return _table(heads, rows, 1)
+
+
+def _column(run: _Run) -> tuple[str | None, str]:
+    """Return what a run's column stands for."""
+    return run["preset"], way(run["quality"], run["samples"])
 
 
 def _skips_table(runs: list[_Run]) -> str:
@@ -182,7 +193,8 @@ def _skips_table(runs: list[_Run]) -> str:
     for scene in dict.fromkeys(map(title, changed)):
         first = next(run for run in changed if title(run) == scene)
         own = {key: first[key] for key in ("quality", "preset", "splats")}
-        default = [run for run in pick(runs, switched=None, **own) if title(run) == scene]
+        own |= {"switched": None, "samples": 1}
+        default = [run for run in pick(runs, **own) if title(run) == scene]
         rows += [
             [
                 scene,
@@ -203,7 +215,8 @@ def _words(run: _Run) -> str:
     """Return a run's code words an element, control words left out."""
     if not run["elements"]:
         return "-"
-    return f"{(run['codewords'] - run['control_words']) / run['elements']:.2f}"
+    words = (run["codewords"] - run["control_words"]) / run["elements"]
+    return f"{words * run['samples']:.2f}"
 
 
 def _format(value: float | None, template: str, factor: float = 1.0) -> str:

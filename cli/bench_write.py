@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .bench_accuracy import way
 from .bench_tables import budgets, fitted, page, size_name
 from .bench_targets import judge
 from .outputs import lines_of_json
@@ -50,11 +51,12 @@ def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops
 
 
 def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:
-    """Return each quality and preset over all scenes: mean PSNR, geometric means of its costs."""
-    groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    """Return each way and preset over all scenes: mean PSNR, geometric means of its costs."""
+    groups: dict[tuple[str, int, str], list[Mapping[str, Any]]] = {}
     for runs in scenes.values():
         for run in runs:
-            groups.setdefault((run["quality"], run["preset"]), []).append(run)
+            key = run["quality"], run["samples"], run["preset"]
+            groups.setdefault(key, []).append(run)
 
     def geometric(key: str, runs: Sequence[Mapping[str, Any]]) -> float | None:
         values = [run[key] for run in runs]
@@ -65,12 +67,14 @@ def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, A
     return [
         {
             "quality": quality,
+            "samples": samples,
+            "way": way(quality, samples),
             "preset": preset,
             "psnr_db": math.fsum(run["psnr_db"] for run in runs) / len(runs),
             "seconds": geometric("seconds", runs),
             "cycles_per_element": geometric("cycles_per_element", runs),
         }
-        for (quality, preset), runs in groups.items()
+        for (quality, samples, preset), runs in groups.items()
     ]
 
 
@@ -99,11 +103,14 @@ def _sheets(crops: Sequence[Crops], runs: Sequence[Mapping[str, Any]]) -> dict[s
     sheets = {}
     for (scene, orbit), cases in views.items():
         psnr = {
-            (None if run["splats"] == "auto" else run["splats"], run["quality"], run["preset"]):
-                run["psnr_db"]
+            (
+                None if run["splats"] == "auto" else run["splats"],
+                way(run["quality"], run["samples"]),
+                run["preset"],
+            ): run["psnr_db"]
             for run in runs
             if run["scene"] == scene and run["orbit"] == list(orbit) and run["switched"] is None
-        }  # fmt: skip
+        }
         several = sum(name == scene for name, _ in views) > 1
         suffix = f"_{orbit[0]:g}_{orbit[1]:g}" if several else ""
         sheets[f"pictures/{scene}{suffix}.png"] = compose_pictures(cases, psnr)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -15,8 +15,8 @@ from .progress import Stages
 
 if TYPE_CHECKING:
     from ..host.frame import Frame
+    from ..sim.average import Picture
     from ..sim.cosim.frames import Outcome
-    from ..sim.raster import Raster
 
 __all__ = ["Drawing", "background_option", "draw", "engine_options", "fail_mismatch"]
 
@@ -25,7 +25,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Drawing:
-    """A frame that was drawn.
+    """What was drawn, of one frame or of several samples.
 
     Parameters
     ----------
@@ -34,22 +34,27 @@ class Drawing:
     rtl
         The Verilog's picture, if it was simulated.
     cycles
-        Clock cycles that the Verilog took from the first code word to the end of the raster.
+        Clock cycles that the Verilog took from the first code word to the end of the raster; of
+        several frames together.
     """
 
-    golden: Raster
-    rtl: Raster | None = None
+    golden: Picture
+    rtl: Picture | None = None
     cycles: int | None = None
 
     @property
-    def raster(self) -> Raster:
+    def raster(self) -> Picture:
         """The picture of the engine that was asked for."""
         return self.golden if self.rtl is None else self.rtl
 
     @property
     def mismatched_pixels(self) -> int | None:
         """Pixels whose colour or depth differs between Verilog and golden; None without RTL."""
-        return None if self.rtl is None else self.rtl.mismatches(self.golden)
+        if self.rtl is None:
+            return None
+        from ..sim.average import mismatches
+
+        return mismatches(self.rtl, self.golden)
 
 
 def engine_options(command: _Command) -> _Command:
@@ -94,7 +99,7 @@ def background_option(command: _Command) -> _Command:
 
 
 def draw(
-    frame: Frame,
+    frames: Sequence[Frame],
     engine: str,
     stages: Stages,
     *,
@@ -103,12 +108,12 @@ def draw(
     engines: int | None = None,
     link: str = "merge",
 ) -> Drawing:
-    """Draw a frame.
+    """Draw a picture.
 
     Parameters
     ----------
-    frame
-        What to draw.
+    frames
+        What to draw: a frame for each sample of a pixel.
     engine
         ``golden``, ``rtl`` or ``axi``; the golden renderer draws in every case.
     stages
@@ -116,7 +121,7 @@ def draw(
     stall, seed
         Back-pressure in the simulation of the Verilog.
     engines, link
-        The frame is dealt to a chain of so many engines; None: one engine draws it.
+        Each frame is dealt to a chain of so many engines; None: one engine draws it.
 
     Raises
     ------
@@ -126,27 +131,38 @@ def draw(
         If the simulator fails or the Verilog breaks the rules of its ports.
     """
     from ..sim import golden
+    from ..sim.average import average
 
-    parts = [frame]
+    parts = [[frame] for frame in frames]
     if engines is not None:
         if engine == "axi":
             raise InputError("a chain has no buses yet: give --engines or --engine axi, not both")
         from ..host.deal import deal
 
-        parts = deal(frame, engines)
+        parts = [deal(frame, engines) for frame in frames]
     with stages.stage("golden", "Drawing with the golden renderer"):
-        picture = golden.render(parts[0])
-        for part in parts[1:]:
-            picture = golden.render(part, picture)
+        pictures = []
+        for each in parts:
+            picture = golden.render(each[0])
+            for part in each[1:]:
+                picture = golden.render(part, picture)
+            pictures.append(picture)
     if engine == "golden":
-        return Drawing(picture)
-    with stages.stage("", "Simulating the Verilog (built first, if it is new)"):
-        if engines is not None:
-            run = _simulate_chain(parts, link, stall, seed)
-        else:
-            run = (_simulate_on_buses if engine == "axi" else _simulate)(frame, stall, seed)
-    stages.seconds.update({f"rtl_{name}": value for name, value in run.seconds.items()})
-    return Drawing(picture, run.raster, run.cycles)
+        return Drawing(average(pictures))
+    runs = []
+    for number, each in enumerate(parts, 1):
+        which = f", sample {number} of {len(parts)}" if len(parts) > 1 else ""
+        with stages.stage("", f"Simulating the Verilog (built first, if it is new){which}"):
+            if engines is not None:
+                run = _simulate_chain(each, link, stall, seed)
+            else:
+                run = (_simulate_on_buses if engine == "axi" else _simulate)(each[0], stall, seed)
+        runs.append(run)
+    for run in runs:
+        for name, value in run.seconds.items():
+            stages.seconds[f"rtl_{name}"] = stages.seconds.get(f"rtl_{name}", 0.0) + value
+    rasters = average([run.raster for run in runs])
+    return Drawing(average(pictures), rasters, sum(run.cycles for run in runs))
 
 
 def _simulate_chain(parts: list[Frame], link: str, stall: float, seed: int) -> Outcome:

@@ -46,8 +46,8 @@ def encode(subject: Subject, output: Path) -> None:
 
     from ..host.store import save_frame
 
-    save_frame(shot.frame, output, view=shot.view)
-    counts = shot.frame.counts
+    save_frame(shot.frames[0], output, view=shot.view)
+    counts = shot.frames[0].counts
 
     from .report import format_value, nonzero, print_facts
 
@@ -115,14 +115,14 @@ def play(
         from ..host.store import load_frame
 
         loaded = load_frame(frame)
-    drawing = draw(loaded, engine, stages, stall=stall, seed=seed)
+    drawing = draw([loaded], engine, stages, stall=stall, seed=seed)
 
     from ..sim import figure
 
     numbers = {
         "frame": str(frame),
         **drawing_statistics(
-            loaded, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
+            [loaded], drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),
     }
     figure.save_rgb(output, drawing.raster.to_rgb(background or figure.BACKGROUND))

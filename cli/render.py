@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..host.sample_places import SAMPLES
 from .chain_options import chain_options
 from .engines import Drawing, background_option, draw, engine_options, fail_mismatch
 from .outputs import check_files, check_folder, require_suffix, write_json
@@ -32,6 +33,13 @@ _Colour = tuple[float, float, float]
     show_default="the cloud's name, unless --out-dir is given",
     help="The picture.",
 )
+@click.option(
+    "--samples",
+    type=click.Choice([str(number) for number in SAMPLES]),
+    default="1",
+    help="Samples a pixel: the mean of as many frames, each shifted by part of a pixel, for as many"
+    " times the code words and cycles.",
+)
 @engine_options
 @chain_options
 @background_option
@@ -54,6 +62,7 @@ def render(
     context: click.Context,
     subject: Subject,
     output: Path | None,
+    samples: str,
     engine: str,
     stall: float,
     seed: int,
@@ -74,6 +83,7 @@ def render(
       splatline render                                     the terrain, as terrain.png
       splatline render scan.ply -o scan.png --orbit 30,20
       splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
+      splatline render scan.ply --samples 4                smooth edges, four frames
       splatline render --scene knot --engine rtl           simulate the Verilog, compare
       splatline render --engine rtl --engines 4            the same with a chain of four
       splatline render scan.ply --reference --stats scan.json
@@ -87,8 +97,8 @@ def render(
     check_files((output, depth, stats, numbers_of_set), inputs=[subject.path])
 
     stages = Stages()
-    shot = prepare(subject, stages)
-    drawing = draw(shot.frame, engine, stages, stall=stall, seed=seed, engines=engines, link=link)
+    shot = prepare(subject, stages, int(samples))
+    drawing = draw(shot.frames, engine, stages, stall=stall, seed=seed, engines=engines, link=link)
     if background is None:
         from ..sim.figure import BACKGROUND
 
@@ -104,7 +114,7 @@ def render(
         "splat_size": subject.splat_size or "auto",
         "dropped": shot.cloud.dropped,
         **drawing_statistics(
-            shot.frame, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
+            shot.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),
         **({} if engines is None else {"engines": engines, "link": link}),
         **quality,
@@ -134,7 +144,7 @@ def _measure(
             drawing.raster,
             exact,
             background=background,
-            depth_range=shot.frame.counts["depth_range"],
+            depth_range=shot.frames[0].counts["depth_range"],
         )
     return exact, quality
 

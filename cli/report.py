@@ -26,6 +26,8 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
         ("engine", f"{stats['engine']}, preset {stats['preset']}"),
         ("quality", str(stats.get("quality", "-"))),
     ]
+    if stats["samples"] > 1:
+        facts.append(("samples a pixel", f"{stats['samples']}, a frame each, counted together"))
     for key, label in (
         ("dropped", "points not read"),
         ("points", "points"),

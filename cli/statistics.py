@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ _TOOLS = {
 
 
 def drawing_statistics(
-    frame: Frame,
+    frames: Sequence[Frame],
     drawing: Drawing,
     *,
     engine: str,
@@ -32,12 +33,14 @@ def drawing_statistics(
     stall: float,
     seed: int,
 ) -> dict[str, Any]:
-    """Return the statistics of a drawn frame, ready for JSON.
+    """Return the statistics of a drawn picture, ready for JSON: of all its frames together.
 
     ``cycles``, ``cycles_per_element`` and ``mismatched_pixels`` are None unless the Verilog drew.
     ``cycles_per_element`` is None as well where there is no element to divide by.
     """
-    counts = dict(frame.counts)
+    from ..host.samples import total_counts
+
+    frame, counts = frames[0], total_counts(frames)
     counts.pop("seconds", None)
     elements = counts.get("elements", 0)
     cycles = drawing.cycles

@@ -89,7 +89,7 @@ class Subject:
 
 @dataclass(frozen=True)
 class Shot:
-    """A subject turned into a frame, with what the exact reference needs to draw it too.
+    """A subject turned into frames, with what the exact reference needs to draw it too.
 
     Parameters
     ----------
@@ -97,8 +97,8 @@ class Shot:
         The points and the camera.
     radii
         Shape (n,): radius of each point's disc, in the cloud's unit.
-    frame
-        The code words and tables.
+    frames
+        The code words and tables, of each sample of a pixel.
     camera
         Orbit, field of view, up axis and zoom as they came out, for the statistics.
     """
@@ -106,7 +106,7 @@ class Shot:
     cloud: Cloud
     view: View
     radii: npt.NDArray[np.float64]
-    frame: Frame
+    frames: list[Frame]
     camera: dict[str, Any]
 
 
@@ -241,8 +241,8 @@ def _quality_for_rom(quality: str) -> str:
     return "paper"
 
 
-def prepare(subject: Subject, stages: Stages) -> Shot:
-    """Read a subject and turn it into a frame.
+def prepare(subject: Subject, stages: Stages, samples: int = 1) -> Shot:
+    """Read a subject and turn it into frames, one for each sample of a pixel.
 
     Raises
     ------
@@ -273,7 +273,7 @@ def prepare(subject: Subject, stages: Stages) -> Shot:
         radii = splat_radii(cloud, subject.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=subject.size, **camera)
-    from ..host.pipeline import make_frame
+    from ..host.samples import make_frames, total_counts
 
     options: dict[str, Any] = {
         "config": subject.preset,
@@ -281,11 +281,12 @@ def prepare(subject: Subject, stages: Stages) -> Shot:
         "skips": subject.skips,
     }
     with stages.stage("", "Encoding"):
-        frame = make_frame(cloud, view, radii=radii, shapes=subject.shapes, **options)
-    stages.seconds.update(frame.counts.get("seconds", {}))
+        frames = make_frames(cloud, view, samples, radii=radii, shapes=subject.shapes, **options)
+    stages.seconds.update(total_counts(frames)["seconds"])
     if subject.shapes != "table":
         # For the number of bits alone, so that its time does not count.
         with stages.stage("", "Encoding with the host's table, to compare"):
-            other = make_frame(cloud, view, radii=radii, **options)
-        frame.counts["bits_sent"].update(other.counts["bits_sent"])
-    return Shot(cloud, view, radii, frame, camera)
+            others = make_frames(cloud, view, samples, radii=radii, **options)
+        for frame, other in zip(frames, others, strict=True):
+            frame.counts["bits_sent"].update(other.counts["bits_sent"])
+    return Shot(cloud, view, radii, frames, camera)

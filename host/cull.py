@@ -79,13 +79,16 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
     bounds
         Of the blocks, see ``host.index.BOUND``.
     camera
-        Eye, axes, focal length, width, height and near distance of the view.
+        Eye, axes, focal length, middle, width, height and near distance of the view.
     rules
         Whether each reason counts, by its number.
     status
         Set: shape (blocks,), uint8.
     """
-    eye, axes, focal, width, height, near = camera
+    eye, axes, focal, middle_x, middle_y, width, height, near = camera
+    # To the border that is further from the axis.
+    wide = max(middle_x, width - middle_x) + MARGIN
+    high = max(middle_y, height - middle_y) + MARGIN
     for block in nb.prange(len(bounds)):
         bound = bounds[block]
         dx = bound.centre[0] - eye[0]
@@ -99,8 +102,8 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
         if z + reach < near or (
             rules[OUTSIDE]
             and (
-                _beyond(x, z, focal, width, reach, bound.largest)
-                or _beyond(y, z, focal, height, reach, bound.largest)
+                _beyond(x, z, focal, wide, reach, bound.largest)
+                or _beyond(y, z, focal, high, reach, bound.largest)
             )
         ):
             status[block] = OUTSIDE
@@ -108,22 +111,22 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
             status[block] = FACING_AWAY
         elif rules[NO_PIXEL] and z - reach >= near:
             least = z - reach
-            if _between_centres(x / z, least, 0.5 * width, focal, reach, disc) or _between_centres(
-                y / z, least, 0.5 * height, focal, reach, disc
+            if _between_centres(x / z, least, middle_x, focal, reach, disc) or _between_centres(
+                y / z, least, middle_y, focal, reach, disc
             ):
                 status[block] = NO_PIXEL
 
 
 @nb.njit
-def _beyond(across: float, z: float, focal: float, size: int, reach: float, disc: float) -> bool:
+def _beyond(across: float, z: float, focal: float, away: float, reach: float, disc: float) -> bool:
     """Return whether a sphere lies beyond one of the two borders of an axis, discs and all.
 
-    What lies beyond the right border has focal x - (size / 2 + MARGIN) z > 0: a plane in space,
-    from which the sphere's centre must be further than its radius and a disc's together.
+    What lies beyond the right border, ``away`` pixels from the view's axis, has
+    focal x - away z > 0: a plane in space, from which the sphere's centre must be further than its
+    radius and a disc's together.
     """
-    half = 0.5 * size + MARGIN
-    needed = (reach + disc) * math.sqrt(focal * focal + half * half)
-    return focal * abs(across) - half * z > needed
+    needed = (reach + disc) * math.sqrt(focal * focal + away * away)
+    return focal * abs(across) - away * z > needed
 
 
 @nb.njit

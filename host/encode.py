@@ -116,6 +116,7 @@ def encode(
         config.diffuse.lsb,
         view.near,
         config.largest_shape if compact else 0,
+        *view.middle,
     )
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)

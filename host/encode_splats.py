@@ -65,7 +65,7 @@ def _room(place: Any, diameter: float, change_x: float, change_y: float, fixed: 
     quality, width, height, inverse_focal = fixed[2], fixed[3], fixed[4], fixed[5]
     if quality < 2 and diameter <= BLOCK:
         return 2
-    a, b = abs(place[0] - 0.5 * width), abs(place[1] - 0.5 * height)
+    a, b = abs(place[0] - fixed[12]), abs(place[1] - fixed[13])
     a, b = a * inverse_focal, b * inverse_focal
     # As in ``cull.lies_outside``; what comes nearer than half the distance may fill the image.
     share = 0.5 * diameter * inverse_focal
@@ -111,8 +111,8 @@ def encode_splats(
     fixed
         Shape table, its levels' slopes, number of the quality, width, height, 1 / focal length,
         least depth, 1 / depth range, whether a splat without a pixel draws the nearest, the lowest
-        bit of DIFFUSE, the distance of the near plane, and the largest size that goes as a compact
-        word (0: none).
+        bit of DIFFUSE, the distance of the near plane, the largest size that goes as a compact
+        word (0: none), and the column and line of the view's axis.
     to
         Where words go; see :mod:`splatline.host.emit`.
     skip_hidden, bound, coarse
@@ -123,7 +123,7 @@ def encode_splats(
     floats, bits, doubles, begins, ends = source
     words, lines, width, height, x_lsb, z_lsb, largest = to
     quality, inverse_focal, low, inverse_span = fixed[2], fixed[5], fixed[6], fixed[7]
-    nearest_pixel, look_lsb = fixed[8], fixed[9]
+    nearest_pixel, look_lsb, middle_x, middle_y = fixed[8], fixed[9], fixed[12], fixed[13]
     for number in nb.prange(len(wave)):
         chunk = wave[number]
         at = starts[chunk]
@@ -133,7 +133,7 @@ def encode_splats(
             column, line = float(floats[i, COLUMN]), float(floats[i, LINE])
             slope_x, slope_y = float(floats[i, SLOPE_X]), float(floats[i, SLOPE_Y])
             diameter, distance = float(floats[i, DIAMETER]), doubles[i, DEPTH]
-            a, b = (column - 0.5 * width) * inverse_focal, (line - 0.5 * height) * inverse_focal
+            a, b = (column - middle_x) * inverse_focal, (line - middle_y) * inverse_focal
             form = conic(a, b, slope_x, slope_y)
             # Far smaller than a pixel or larger than any image makes no difference.
             radius = 0.5 * diameter
@@ -235,7 +235,8 @@ def _encode_other(
     to: Any,
 ) -> int:
     """Write the words of a splat that is not one fraction, and return the next one's place."""
-    table, levels, quality, _, _, inverse_focal, low, inverse_span, nearest_pixel, _, _, rom = fixed
+    table, levels, quality, inverse_focal = fixed[0], fixed[1], fixed[2], fixed[5]
+    low, inverse_span, nearest_pixel, rom = fixed[6], fixed[7], fixed[8], fixed[11]
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to[5], to[6]
     depth = (distance - low) * inverse_span

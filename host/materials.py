@@ -55,12 +55,21 @@ def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     return Materials(palette, np.asarray(reduced, np.uint8)[0])
 
 
-def material_tables(materials: Materials, lighting: Lighting, config: EngineConfig) -> Tables:
+def material_tables(
+    materials: Materials, lighting: Lighting, config: EngineConfig, rounding: float = 0.5
+) -> Tables:
     """Return the engine's tables for a palette under a lighting.
 
     kd is scaled so that white at the largest D gives the largest level, and I0 holds one half, so
     that the shift rounds to nearest. In ``paper``: kd <= round(7 * 1024 / 127) = 56 and
     ks <= 56 gloss, both within 6 bits for a gloss up to 1; I0 = 512.
+
+    Parameters
+    ----------
+    materials, lighting, config
+        The palette, the lights and surface, and the engine.
+    rounding
+        What of a level is added before the shift cuts it off, in 0..1.
     """
     scale = config.channel_max * (1 << config.colour_shift) / config.diffuse.mask
     largest = (1 << config.coefficient_bits) - 1
@@ -68,6 +77,7 @@ def material_tables(materials: Materials, lighting: Lighting, config: EngineConf
     diffuse[: len(materials.palette)] = np.rint(materials.palette / 255.0 * scale)
     gloss = min(round(lighting.gloss * scale), largest)
     specular = np.full_like(diffuse, gloss)
-    # Dithering adds 0..15 sixteenths: with half a sixteenth their mean is a half, too.
-    ambient = np.full(3, 1 << config.colour_shift - (5 if config.dither else 1), np.int64)
+    # Dithering adds 0..15 sixteenths itself: what is added here is a part of one of those.
+    level = 1 << config.colour_shift - (4 if config.dither else 0)
+    ambient = np.full(3, round(rounding * level), np.int64)
     return Tables(ambient, np.minimum(diffuse, largest), specular)

@@ -27,7 +27,7 @@ from .shapes import LEVELS
 from .skips import DEFAULT_SKIPS, check_skips
 from .view import View
 
-__all__ = ["make_frame"]
+__all__ = ["Stopwatch", "indexed", "make_frame"]
 
 
 def make_frame(
@@ -42,6 +42,7 @@ def make_frame(
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
+    rounding: float = 0.5,
 ) -> Frame:
     """Project, cull, shade, encode and sort a cloud.
 
@@ -70,6 +71,8 @@ def make_frame(
         be put together; fitted to what is seen if not given.
     shapes
         One of ``SHAPE_SOURCES``: where the shapes of the quality ``paper`` come from.
+    rounding
+        What of a colour's level is added before the engine cuts it off; see ``material_tables``.
 
     Returns
     -------
@@ -93,9 +96,9 @@ def make_frame(
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
     check_shapes(shapes, quality, chosen, config)
     clock = Stopwatch()
-    index = _index(cloud, radii, materials, config, clock)
+    index = indexed(cloud, radii, materials, config, clock)
     lighting = lighting or Lighting()
-    tables = material_tables(index.materials, lighting, config)
+    tables = material_tables(index.materials, lighting, config, rounding)
     shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
     clock.lap("tables")
     # The symmetric shapes always have a pixel.
@@ -128,6 +131,7 @@ def make_frame(
             skips=chosen - {"no_pixel"},
             depth_range=depth_range,
             shapes=shapes,
+            rounding=rounding,
         )
     name, points, dropped = index.cloud.name, len(index), index.cloud.dropped
     if not encoded.elements:
@@ -155,14 +159,14 @@ def make_frame(
     return Frame(stream, tables, view.width, view.height, config, counts)
 
 
-def _index(
+def indexed(
     cloud: Cloud | Index,
     radii: npt.NDArray[np.floating[Any]] | None,
     materials: Materials | None,
     config: EngineConfig,
     clock: Stopwatch,
 ) -> Index:
-    """Return the cloud's index, built if need be."""
+    """Return a cloud's index, built if need be; ``clock`` has the stages that this took."""
     if isinstance(cloud, Index):
         if radii is not None or materials is not None:
             raise TypeError("an index has radii and materials already")

@@ -140,7 +140,7 @@ def project(
     Splats
         In the index's order.
     """
-    camera = (view.eye, view.axes, view.focal, view.width, view.height, view.near)
+    camera = (view.eye, view.axes, view.focal, *view.middle, view.width, view.height, view.near)
     rules = np.array([False, *(name in skips for name in SKIPS)])
     status = np.empty(len(index.bounds), np.uint8)
     cull_blocks(index.bounds, camera, rules, status)
@@ -195,7 +195,7 @@ def _project(
     """
     bounds, visible, cuts = blocks
     positions, normals, two_sided, radii, material = points
-    eye, axes, focal, width, height, near = camera
+    eye, axes, focal, middle_x, middle_y, width, height, near = camera
     rules, shades, material_shift = look
     for chunk in nb.prange(len(cuts) - 1):
         at = BLOCK_POINTS * cuts[chunk]
@@ -222,6 +222,8 @@ def _project(
                     eye,
                     axes,
                     focal,
+                    middle_x,
+                    middle_y,
                     width,
                     height,
                     near,
@@ -258,6 +260,8 @@ def _project_point(
     eye: Any,
     axes: Any,
     focal: float,
+    middle_x: float,
+    middle_y: float,
     width: int,
     height: int,
     near: float,
@@ -279,8 +283,8 @@ def _project_point(
     # Divided, not multiplied by 1 / z, which overflows where z is tiny.
     a = (axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz) / z
     b = (axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz) / z
-    column = 0.5 * width + focal * a
-    line = 0.5 * height + focal * b
+    column = middle_x + focal * a
+    line = middle_y + focal * b
     share = growth * radii[i] / z
     radius = share * focal
     if rules[OUTSIDE] and (
@@ -302,10 +306,10 @@ def _project_point(
         return FACING_AWAY
 
     if radius > LARGEST:
-        # All the same to an image, and nothing overflows: the middle of the image stays in place.
+        # All the same to an image, and nothing overflows: the axis of the view stays in place.
         smaller = LARGEST / radius
-        column = 0.5 * width + (column - 0.5 * width) * smaller
-        line = 0.5 * height + (line - 0.5 * height) * smaller
+        column = middle_x + (column - middle_x) * smaller
+        line = middle_y + (line - middle_y) * smaller
         radius = LARGEST
     facing = min(facing, -STEEPEST)
     # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0: for

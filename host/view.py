@@ -28,7 +28,7 @@ class View:
     """A pinhole camera in the coordinates of a cloud's positions (relative to its origin).
 
     A point at camera coordinates (x, y, z), z along the view, lands on the image at
-    ``column = width / 2 + focal * x / z`` and ``line = height / 2 + focal * y / z``: x runs to the
+    ``column = middle[0] + focal * x / z`` and ``line = middle[1] + focal * y / z``: x runs to the
     right and y down. The pixel at column i and line j covers [i, i + 1) x [j, j + 1).
 
     Parameters
@@ -43,6 +43,8 @@ class View:
         Size of the image in pixels.
     near
         Nearest distance along the view that is drawn, above 0.
+    shift
+        How far right and down of the image's middle the view's axis meets it, in pixels.
     """
 
     eye: npt.NDArray[np.float64]
@@ -51,6 +53,12 @@ class View:
     width: int
     height: int
     near: float
+    shift: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Column and line at which the view's axis meets the image."""
+        return 0.5 * self.width + self.shift[0], 0.5 * self.height + self.shift[1]
 
 
 def fit_view(

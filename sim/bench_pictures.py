@@ -32,6 +32,7 @@ COLUMNS = (
     ("reference", None),
     ("float", None),
     ("exact", "rgb24"),
+    ("exact \N{MULTIPLICATION SIGN}4", "paper"),
     ("exact", "dither"),
     ("exact", "paper"),
     ("paper", "paper"),

@@ -39,8 +39,9 @@ def plot_pareto(points: _Rows) -> bytes:
     Parameters
     ----------
     points
-        ``quality``, ``preset``, ``psnr_db``, ``seconds`` and ``cycles_per_element`` (or None), one
-        of each quality and preset. A cost that no point has gets no panel.
+        ``quality``, ``samples``, ``way`` (the name of both), ``preset``, ``psnr_db``, ``seconds``
+        and ``cycles_per_element`` (or None), one of each way and preset. A cost that no point has
+        gets no panel.
     """
     costs = [cost for cost in AXES if any(point.get(cost) is not None for point in points)]
     figure, axes = _figure(len(costs), 1, 6.6, 5.4)
@@ -49,7 +50,7 @@ def plot_pareto(points: _Rows) -> bytes:
         _draw_front(axes[0][column], points, cost, markers, named=True)
         axes[0][column].set_xlabel(AXES[cost], color=INK)
     axes[0][0].set_ylabel("PSNR, dB, mean over the scenes", color=INK)
-    _legend(figure, markers)
+    _legend(figure, markers, points)
     return _save(figure)
 
 
@@ -59,7 +60,8 @@ def plot_pareto_scenes(scenes: Mapping[str, _Rows]) -> bytes:
     lines = -(-len(scenes) // columns)
     figure, axes = _figure(columns, lines, 3.7, 3.5)
     panels = [panel for line in axes for panel in line]
-    markers = _markers([point for points in scenes.values() for point in points])
+    every = [point for points in scenes.values() for point in points]
+    markers = _markers(every)
     for panel, (name, points) in zip(panels, scenes.items(), strict=False):
         _draw_front(panel, points, "seconds", markers, named=False)
         panel.set_title(name, color=INK, fontsize=11, loc="left")
@@ -69,7 +71,7 @@ def plot_pareto_scenes(scenes: Mapping[str, _Rows]) -> bytes:
         line[0].set_ylabel("PSNR, dB", color=INK)
     for panel in panels[max(len(scenes) - columns, 0) : len(scenes)]:
         panel.set_xlabel(AXES["seconds"], color=INK)
-    _legend(figure, markers)
+    _legend(figure, markers, every)
     return _save(figure)
 
 
@@ -150,7 +152,7 @@ def _draw_front(
             values[i],
             markers[point["preset"]],
             color=COLOURS[point["quality"]],
-            markersize=8,
+            markersize=_size(point["samples"]),
             markeredgecolor=INK if i in members else PAPER,
             markeredgewidth=1.2,
         )
@@ -158,7 +160,7 @@ def _draw_front(
     _ticks(panel, costs)
     panel.margins(0.24 if named else 0.12, 0.12)
     if named:
-        names = [f"{points[i]['quality']} {points[i]['preset']}" for i in members]
+        names = [f"{points[i]['way']} {points[i]['preset']}" for i in members]
         _name_front(panel, [costs[i] for i in members], [values[i] for i in members], names)
 
 
@@ -193,14 +195,19 @@ def _ticks(panel: Axes, costs: Sequence[float]) -> None:
     panel.xaxis.set_minor_formatter(NullFormatter())
 
 
+def _size(samples: int) -> float:
+    """Return the size of the marker for so many samples a pixel."""
+    return 7.5 + 1.5 * math.log2(samples)
+
+
 def _markers(points: _Rows) -> dict[str, str]:
     """Return a marker for each preset."""
     presets = dict.fromkeys(point["preset"] for point in points)
     return {preset: MARKERS[n % len(MARKERS)] for n, preset in enumerate(presets)}
 
 
-def _legend(figure: Figure, markers: Mapping[str, str]) -> None:
-    """Explain colours and markers, to the right of all panels."""
+def _legend(figure: Figure, markers: Mapping[str, str], points: _Rows) -> None:
+    """Explain colours, markers and their sizes, to the right of all panels."""
     from matplotlib.lines import Line2D
 
     entries = [
@@ -211,6 +218,11 @@ def _legend(figure: Figure, markers: Mapping[str, str]) -> None:
         Line2D([], [], color=FAINT, marker=marker, linestyle="", label=f"preset {preset}")
         for preset, marker in markers.items()
     ]
+    entries += [
+        Line2D([], [], color=FAINT, marker="o", linestyle="", markersize=_size(samples),
+               label=f"{samples} samples a pixel")
+        for samples in sorted({point["samples"] for point in points} - {1})
+    ]  # fmt: skip
     entries.append(Line2D([], [], color=INK, linewidth=1.2, label="front"))
     figure.legend(
         handles=entries, loc="outside right center", frameon=False, labelcolor=INK, fontsize=9

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..host.atomic import atomic_write
-from .raster import Raster
+from .average import Picture, mismatches
 from .reference import Reference
 
 __all__ = ["BACKGROUND", "GAIN", "picture_set", "save_depth", "save_rgb"]
@@ -47,7 +47,7 @@ def save_rgb(path: str | Path, rgb: npt.ArrayLike) -> None:
     _save(path, levels.astype(np.uint8))
 
 
-def save_depth(path: str | Path, raster: Raster) -> None:
+def save_depth(path: str | Path, raster: Picture) -> None:
     """Write a raster's depth as a 16-bit grey PNG: near is white, the background 0.
 
     Nothing is lost: depth d of a background depth b is stored as ``(b - d) 65535 / b``, rounded.
@@ -72,8 +72,8 @@ def save_depth(path: str | Path, raster: Raster) -> None:
 def picture_set(
     out_dir: str | Path,
     *,
-    rtl: Raster | None,
-    golden: Raster,
+    rtl: Picture | None,
+    golden: Picture,
     reference: Reference,
     background: tuple[float, float, float] = BACKGROUND,
     stats: Mapping[str, Any] | None = None,
@@ -131,7 +131,7 @@ def picture_set(
     if rtl is None:
         panels = [Panel(drawn, "Engine", "the golden renderer, exact to the bit")]
     else:
-        unlike = f"{rtl.mismatches(golden):,} of {rtl.depth.size:,} pixels unlike the Verilog's"
+        unlike = f"{mismatches(rtl, golden):,} of {rtl.depth.size:,} pixels unlike the Verilog's"
         panels = [
             Panel(drawn, "Engine", "the generated Verilog, simulated"),
             Panel(pictures["golden.png"], "Golden renderer", unlike),
@@ -155,7 +155,7 @@ def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
     atomic_write(path, data.getvalue())
 
 
-def _false_colours(raster: Raster, background: tuple[float, float, float]) -> _Floats:
+def _false_colours(raster: Picture, background: tuple[float, float, float]) -> _Floats:
     """Return depth as colours that can be told apart, stretched over what was drawn."""
     from matplotlib import colormaps
 

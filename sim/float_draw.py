@@ -70,7 +70,7 @@ def place_splats(discs: Any, camera: Any, rounding: Any, slopes: Any, splats: An
     discs
         Centres and normals in camera axes, shape (n, 3), which of them face the eye, and radii.
     camera
-        Focal length in pixels, near distance, width, height.
+        Focal length in pixels, near distance, width, height, and the middle's column and line.
     rounding
         Places a pixel, diameters a pixel, whether sizes are rounded up, whether no splat is empty.
     slopes
@@ -85,7 +85,7 @@ def place_splats(discs: Any, camera: Any, rounding: Any, slopes: Any, splats: An
 @numba.njit(error_model="numpy")
 def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: Any) -> None:
     centres, normals, facing, radii = discs
-    focal, near, width, height = camera
+    focal, near, width, height, middle_x, middle_y = camera
     places, sizes, _, never_empty = rounding
     splat.left, splat.right = 0, -1
     centre, normal, radius = centres[i], normals[i], radii[i]
@@ -96,8 +96,8 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
     splat.scale, splat.across, splat.down = 1.0, 0.0, 0.0
     size = 0.0
     if centre[2] >= near:
-        splat.column = 0.5 * width + focal * centre[0] / centre[2]
-        splat.line = 0.5 * height + focal * centre[1] / centre[2]
+        splat.column = middle_x + focal * centre[0] / centre[2]
+        splat.line = middle_y + focal * centre[1] / centre[2]
         size = _round_splat(radius * focal / centre[2], rounding, splat)
         along = normal[0] * centre[0] + normal[1] * centre[1] + normal[2] * centre[2]
         towards = min(along / centre[2], STEEPEST)
@@ -118,8 +118,8 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
         else:
             low_x, high_x = _bound_disc(centre, normal, radius, 0)
             low_y, high_y = _bound_disc(centre, normal, radius, 1)
-        low_x, high_x = 0.5 * width + focal * low_x, 0.5 * width + focal * high_x
-        low_y, high_y = 0.5 * height + focal * low_y, 0.5 * height + focal * high_y
+        low_x, high_x = middle_x + focal * low_x, middle_x + focal * high_x
+        low_y, high_y = middle_y + focal * low_y, middle_y + focal * high_y
 
     splat.left, splat.right = _pixels(low_x, high_x, splat.scale, splat.across)
     splat.top, splat.bottom = _pixels(low_y, high_y, splat.scale, splat.down)
@@ -215,11 +215,11 @@ def _meet(
 def _meet_disc(x: float, y: float, centre: Any, normal: Any, radius: float, camera: Any) -> float:
     """Return the depth at which the ray through a place of the image meets a disc; or inf."""
     t = _plane_depth(x, y, centre, normal, camera)
-    focal, near, width, height = camera
+    focal, near, _, _, middle_x, middle_y = camera
     if not near <= t < np.inf:
         return np.inf
-    dx = t * (x - 0.5 * width) / focal - centre[0]
-    dy = t * (y - 0.5 * height) / focal - centre[1]
+    dx = t * (x - middle_x) / focal - centre[0]
+    dy = t * (y - middle_y) / focal - centre[1]
     dz = t - centre[2]
     return t if dx * dx + dy * dy + dz * dz <= radius * radius else np.inf
 
@@ -227,9 +227,9 @@ def _meet_disc(x: float, y: float, centre: Any, normal: Any, radius: float, came
 @numba.njit(error_model="numpy")
 def _plane_depth(x: float, y: float, centre: Any, normal: Any, camera: Any) -> float:
     """Return the depth of a disc's plane at a place of the image."""
-    focal, _, width, height = camera
+    focal, _, _, _, middle_x, middle_y = camera
     pull = normal[0] * centre[0] + normal[1] * centre[1] + normal[2] * centre[2]
-    a, b = (x - 0.5 * width) / focal, (y - 0.5 * height) / focal
+    a, b = (x - middle_x) / focal, (y - middle_y) / focal
     return pull / (normal[0] * a + normal[1] * b + normal[2])
 
 

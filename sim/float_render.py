@@ -142,7 +142,7 @@ def render(
     normals, facing = reference._face_eye(cloud, view, centres)
 
     discs = (centres, normals, facing, radii)
-    camera = (view.focal, view.near, view.width, view.height)
+    camera = (view.focal, view.near, view.width, view.height, *view.middle)
     splats = np.zeros(len(cloud), SPLAT)
     rounding = (PLACES[steps.place], SIZES[steps.size], steps.size_up, steps.never_empty)
     slopes = level_slopes() if steps.normal_levels else np.empty(0)

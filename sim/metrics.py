@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from .raster import Raster
+from .average import Picture
 from .reference import Reference
 
 __all__ = ["compare"]
@@ -23,7 +23,7 @@ SSIM_WINDOW = 11
 
 
 def compare(
-    raster: Raster,
+    raster: Picture,
     reference: Reference,
     *,
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
@@ -117,7 +117,7 @@ def _share(part: _Mask, whole: _Mask) -> float | None:
 
 
 def _depth_rmse(
-    raster: Raster,
+    raster: Picture,
     reference: Reference,
     where: _Mask,
     depth_range: tuple[float, float] | list[float] | None,

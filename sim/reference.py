@@ -99,9 +99,9 @@ def render(
     colours = _shade(cloud.colours, normals, centres, lighting)
 
     size = (view.width * samples, view.height * samples)
-    focal = view.focal * samples
+    optics = (view.focal * samples, view.middle[0] * samples, view.middle[1] * samples, view.near)
     boxes = np.empty((len(cloud), 4), np.int64)
-    _bound_discs(centres, normals, facing, radii, focal, size, view.near, boxes)
+    _bound_discs(centres, normals, facing, radii, optics, size, boxes)
     band = BAND * samples
     starts, members = _sort_into_bands(boxes, band, -(-size[1] // band))
 
@@ -116,7 +116,7 @@ def render(
         normals,
         radii,
         colours,
-        (focal, view.near),
+        optics,
         samples,
         np.asarray(background, np.float64),
         rgb,
@@ -171,15 +171,15 @@ def _bound_discs(
     normals: Any,
     facing: Any,
     radii: Any,
-    focal: float,
+    optics: tuple[float, float, float, float],
     size: tuple[int, int],
-    near: float,
     boxes: Any,
 ) -> None:
     """Set the samples that each disc may meet: columns ``boxes[i, :2]`` and lines ``boxes[i, 2:]``.
 
     First and one past the last; a disc that can meet none has no columns.
     """
+    focal, middle_x, middle_y, near = optics
     for i in range(len(centres)):
         boxes[i] = 0
         radius = radii[i]
@@ -195,8 +195,9 @@ def _bound_discs(
             # Clipped as floats: far outside the image they do not fit an integer. A sample more on
             # either side makes up for rounding.
             limit = float(size[axis])
-            first = np.floor(0.5 * limit + focal * low - 0.5) - 1.0
-            last = np.ceil(0.5 * limit + focal * high - 0.5) + 1.0
+            middle = middle_y if axis else middle_x
+            first = np.floor(middle + focal * low - 0.5) - 1.0
+            last = np.ceil(middle + focal * high - 0.5) + 1.0
             boxes[i, 2 * axis] = int(min(max(first, 0.0), limit))
             boxes[i, 2 * axis + 1] = int(min(max(last + 1.0, 0.0), limit))
 
@@ -262,7 +263,7 @@ def _draw_bands(
     normals: Any,
     radii: Any,
     colours: Any,
-    optics: tuple[float, float],
+    optics: tuple[float, float, float, float],
     samples: int,
     background: Any,
     rgb: Any,
@@ -285,7 +286,6 @@ def _draw_bands(
                 normals[i],
                 radii[i],
                 optics,
-                (width * samples, height * samples),
                 top * samples,
                 nearest,
                 seen,
@@ -301,8 +301,7 @@ def _draw_disc(
     centre: Any,
     normal: Any,
     radius: float,
-    optics: tuple[float, float],
-    size: tuple[int, int],
+    optics: tuple[float, float, float, float],
     top: int,
     nearest: Any,
     seen: Any,
@@ -311,13 +310,13 @@ def _draw_disc(
 
     The ray (x, y, 1) t meets the plane at ``t = n.p / n.(x, y, 1)``, which is the depth as well.
     """
-    focal, near = optics
+    focal, middle_x, middle_y, near = optics
     pull = normal[0] * centre[0] + normal[1] * centre[1] + normal[2] * centre[2]
     square = radius * radius
     for line in range(max(box[2], top), min(box[3], top + len(nearest))):
-        y = (line + 0.5 - 0.5 * size[1]) / focal
+        y = (line + 0.5 - middle_y) / focal
         for column in range(box[0], box[1]):
-            x = (column + 0.5 - 0.5 * size[0]) / focal
+            x = (column + 0.5 - middle_x) / focal
             t = pull / (normal[0] * x + normal[1] * y + normal[2])
             if near <= t < nearest[line - top, column]:
                 dx = t * x - centre[0]

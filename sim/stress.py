@@ -272,7 +272,7 @@ def _stray_share(
     centres = (scene.cloud.positions - view.eye) @ view.axes.T
     centres = centres[centres[:, 2] >= view.near]
     with np.errstate(over="ignore"):  # beyond any image, however far
-        place = centres[:, :2] / centres[:, 2:] * view.focal + [view.width / 2, view.height / 2]
+        place = centres[:, :2] / centres[:, 2:] * view.focal + view.middle
     place = place[((place >= 0.0) & (place < [view.width, view.height])).all(axis=1)]
     allowed = covered.copy()
     allowed[place[:, 1].astype(np.int64), place[:, 0].astype(np.int64)] = True

@@ -61,6 +61,10 @@ def test_a_quick_run_writes_numbers_page_plots_and_pictures(quick):
             FLOAT, FLOAT_ONE_DEPTH}  # fmt: skip
         assert {entry["switched"] for entry in fitted} == {None, *SKIPS}
         assert {entry["splats"] for entry in here} == {"auto", 3.5}
+        sampled = [entry for entry in here if entry["samples"] > 1]
+        assert [(entry["splats"], entry["preset"], entry["samples"]) for entry in sampled] == [
+            (3.5, "paper", 4)
+        ]
     for entry in runs:
         assert entry["psnr_db"] > 5.0
         if entry["preset"]:
@@ -138,11 +142,12 @@ def test_what_cannot_be_measured_is_said_in_one_line(run, folder, cloud, argumen
     assert not (folder / "docs").exists()
 
 
-def entry(quality, preset="paper", splats="auto", psnr=30.0, holes=0.0, words=110):
+def entry(quality, preset="paper", splats="auto", psnr=30.0, holes=0.0, words=110, samples=1):
     return {
         "scene": "knot", "orbit": [0.0, 0.0], "quality": quality, "preset": preset,
         "splats": splats, "psnr_db": psnr, "hole_fraction": holes, "codewords": words,
         "control_words": 10, "elements": 100, "switched": None,
+        "samples": samples,
     }  # fmt: skip
 
 
@@ -156,6 +161,7 @@ def test_the_verdicts_are_those_of_the_targets():
         entry(FLOAT_ONE_DEPTH, None, 14.0, psnr=30.0),
         entry("exact", splats=14.0, psnr=29.9),
         entry("paper", splats=3.5, psnr=25.0),
+        entry("exact", splats=3.5, psnr=31.9, samples=4),
         entry("exact", splats=3.5, psnr=31.0),
         entry("fast", splats=3.5, psnr=30.4, words=111),
     ]
@@ -164,6 +170,7 @@ def test_the_verdicts_are_those_of_the_targets():
         "one_depth": (-0.4, True),
         "large": (-0.1, False),
         "over_paper": (6.0, True),
+        "four_samples": (6.9, True),
         "fast": (0.6, False),
         "one_word": (1.01, False),
         "holes": (1.09, True),

@@ -54,6 +54,21 @@ def test_the_reference_adds_the_measures_of_error(run, folder, cloud):
     assert numbers["silhouette_iou"] > 0.8
 
 
+def test_samples_are_averaged_and_counted_together(run, folder, cloud):
+    numbers = {}
+    for samples in ("1", "4"):
+        options = ["--size", "64x64", "--samples", samples, "--reference", "--stats", "ball.json"]
+        result = run("render", cloud, *options)
+        assert result.exit_code == 0, result.stderr
+        assert ("samples a pixel" in result.stdout) == (samples == "4")
+        numbers[samples] = json.loads((folder / "ball.json").read_text())
+    one, four = numbers["1"], numbers["4"]
+    assert (one["samples"], four["samples"]) == (1, 4)
+    assert four["psnr_db"] > one["psnr_db"] + 3.0
+    assert 3.8 * one["codewords"] < four["codewords"] < 4.2 * one["codewords"]
+    assert set(one) == set(four)
+
+
 def test_the_view_follows_the_options(run, folder, cloud):
     pictures = []
     for options in ([], ["--orbit", "-100,40"], ["--zoom", "2"], ["--up", "z"], ["--fov", "80"],

@@ -27,7 +27,7 @@ def raster(*drawn: tuple[int, int]) -> Raster:
 
 def statistics(drawing: Drawing, *, engine: str, elements: int = 8) -> dict:
     numbers = drawing_statistics(
-        frame(elements), drawing, engine=engine, seconds={"golden": 0.123456}, stall=0.5, seed=3
+        [frame(elements)], drawing, engine=engine, seconds={"golden": 0.123456}, stall=0.5, seed=3
     )
     return json.loads(json.dumps(numbers, allow_nan=False))
 

@@ -132,8 +132,8 @@ def test_the_mirrored_cloud_is_the_mirrored_picture(name, quality, size):
     picture, mirrored = (draw(one, quality)[1] for one in (scene, there))
     back = Raster(mirrored.depth[:, ::-1], mirrored.colour[:, ::-1], mirrored.config)
     # A depth tie goes to the first word of a line, and a slant on the border of two levels to the
-    # upper one, in both pictures alike: those are the ties that a mirror does not keep. Large splats
-    # have more of them, but no other depths.
+    # upper one, in both pictures alike: those are the ties that a mirror does not keep. Large
+    # splats have more of them, but no other depths.
     assert picture.mismatches(back) / picture.depth.size <= (5 if size < 1.0 else 25) * TIES
     depth = np.count_nonzero(picture.depth != back.depth) / picture.depth.size
     assert depth <= 3 * TIES

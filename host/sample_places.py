@@ -1,0 +1,16 @@
+"""Where the samples of a pixel lie."""
+
+__all__ = ["SAMPLES"]
+
+SAMPLES = {
+    1: ((0, 0),),
+    2: ((4, 4), (-4, -4)),
+    4: ((-2, -6), (6, -2), (-6, 2), (2, 6)),
+    8: ((1, -3), (-1, 3), (5, 1), (-3, -5), (-5, 5), (-7, -1), (3, 7), (7, -7)),
+    16: (
+        *((1, 1), (-1, -3), (-3, 2), (4, -1), (-5, -2), (2, 5), (5, 3), (3, -5)),
+        *((-2, 6), (0, -7), (-4, -6), (-6, 4), (-8, 0), (7, -4), (6, 7), (-7, -8)),
+    ),
+}
+"""Places of the samples, in sixteenths of a pixel right and down of its centre: the standard
+patterns of Direct3D 11. No two share a line or a column, so that an edge has as many shades."""
