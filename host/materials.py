@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,9 @@ __all__ = ["Materials", "find_materials", "material_tables"]
 
 MOST_MATERIALS = 128
 """What the ``paper`` engine's table holds."""
+
+ROUNDS = 8
+"""Of k-means, 20 ms each for a scan of a hundred thousand colours: more gain a percent each."""
 
 
 @dataclass(frozen=True)
@@ -35,15 +39,18 @@ class Materials:
 
 
 def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
-    """Return a palette for a cloud: its own colours if they are few, else Pillow's median cut."""
+    """Return a palette for a cloud: its own colours if they are few, else the means of clusters.
+
+    Those are Pillow's median cut, improved by Lloyd's algorithm (k-means): half the squared error.
+    """
     colours = np.ascontiguousarray(cloud.colours, np.uint8)
     if (colours == colours[:1]).all():
         return Materials(colours[:1].copy(), np.zeros(len(colours), np.uint8))
     key = colours.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)
-    distinct, index = np.unique(key, return_inverse=True)
-    if len(distinct) <= most:
-        palette = np.stack([distinct >> 16, distinct >> 8 & 255, distinct & 255], axis=-1)
-        return Materials(palette.astype(np.uint8), index.astype(np.uint8))
+    distinct, index, counts = np.unique(key, return_inverse=True, return_counts=True)
+    own = np.stack([distinct >> 16, distinct >> 8 & 255, distinct & 255], axis=-1)
+    if len(own) <= most:
+        return Materials(own.astype(np.uint8), index.astype(np.uint8))
 
     from PIL import Image
 
@@ -51,8 +58,29 @@ def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     reduced = image.quantize(most, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     flat = reduced.getpalette()
     assert flat is not None  # a quantised image always has one
-    palette = np.array(flat[: 3 * most], np.uint8).reshape(-1, 3)
-    return Materials(palette, np.asarray(reduced, np.uint8)[0])
+    palette = _refine(np.array(flat[: 3 * most], np.float64).reshape(-1, 3), own, counts)
+    return Materials(palette, _nearest(palette, own)[index].astype(np.uint8))
+
+
+def _refine(
+    palette: npt.NDArray[np.float64], colours: npt.NDArray[Any], counts: npt.NDArray[np.int64]
+) -> npt.NDArray[np.uint8]:
+    """Return a palette moved to the means of the colours that are nearest to each of its own."""
+    for _ in range(ROUNDS):
+        nearest = _nearest(palette, colours)
+        weight = np.bincount(nearest, counts, len(palette))
+        for channel in range(3):
+            total = np.bincount(nearest, counts * colours[:, channel], len(palette))
+            np.divide(total, weight, out=palette[:, channel], where=weight > 0.0)
+    return np.rint(palette).astype(np.uint8)
+
+
+def _nearest(palette: npt.NDArray[Any], colours: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """Return which colour of a palette is nearest to each of some colours."""
+    from scipy.spatial import cKDTree
+
+    found: npt.NDArray[np.int64] = cKDTree(palette).query(colours, workers=-1)[1]
+    return found
 
 
 def material_tables(

@@ -1,5 +1,7 @@
 import numpy as np
+import pytest
 from clouds import cloud_of
+from PIL import Image
 
 from splatline.host.lighting import Lighting
 from splatline.host.materials import find_materials, material_tables
@@ -25,7 +27,22 @@ def test_many_colours_are_reduced_to_near_ones():
     materials = find_materials(coloured(colours))
     assert len(materials.palette) <= 128
     error = np.abs(materials.palette[materials.index].astype(int) - colours).mean()
-    assert error < 30  # 128 cells of a uniform cube: about 256 / 128^(1/3) / 4 = 13 a channel
+    assert error < 15  # 128 cells of a uniform cube: about 256 / 128^(1/3) / 4 = 13 a channel
+
+
+def test_a_palette_has_less_error_than_median_cut_and_each_point_its_nearest_colour():
+    # Most colours lie close together, as in a scan, and some far away.
+    rng = np.random.default_rng(3)
+    near = rng.normal((150, 110, 80), (30, 20, 12), (15_000, 3))
+    colours = np.vstack([near, rng.uniform(0, 255, (800, 3))]).clip(0, 255).astype(np.uint8)
+    found = find_materials(coloured(colours))
+    shown = found.palette[found.index].astype(float)
+    apart = np.linalg.norm(found.palette[None].astype(float) - colours[:400, None], axis=2)
+    assert np.linalg.norm(shown - colours, axis=1)[:400] == pytest.approx(apart.min(axis=1))
+
+    cut = Image.fromarray(colours[None]).quantize(128, method=Image.Quantize.MEDIANCUT, dither=0)
+    theirs = np.asarray(cut.convert("RGB"), float)[0]
+    assert np.mean((shown - colours) ** 2) < 0.75 * np.mean((theirs - colours) ** 2)
 
 
 def test_one_colour_is_one_material():
