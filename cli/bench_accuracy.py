@@ -188,9 +188,10 @@ def _plan(sweep: Sweep, splats: float | None) -> list[Run]:
     runs += [Run(quality, preset) for preset in presets for quality in QUALITIES]
     if splats in sweep.sampled:
         runs += [
-            Run(DEFAULT_QUALITY, preset, samples=samples)
+            Run(quality, preset, samples=samples)
             for preset in presets
             for samples in sweep.samples.get(preset, ())
+            for quality in ("paper", DEFAULT_QUALITY)
         ]
     if splats is None:
         runs += [Run(DEFAULT_QUALITY, presets[0], skip) for skip in SKIPS]

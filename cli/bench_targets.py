@@ -15,7 +15,7 @@ TARGETS = {
     "one_depth": "exact at most 0.5 dB below float with one depth a splat",
     "large": "exact above float with one depth a splat, for the larger splats",
     "over_paper": "exact at least 6 dB above paper, splats of 3.5 px",
-    "four_samples": "the same, exact with four samples a pixel, at four times the cycles",
+    "four_samples": "the same, both with four samples a pixel",
     "fast": "fast within 0.5 dB of exact, splats of 3.5 px",
     "one_word": "fast with one code word an element, splats of 3.5 px",
     "holes": "exact's holes at most 1.1 times those of float",
@@ -67,8 +67,8 @@ def _figures(runs: list[_Run], preset: str) -> dict[str, tuple[float | None, boo
         return next(found, None)
 
     def apart(one: str, other: str, splats: Any, samples: int = 1) -> float | None:
-        """How many dB one quality, of so many samples, lies above another."""
-        upper, lower = find(one, splats, samples), find(other, splats)
+        """How many dB one quality lies above another, both of so many samples a pixel."""
+        upper, lower = find(one, splats, samples), find(other, splats, samples)
         if upper is None or lower is None:
             return None
         if upper["psnr_db"] is None or lower["psnr_db"] is None:  # no error at all

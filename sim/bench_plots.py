@@ -168,14 +168,14 @@ def _name_front(
     panel: Axes, costs: Sequence[float], values: Sequence[float], names: Sequence[str]
 ) -> None:
     """Write names left of the front's points, which nothing is above on the left, and apart."""
-    line, width = 11.0, 75.0  # points that a name takes
+    line, letter = 11.0, 5.4  # points that a name takes
     figure = panel.get_figure(root=True)
     assert figure is not None
     figure.draw_without_rendering()  # so that it is known where the points will be
     before, lowest = -math.inf, -math.inf
     for cost, value, name in zip(costs, values, names, strict=True):
         x, y = panel.transData.transform((cost, value)) * 72.0 / figure.dpi
-        place = max(y, lowest) if x < before + width else y
+        place = max(y, lowest) if x < before + letter * len(name) else y
         panel.annotate(
             name, (cost, value), (-7, place - y), textcoords="offset points",
             color=INK, fontsize=8.5, ha="right", va="bottom",
