@@ -241,7 +241,7 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
 
 def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
     """Draw and measure what an engine draws."""
-    from ..host.samples import total_counts
+    from ..host.pipeline import total_counts
     from ..rtl.format import PRESETS
     from ..sim import metrics
     from ..sim.average import average
@@ -336,7 +336,7 @@ def _make_frames(case: Case, run: Run, config: EngineConfig, repeats: int) -> li
     """Return the frames of the fastest call; the first, which may have compiled, is left out."""
     from ..host.index import build_index
     from ..host.materials import find_materials
-    from ..host.samples import make_frames, total_counts
+    from ..host.pipeline import make_frames, total_counts
     from ..host.skips import DEFAULT_SKIPS
 
     skips = DEFAULT_SKIPS if run.switched is None else DEFAULT_SKIPS ^ {run.switched}

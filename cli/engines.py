@@ -15,7 +15,7 @@ from .progress import Stages
 
 if TYPE_CHECKING:
     from ..host.frame import Frame
-    from ..sim.average import Picture
+    from ..sim.average import Drawn
     from ..sim.cosim.frames import Outcome
 
 __all__ = ["Drawing", "background_option", "draw", "engine_options", "fail_mismatch"]
@@ -38,12 +38,12 @@ class Drawing:
         several frames together.
     """
 
-    golden: Picture
-    rtl: Picture | None = None
+    golden: Drawn
+    rtl: Drawn | None = None
     cycles: int | None = None
 
     @property
-    def raster(self) -> Picture:
+    def raster(self) -> Drawn:
         """The picture of the engine that was asked for."""
         return self.golden if self.rtl is None else self.rtl
 

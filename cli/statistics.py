@@ -38,7 +38,7 @@ def drawing_statistics(
     ``cycles``, ``cycles_per_element`` and ``mismatched_pixels`` are None unless the Verilog drew.
     ``cycles_per_element`` is None as well where there is no element to divide by.
     """
-    from ..host.samples import total_counts
+    from ..host.pipeline import total_counts
 
     frame, counts = frames[0], total_counts(frames)
     counts.pop("seconds", None)

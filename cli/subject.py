@@ -273,7 +273,7 @@ def prepare(subject: Subject, stages: Stages, samples: int = 1) -> Shot:
         radii = splat_radii(cloud, subject.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=subject.size, **camera)
-    from ..host.samples import make_frames, total_counts
+    from ..host.pipeline import make_frames, total_counts
 
     options: dict[str, Any] = {
         "config": subject.preset,

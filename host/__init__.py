@@ -31,7 +31,7 @@ _HOMES = {
     "load_frame": "store",
     "load_scene": "scenes",
     "make_frame": "pipeline",
-    "make_frames": "samples",
+    "make_frames": "pipeline",
     "read_cloud": "readers",
     "save_frame": "store",
     "splat_radii": "spacing",

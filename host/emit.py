@@ -18,6 +18,7 @@ __all__ = [
     "put",
     "put_block",
     "put_symmetric",
+    "quantised_depth",
     "turned",
 ]
 
@@ -29,6 +30,14 @@ ONE_PIXEL = EMPTY_SCANS & ~63
 
 # Where words go: (words, lines, width, height, lsb of X, lsb of Z, largest Z). Every function here
 # takes the place of the next word and returns the place after what it wrote.
+
+
+@nb.njit(inline="always")
+def quantised_depth(depth: float, largest: int) -> int:
+    """Return the code of a depth given as a share of the frame's range."""
+    # Not a number, as a range of 0 makes of a plane at infinity, counts as nearest.
+    depth = depth if depth > 0.0 else 0.0
+    return int((depth if depth < 1.0 else 1.0) * largest + 0.5)
 
 
 @nb.njit

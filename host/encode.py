@@ -88,7 +88,7 @@ def encode(
     splats
         What to draw.
     view
-        Size of the image, and its focal length.
+        Size of the image, its focal length, and where the view's axis meets it.
     config
         Where the fields are.
     quality

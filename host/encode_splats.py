@@ -10,14 +10,9 @@ import numpy as np
 
 from ..rtl.format import BLOCK, ROWS
 from .compact import encode_compact
-from .emit import LARGEST, ONE_PIXEL, emit
-from .exact import (
-    conic,
-    covers_own_pixel,
-    in_perspective,
-    one_fraction,
-)
-from .fractions import STEEP, encode_fractions, fraction_size, quantised_depth
+from .emit import LARGEST, ONE_PIXEL, emit, quantised_depth
+from .exact import conic, covers_own_pixel, in_perspective, one_fraction
+from .fractions import STEEP, encode_fractions, fraction_size
 from .half_places import encode_turned
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y

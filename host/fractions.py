@@ -8,23 +8,15 @@ from typing import Any
 import numba as nb
 
 from ..rtl.format import BLOCK, ROWS
-from .emit import put
+from .emit import put, quantised_depth
 from .exact import CLOSED, extent, row_code, span
 from .shapes import EMPTY_SCANS
 
-__all__ = ["STEEP", "encode_fractions", "fraction_size", "quantised_depth"]
+__all__ = ["STEEP", "cut", "encode_fractions", "fraction_size"]
 
 STEEP = 3.0 / 512.0
 """Share of the depth range, from corner to corner, beyond which ``exact`` halves a fraction: its
 pixels have one depth. By measured error against words and cycles; see ``docs/decisions.md``."""
-
-
-@nb.njit(inline="always")
-def quantised_depth(depth: float, largest: int) -> int:
-    """Return the code of a depth given as a share of the frame's range."""
-    # Not a number, as a range of 0 makes of a plane at infinity, counts as nearest.
-    depth = depth if depth > 0.0 else 0.0
-    return int((depth if depth < 1.0 else 1.0) * largest + 0.5)
 
 
 @nb.njit(inline="always")
@@ -48,11 +40,20 @@ def fraction_size(change_x: float, change_y: float, steep: float) -> tuple[int, 
 
 
 @nb.njit(inline="always")
-def _cut(first: int, last: int, most: int, change: float) -> tuple[int, int]:
+def cut(first: int, last: int, most: int, change: float) -> tuple[int, int]:
     """Return where the first of as few parts as may be begins, and how long each is.
 
-    One of them is cut short by ``first`` or ``last``: where the plane is nearer, so that a mirrored
-    splat has mirrored fractions.
+    One of them is cut short by ``first`` or ``last``: where the plane is further away, so that a
+    mirrored splat has mirrored fractions.
+
+    Parameters
+    ----------
+    first, last
+        Lines or columns of a splat; last < first if it has none.
+    most
+        How many a part may have.
+    change
+        Above 0 if the plane comes nearer from ``first`` to ``last``.
     """
     length = last + 1 - first
     parts = -(-length // most)
@@ -82,7 +83,7 @@ def encode_fractions(
     Parameters
     ----------
     column, line, square, form
-        As for :func:`one_fraction`.
+        As for :func:`splatline.host.exact.one_fraction`.
     plane
         The disc's plane: column and line of its centre, n'x and n'y over the focal length, the
         centre's distance along the view, the least distance and 1 over the depth range, the square
@@ -97,8 +98,8 @@ def encode_fractions(
     top, bottom = (0, height - 1) if is_open else (max(top, 0), min(bottom, height - 1))
     change = plane[4] * plane[6]
     columns, lines = fraction_size(plane[2] * change, plane[3] * change, plane[9])
-    cut, lines = _cut(top, bottom, lines, plane[3])
-    for uncut_line in range(cut, bottom + 1, lines):
+    first_line, lines = cut(top, bottom, lines, plane[3])
+    for uncut_line in range(first_line, bottom + 1, lines):
         begin_line = max(uncut_line, top)
         rows = min(bottom + 1, uncut_line + lines) - begin_line
         left, right = width, -1
@@ -106,8 +107,8 @@ def encode_fractions(
             first, last = _row(begin_line + row, column, line, square, form, plane, width)
             if first <= last:
                 left, right = min(left, first), max(right, last)
-        cut, wide = _cut(left, right, columns, plane[2])
-        for uncut in range(cut, right + 1, wide):
+        first_column, wide = cut(left, right, columns, plane[2])
+        for uncut in range(first_column, right + 1, wide):
             begin, end = max(uncut, left), min(uncut + wide, right + 1)
             scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
             for row in range(rows):

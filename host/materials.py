@@ -41,7 +41,7 @@ class Materials:
 def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     """Return a palette for a cloud: its own colours if they are few, else the means of clusters.
 
-    Those are Pillow's median cut, improved by Lloyd's algorithm (k-means): half the squared error.
+    Those are Pillow's median cut, improved by Lloyd's algorithm (k-means).
     """
     colours = np.ascontiguousarray(cloud.colours, np.uint8)
     if (colours == colours[:1]).all():
@@ -88,9 +88,9 @@ def material_tables(
 ) -> Tables:
     """Return the engine's tables for a palette under a lighting.
 
-    kd is scaled so that white at the largest D gives the largest level, and I0 holds one half, so
-    that the shift rounds to nearest. In ``paper``: kd <= round(7 * 1024 / 127) = 56 and
-    ks <= 56 gloss, both within 6 bits for a gloss up to 1; I0 = 512.
+    kd is scaled so that white at the largest D gives the largest level, and I0 holds what the shift
+    rounds by: one half by default, so to nearest. In ``paper``: kd <= round(7 * 1024 / 127) = 56
+    and ks <= 56 gloss, both within 6 bits for a gloss up to 1; I0 = 512, at most 1024.
 
     Parameters
     ----------

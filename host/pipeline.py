@@ -1,10 +1,10 @@
-"""The host's work from end to end: a cloud and a view in, a frame for the engine out."""
+"""The host's work from end to end: a cloud and a view in, frames for the engine out."""
 
 from __future__ import annotations
 
 import dataclasses
-import time
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,22 +12,19 @@ import numpy.typing as npt
 
 from ..rtl.format import PAPER, EngineConfig
 from .cloud import Cloud
-from .encode import encode
 from .errors import InputError
 from .frame import Frame
-from .index import Index, build_index
+from .index import Index
 from .lighting import Lighting
-from .materials import Materials, find_materials, material_tables
-from .order import sort_by_line
-from .project import project
+from .materials import Materials
 from .quality import DEFAULT_QUALITY, QUALITIES
-from .shade import SHADE_LEVELS, shade_bits
+from .sample_places import SAMPLES
 from .shape_source import check_shapes
-from .shapes import LEVELS
 from .skips import DEFAULT_SKIPS, check_skips
+from .stages import Stopwatch, draw_up, indexed
 from .view import View
 
-__all__ = ["Stopwatch", "indexed", "make_frame"]
+__all__ = ["make_frame", "make_frames", "total_counts"]
 
 
 def make_frame(
@@ -42,7 +39,6 @@ def make_frame(
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
-    rounding: float = 0.5,
 ) -> Frame:
     """Project, cull, shade, encode and sort a cloud.
 
@@ -71,8 +67,6 @@ def make_frame(
         be put together; fitted to what is seen if not given.
     shapes
         One of ``SHAPE_SOURCES``: where the shapes of the quality ``paper`` come from.
-    rounding
-        What of a colour's level is added before the engine cuts it off; see ``material_tables``.
 
     Returns
     -------
@@ -90,108 +84,129 @@ def make_frame(
         missing, negative or not finite; or if there is no quality, skip or source of shapes of a
         given name, or the ROM does not go with the rest.
     """
-    check_size(view.width, view.height, config)
+    (frame,) = make_frames(
+        cloud,
+        view,
+        radii=radii,
+        lighting=lighting,
+        materials=materials,
+        config=config,
+        quality=quality,
+        skips=skips,
+        depth_range=depth_range,
+        shapes=shapes,
+    )
+    return frame
+
+
+def make_frames(
+    cloud: Cloud | Index,
+    view: View,
+    samples: int = 1,
+    *,
+    radii: npt.NDArray[np.floating[Any]] | None = None,
+    lighting: Lighting | None = None,
+    materials: Materials | None = None,
+    config: EngineConfig = PAPER,
+    quality: str = DEFAULT_QUALITY,
+    skips: Iterable[str] = DEFAULT_SKIPS,
+    depth_range: tuple[float, float] | None = None,
+    shapes: str = "table",
+) -> list[Frame]:
+    """Return the frames whose mean has so many samples a pixel.
+
+    An engine has one sample a pixel, opaque or not. The mean of frames whose images are shifted by
+    parts of a pixel is the picture of as many samples: the accumulation buffer of Haeberli and
+    Akeley, *The accumulation buffer: hardware support for high-quality rendering*, SIGGRAPH 1990.
+
+    Each frame rounds its colours at another part of a level, which I0 tells the engine. Of four
+    frames that a colour is the same in, as many show the level above as there are quarters of a
+    level in it: so the mean of four frames has two bits of colour more, of sixteen four.
+
+    Parameters
+    ----------
+    samples
+        One of ``SAMPLES``.
+    cloud, view, radii, lighting, materials, config, quality, skips, depth_range, shapes
+        As :func:`splatline.host.pipeline.make_frame` takes them. The frames have one depth range:
+        that of the first that draws anything, unless it is given.
+
+    Raises
+    ------
+    InputError
+        If there is no pattern of so many samples, and as ``make_frame`` does.
+    """
+    if samples not in SAMPLES:
+        raise InputError(
+            f"no pattern of {samples} samples; there are: {', '.join(map(str, SAMPLES))}"
+        )
     chosen = check_skips(skips)
+    check_size(view.width, view.height, config)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
     check_shapes(shapes, quality, chosen, config)
     clock = Stopwatch()
     index = indexed(cloud, radii, materials, config, clock)
-    lighting = lighting or Lighting()
-    tables = material_tables(index.materials, lighting, config, rounding)
-    shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
-    clock.lap("tables")
-    # The symmetric shapes always have a pixel.
-    useful = chosen - {"no_pixel"} if quality == "paper" else chosen
-    splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
-    if depth_range is not None:
-        splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
-    clock.lap("project")
-    encoded = encode(
-        splats,
-        view,
-        config,
-        quality,
-        nearest_pixel="no_pixel" not in useful,
-        skip_hidden="hidden" in useful,
-        compact=shapes == "rom",
-    )
-    clock.lap("encode")
-    culled = splats.culled
-    culled["hidden"] = encoded.hidden
-    culled["no_pixel"] += len(splats) - encoded.elements - encoded.hidden
-    if not encoded.elements and culled["no_pixel"] and "no_pixel" in useful:
-        # Better a pixel for each than a picture of nothing.
-        return make_frame(
-            index,
-            view,
-            lighting=lighting,
-            config=config,
-            quality=quality,
-            skips=chosen - {"no_pixel"},
-            depth_range=depth_range,
-            shapes=shapes,
-            rounding=rounding,
-        )
-    name, points, dropped = index.cloud.name, len(index), index.cloud.dropped
-    if not encoded.elements:
-        raise InputError(
-            f"nothing of {name} is in view: of {points} points, "
-            + ", ".join(f"{count} {reason}" for reason, count in culled.items() if count)
-            + "; change the view"
-        )
-    stream, control_words = sort_by_line(encoded, config)
-    clock.lap("sort")
-    counts = {
-        "points": points,
-        "dropped": dropped,
-        "culled": culled,
-        "elements": encoded.elements,
-        "quality": quality,
-        "skips": sorted(chosen),
-        "shapes": shapes,
-        "bits_sent": {shapes: 8 * stream.nbytes},
-        "codewords": len(stream),
-        "control_words": control_words,
-        "depth_range": list(splats.depth_range),
-        "seconds": clock.laps,
-    }
-    return Frame(stream, tables, view.width, view.height, config, counts)
 
-
-def indexed(
-    cloud: Cloud | Index,
-    radii: npt.NDArray[np.floating[Any]] | None,
-    materials: Materials | None,
-    config: EngineConfig,
-    clock: Stopwatch,
-) -> Index:
-    """Return a cloud's index, built if need be; ``clock`` has the stages that this took."""
-    if isinstance(cloud, Index):
-        if radii is not None or materials is not None:
-            raise TypeError("an index has radii and materials already")
-        found, most = len(cloud.materials.palette), 1 << config.material_bits
-        if found > most:
-            raise InputError(
-                f"the index has {found} materials, an engine of preset {config.name} holds {most}"
+    def frames(left_out: frozenset[str]) -> list[Frame]:
+        found: list[Frame] = []
+        limits = depth_range
+        for number, (right, down) in enumerate(SAMPLES[samples]):
+            shift = view.shift[0] - right / 16.0, view.shift[1] - down / 16.0
+            frame = draw_up(
+                index,
+                dataclasses.replace(view, shift=shift),
+                left_out,
+                lighting=lighting,
+                config=config,
+                quality=quality,
+                depth_range=limits,
+                shapes=shapes,
+                rounding=(number + 0.5) / samples,
             )
-        return cloud
-    if radii is None:
-        raise TypeError("a cloud needs radii; see splat_radii")
-    if materials is None:
-        materials = find_materials(cloud, 1 << config.material_bits)
-        clock.lap("materials")
-    index = build_index(cloud, radii, materials)
-    clock.lap("index")
-    return index
+            if limits is None and frame.counts["elements"]:
+                limits = tuple(frame.counts["depth_range"])
+            found.append(frame)
+        return found
+
+    found = _with_something(frames, chosen, index)
+    found[0].counts["seconds"] = {**clock.laps, **found[0].counts["seconds"]}
+    return found
 
 
-def _check_range(limits: tuple[float, float]) -> tuple[float, float]:
-    """Return two distances, or raise ``InputError`` unless they are finite and in order."""
-    low, high = map(float, limits)
-    if not (np.isfinite([low, high]).all() and low <= high):
-        raise InputError(f"the depth range must be two distances in order, not {limits}")
-    return low, high
+def _with_something(
+    frames: Callable[[frozenset[str]], list[Frame]], skips: frozenset[str], index: Index
+) -> list[Frame]:
+    """Return the frames of a picture, of which at least one draws something.
+
+    Parameters
+    ----------
+    frames
+        Makes them, with what is left out.
+    skips
+        What to leave out. If that leaves nothing for ``no_pixel``, it is not applied.
+    index
+        What is drawn.
+
+    Raises
+    ------
+    InputError
+        If nothing is in view.
+    """
+    found = frames(skips)
+    culled: Counter[str] = Counter()
+    for frame in found:
+        culled.update(frame.counts["culled"])
+    if any(frame.counts["elements"] for frame in found):
+        return found
+    if culled["no_pixel"] and "no_pixel" in skips:
+        # Better a pixel for each than a picture of nothing.
+        return _with_something(frames, skips - {"no_pixel"}, index)
+    raise InputError(
+        f"nothing of {index.cloud.name} is in view: of {len(index)} points, "
+        + ", ".join(f"{count // len(found)} {reason}" for reason, count in culled.items() if count)
+        + "; change the view"
+    )
 
 
 def check_size(width: int, height: int, config: EngineConfig) -> None:
@@ -203,15 +218,24 @@ def check_size(width: int, height: int, config: EngineConfig) -> None:
         )
 
 
-class Stopwatch:
-    """Seconds of each stage."""
+def total_counts(frames: Sequence[Frame]) -> dict[str, Any]:
+    """Return the counts of one picture's frames together: what was drawn and sent is added up.
 
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = time.perf_counter()
+    ``points`` and what else is the same for all stays as it is, and ``samples`` is their number.
+    """
+    first, *others = (frame.counts for frame in frames)
+    total = dict(first)
+    for counts in others:
+        for name in _SUMMED & counts.keys():
+            total[name] = _add(total[name], counts[name])
+    return {**total, "samples": len(frames)}
 
-    def lap(self, stage: str) -> None:
-        """End a stage."""
-        now = time.perf_counter()
-        self.laps[stage] = now - self._last
-        self._last = now
+
+_SUMMED = {"culled", "elements", "bits_sent", "codewords", "control_words", "seconds"}
+
+
+def _add(one: Any, other: Any) -> Any:
+    """Add numbers, or dictionaries of numbers."""
+    if isinstance(one, dict):
+        return {name: one.get(name, 0) + other.get(name, 0) for name in {**one, **other}}
+    return one + other

@@ -206,5 +206,5 @@ def _describe_view(view: View) -> dict[str, Any]:
         "width": view.width,
         "height": view.height,
         "near": view.near,
-        "shift": list(view.shift),
+        "shift": [float(value) for value in view.shift],
     }

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ..rtl.format import EngineConfig
 from .raster import Raster
 
-__all__ = ["Average", "Picture", "average", "mismatches"]
+__all__ = ["Average", "Drawn", "average", "mismatches"]
 
 
 @dataclass(frozen=True)
@@ -63,16 +63,16 @@ class Average:
         return total / len(self.rasters)
 
 
-Picture: TypeAlias = Raster | Average
+Drawn: TypeAlias = Raster | Average
 """What was drawn, of one sample a pixel or of several."""
 
 
-def average(rasters: Sequence[Raster]) -> Picture:
+def average(rasters: Sequence[Raster]) -> Drawn:
     """Return the picture of some samples a pixel: a single raster as it is."""
     return rasters[0] if len(rasters) == 1 else Average(tuple(rasters))
 
 
-def mismatches(one: Picture, other: Picture) -> int:
+def mismatches(one: Drawn, other: Drawn) -> int:
     """Count the pixels of which any sample's depth or colour differs from another picture's.
 
     Raises
@@ -84,6 +84,6 @@ def mismatches(one: Picture, other: Picture) -> int:
     return int(np.count_nonzero(np.any([mine.differs(its) for mine, its in pairs], axis=0)))
 
 
-def _rasters(picture: Picture) -> tuple[Raster, ...]:
+def _rasters(picture: Drawn) -> tuple[Raster, ...]:
     """Return a picture's samples."""
     return picture.rasters if isinstance(picture, Average) else (picture,)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..host.atomic import atomic_write
-from .average import Picture, mismatches
+from .average import Drawn, mismatches
 from .reference import Reference
 
 __all__ = ["BACKGROUND", "GAIN", "picture_set", "save_depth", "save_rgb"]
@@ -47,7 +47,7 @@ def save_rgb(path: str | Path, rgb: npt.ArrayLike) -> None:
     _save(path, levels.astype(np.uint8))
 
 
-def save_depth(path: str | Path, raster: Picture) -> None:
+def save_depth(path: str | Path, raster: Drawn) -> None:
     """Write a raster's depth as a 16-bit grey PNG: near is white, the background 0.
 
     Nothing is lost: depth d of a background depth b is stored as ``(b - d) 65535 / b``, rounded.
@@ -72,8 +72,8 @@ def save_depth(path: str | Path, raster: Picture) -> None:
 def picture_set(
     out_dir: str | Path,
     *,
-    rtl: Picture | None,
-    golden: Picture,
+    rtl: Drawn | None,
+    golden: Drawn,
     reference: Reference,
     background: tuple[float, float, float] = BACKGROUND,
     stats: Mapping[str, Any] | None = None,
@@ -155,7 +155,7 @@ def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
     atomic_write(path, data.getvalue())
 
 
-def _false_colours(raster: Picture, background: tuple[float, float, float]) -> _Floats:
+def _false_colours(raster: Drawn, background: tuple[float, float, float]) -> _Floats:
     """Return depth as colours that can be told apart, stretched over what was drawn."""
     from matplotlib import colormaps
 

@@ -12,6 +12,7 @@ from typing import Any
 import numba
 import numpy as np
 
+from ..host.fractions import STEEP, cut, fraction_size
 from ..host.shapes import LEVELS, quantise
 from ..rtl.format import BLOCK, ROWS
 from .reference import _bound_disc, _bound_part
@@ -339,38 +340,68 @@ def _draw(
 def _draw_fractions(
     i: int, splat: Any, disc: Any, camera: Any, coding: Any, lines: Any, codes: Any, seen: Any
 ) -> None:
-    """Draw a splat's pixels by blocks of 4 lines x 8 columns, each at its pixels' mean depth.
-
-    Blocks start at the splat's first line, and at the first column that their lines cover.
-    """
-    centre, normal, radius = disc
-    height = codes.shape[0]
-    for top in range(splat.top, min(splat.bottom, height - 1) + 1, ROWS):
-        bottom = min(top + ROWS - 1, splat.bottom)
-        if bottom < lines[0] or top >= lines[1]:
+    """Draw a splat's pixels by the host's fractions, each at its pixels' mean depth."""
+    centre = disc[0]
+    top, bottom = splat.top, min(splat.bottom, codes.shape[0] - 1)
+    left, right = _columns(top, bottom, splat, disc, camera)
+    wide, high = BLOCK, ROWS
+    if bottom - top >= ROWS or right - left >= BLOCK:
+        change = centre[2] / (camera[0] * coding[3])
+        wide, high = fraction_size(change * splat.slope_x, change * splat.slope_y, STEEP)
+    first_line, high = cut(top, bottom, high, splat.slope_y)
+    for line in range(first_line, bottom + 1, high):
+        rows = max(line, top), min(line + high - 1, bottom)
+        if rows[1] < lines[0] or rows[0] >= lines[1]:
             continue
-        left = splat.left
-        while left <= splat.right:
-            pixels, across, down, first = 0, 0.0, 0.0, -1
-            for column in range(left, splat.right + 1):
-                if first >= 0 and column >= first + BLOCK:
-                    break
-                for line in range(top, bottom + 1):
-                    if _meet(line, column, splat, centre, normal, radius, camera) < np.inf:
-                        first = column if first < 0 else first
-                        pixels += 1
-                        across += column + 0.5
-                        down += line + 0.5
-            if pixels == 0:
-                break
-            x = across / pixels * splat.scale + splat.across
-            y = down / pixels * splat.scale + splat.down
-            code = _code(_plane_depth(x, y, centre, normal, camera), coding)
-            for line in range(max(top, lines[0]), min(bottom + 1, lines[1])):
-                for column in range(first, min(first + BLOCK, splat.right + 1)):
-                    if code >= codes[line, column]:
-                        continue
-                    if _meet(line, column, splat, centre, normal, radius, camera) < np.inf:
-                        codes[line, column] = code
-                        seen[line, column] = i
-            left = first + BLOCK
+        left, right = _columns(rows[0], rows[1], splat, disc, camera)
+        first_column, each = cut(left, right, wide, splat.slope_x)
+        for column in range(first_column, right + 1, each):
+            block = rows[0], rows[1], max(column, left), min(column + each - 1, right)
+            _draw_fraction(i, block, splat, disc, camera, coding, lines, codes, seen)
+
+
+@numba.njit(error_model="numpy")
+def _columns(top: int, bottom: int, splat: Any, disc: Any, camera: Any) -> tuple[int, int]:
+    """Return the first and last column that a splat covers on some lines; first > last if none."""
+    centre, normal, radius = disc
+    first, last = splat.right + 1, splat.left - 1
+    for line in range(top, bottom + 1):
+        for column in range(splat.left, splat.right + 1):
+            if _meet(line, column, splat, centre, normal, radius, camera) < np.inf:
+                first, last = min(first, column), max(last, column)
+    return first, last
+
+
+@numba.njit(error_model="numpy")
+def _draw_fraction(
+    i: int,
+    block: Any,
+    splat: Any,
+    disc: Any,
+    camera: Any,
+    coding: Any,
+    lines: Any,
+    codes: Any,
+    seen: Any,
+) -> None:
+    """Draw what a splat covers of a block: first and last line, first and last column."""
+    centre, normal, radius = disc
+    pixels, across, down = 0, 0.0, 0.0
+    for line in range(block[0], block[1] + 1):
+        for column in range(block[2], block[3] + 1):
+            if _meet(line, column, splat, centre, normal, radius, camera) < np.inf:
+                pixels += 1
+                across += column + 0.5
+                down += line + 0.5
+    if pixels == 0:
+        return
+    x = across / pixels * splat.scale + splat.across
+    y = down / pixels * splat.scale + splat.down
+    code = _code(_plane_depth(x, y, centre, normal, camera), coding)
+    for line in range(max(block[0], lines[0]), min(block[1] + 1, lines[1])):
+        for column in range(block[2], block[3] + 1):
+            if code < codes[line, column] and (
+                _meet(line, column, splat, centre, normal, radius, camera) < np.inf
+            ):
+                codes[line, column] = code
+                seen[line, column] = i

@@ -41,7 +41,7 @@ class Steps:
     ----------
     depth
         Where depth is taken: at every ``pixel`` of the sloped disc, at the mean place of each
-        ``fraction`` of 8 x 4 pixels, or at the centre of the ``splat``.
+        ``fraction``, cut as the host's ``exact`` cuts them, or at the centre of the ``splat``.
     depth_bits
         Bits of a stored depth, the largest value being the background's; None: as it is.
     reciprocal

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from .average import Picture
+from .average import Drawn
 from .reference import Reference
 
 __all__ = ["compare"]
@@ -23,7 +23,7 @@ SSIM_WINDOW = 11
 
 
 def compare(
-    raster: Picture,
+    raster: Drawn,
     reference: Reference,
     *,
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
@@ -34,7 +34,7 @@ def compare(
     Parameters
     ----------
     raster
-        The engine's picture.
+        The engine's picture. Of several samples a pixel, "drawn" means at least half of them.
     reference
         The exact picture of the same cloud and view, drawn with the same background.
     background
@@ -117,7 +117,7 @@ def _share(part: _Mask, whole: _Mask) -> float | None:
 
 
 def _depth_rmse(
-    raster: Picture,
+    raster: Drawn,
     reference: Reference,
     where: _Mask,
     depth_range: tuple[float, float] | list[float] | None,

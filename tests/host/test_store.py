@@ -1,3 +1,4 @@
+import dataclasses
 import json
 
 import numpy as np
@@ -30,6 +31,16 @@ def test_a_frame_comes_back_as_it_was(frame, saved):
     for name in ("ambient", "diffuse", "specular"):
         assert (getattr(back.tables, name) == getattr(frame.tables, name)).all()
     assert back.counts["elements"] == frame.counts["elements"]
+
+
+def test_the_view_is_told_beside_the_words(frame, tmp_path):
+    view = fit_view(sphere(300), size=(40, 30))
+    moved = dataclasses.replace(view, shift=(np.float32(0.25), -1))
+    save_frame(frame, tmp_path / "a.words", view=moved)
+    found = json.loads(sidecar_path(tmp_path / "a.words").read_text())["view"]
+    assert found["shift"] == [0.25, -1.0]
+    assert found["eye"] == view.eye.tolist()
+    assert (found["focal"], found["width"], found["height"]) == (view.focal, 40, 30)
 
 
 def test_the_words_on_disk_are_little_endian(frame, saved):

@@ -1,0 +1,139 @@
+"""The host's stages: project, cull, shade, encode and sort, from a cloud's index to a frame."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..rtl.format import EngineConfig
+from .cloud import Cloud
+from .encode import encode
+from .errors import InputError
+from .frame import Frame
+from .index import Index, build_index
+from .lighting import Lighting
+from .materials import Materials, find_materials, material_tables
+from .order import sort_by_line
+from .project import project
+from .shade import SHADE_LEVELS, shade_bits
+from .shapes import LEVELS
+from .view import View
+
+__all__ = ["Stopwatch", "draw_up", "indexed"]
+
+
+def draw_up(
+    index: Index,
+    view: View,
+    chosen: frozenset[str],
+    *,
+    lighting: Lighting | None,
+    config: EngineConfig,
+    quality: str,
+    depth_range: tuple[float, float] | None,
+    shapes: str,
+    rounding: float = 0.5,
+) -> Frame:
+    """Return a frame as :func:`make_frame` does, but one of nothing if nothing is in view.
+
+    Parameters
+    ----------
+    chosen
+        What to leave out, without exception.
+    rounding
+        What of a colour's level is added before the engine cuts it off; see ``material_tables``.
+    """
+    clock = Stopwatch()
+    lighting = lighting or Lighting()
+    tables = material_tables(index.materials, lighting, config, rounding)
+    shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
+    clock.lap("tables")
+    # The symmetric shapes always have a pixel.
+    useful = chosen - {"no_pixel"} if quality == "paper" else chosen
+    splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
+    if depth_range is not None:
+        splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
+    clock.lap("project")
+    encoded = encode(
+        splats,
+        view,
+        config,
+        quality,
+        nearest_pixel="no_pixel" not in useful,
+        skip_hidden="hidden" in useful,
+        compact=shapes == "rom",
+    )
+    clock.lap("encode")
+    culled = splats.culled
+    culled["hidden"] = encoded.hidden
+    culled["no_pixel"] += len(splats) - encoded.elements - encoded.hidden
+    stream, control_words = sort_by_line(encoded, config)
+    clock.lap("sort")
+    counts = {
+        "points": len(index),
+        "dropped": index.cloud.dropped,
+        "culled": culled,
+        "elements": encoded.elements,
+        "quality": quality,
+        "skips": sorted(chosen),
+        "shapes": shapes,
+        "bits_sent": {shapes: 8 * stream.nbytes},
+        "codewords": len(stream),
+        "control_words": control_words,
+        "depth_range": list(splats.depth_range),
+        "seconds": clock.laps,
+    }
+    return Frame(stream, tables, view.width, view.height, config, counts)
+
+
+def indexed(
+    cloud: Cloud | Index,
+    radii: npt.NDArray[np.floating[Any]] | None,
+    materials: Materials | None,
+    config: EngineConfig,
+    clock: Stopwatch,
+) -> Index:
+    """Return a cloud's index, built if need be; ``clock`` has the stages that this took."""
+    if isinstance(cloud, Index):
+        if radii is not None or materials is not None:
+            raise TypeError("an index has radii and materials already")
+        found, most = len(cloud.materials.palette), 1 << config.material_bits
+        if found > most:
+            raise InputError(
+                f"the index has {found} materials, an engine of preset {config.name} holds {most}"
+            )
+        return cloud
+    if radii is None:
+        raise TypeError("a cloud needs radii; see splat_radii")
+    if materials is None:
+        materials = find_materials(cloud, 1 << config.material_bits)
+        clock.lap("materials")
+    index = build_index(cloud, radii, materials)
+    clock.lap("index")
+    return index
+
+
+def _check_range(limits: tuple[float, float]) -> tuple[float, float]:
+    """Return two distances, or raise ``InputError`` unless they are finite and in order."""
+    low, high = map(float, limits)
+    if not (np.isfinite([low, high]).all() and low <= high):
+        raise InputError(f"the depth range must be two distances in order, not {limits}")
+    return low, high
+
+
+class Stopwatch:
+    """Seconds of each stage."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """End a stage."""
+        now = time.perf_counter()
+        self.laps[stage] = now - self._last
+        self._last = now
