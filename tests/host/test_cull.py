@@ -40,7 +40,7 @@ def patchy(seed, count=6000):
     st.sampled_from([1e-4, 3e-3, 0.1]),
     st.sampled_from([(0.0, 0.0), (0.25, -0.375), (40.0, -7.0), (-500.0, 300.0)]),
 )
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_no_block_hides_a_point_that_would_be_drawn(seed, orbit, fov, zoom, nearer, radius, shift):
     cloud = patchy(seed)
     view = fit_view(cloud, orbit=orbit, fov=fov, zoom=zoom, size=(64, 48))

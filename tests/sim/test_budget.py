@@ -22,6 +22,8 @@ FLAT = Lighting(lights=(), ambient=1.0, gloss=0.0)
 
 BLACK = (0.0, 0.0, 0.0)
 
+PRESET_NAMES = ("paper", "dither", "rgb24")
+
 
 def make_cloud(positions, normals, colours=(255, 255, 255), two_sided=False):
     positions = np.atleast_2d(np.asarray(positions, np.float64))
@@ -223,8 +225,13 @@ def test_shade_materials_and_colour_are_rounded():
     assert (few.rgb[8, 10] != many.colours[seen] / 255.0).any()
 
 
-@pytest.mark.parametrize("preset", ["paper", "dither", "rgb24"])
-@pytest.mark.parametrize(("quality", "size"), [("paper", 1.0), ("exact", 1.0), ("exact", 3.0)])
+@pytest.mark.parametrize(
+    ("quality", "preset", "size"),
+    [
+        *((quality, preset, 1.0) for quality in budget.LADDERS for preset in PRESET_NAMES),
+        ("exact", "rgb24", 3.0),
+    ],
+)
 def test_a_ladder_ends_near_the_golden_renderer(quality, preset, size):
     scene = load_scene("knot")
     view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up, size=(160, 160))
