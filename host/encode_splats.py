@@ -37,25 +37,22 @@ no pixel's centre has the nearest in its own metric, anywhere in its block, from
 def measure_room(source: Any, fixed: Any, room: Any) -> None:
     """Set how many words each chunk has at the most."""
     floats, _, doubles, starts, stops = source
-    inverse_focal, inverse_span = fixed[5], fixed[7]
     for chunk in nb.prange(len(starts)):
         total = 0
         for i in range(starts[chunk], stops[chunk]):
-            change = doubles[i, DEPTH] * inverse_span
-            change_x = float(floats[i, SLOPE_X]) * inverse_focal * change
-            change_y = float(floats[i, SLOPE_Y]) * inverse_focal * change
             place = floats[i, COLUMN], floats[i, LINE]
-            total += _room(place, floats[i, DIAMETER], change_x, change_y, fixed)
+            slope = floats[i, SLOPE_X], floats[i, SLOPE_Y]
+            total += _room(place, floats[i, DIAMETER], slope, doubles[i, DEPTH], fixed)
         room[chunk] = total
 
 
 @nb.njit(error_model="numpy")
-def _room(place: Any, diameter: float, change_x: float, change_y: float, fixed: Any) -> int:
+def _room(place: Any, diameter: float, slope: Any, distance: float, fixed: Any) -> int:
     """Return the most words that a splat may take.
 
     A disc seen at the slant a = x / z reaches sqrt(1 + a^2) times its radius (see ``conic``), and
     2 r pixels hold the centres of at most floor(2 r) + 1. The symmetric shapes reach a pixel
-    further, for their whole places and diameters. For the changes see ``fraction_size``.
+    further, for their whole places and diameters.
     """
     quality, width, height, inverse_focal = fixed[2], fixed[3], fixed[4], fixed[5]
     if quality < 2 and diameter <= BLOCK:
@@ -73,6 +70,10 @@ def _room(place: Any, diameter: float, change_x: float, change_y: float, fixed: 
     columns = min(int(min(wide, LARGEST)) + 1, width + BLOCK)
     if lines <= ROWS and columns <= BLOCK:
         return 1
+    # As ``encode_fractions`` has it, to the last bit.
+    change = distance * fixed[7]
+    change_x = float(slope[0]) * inverse_focal * change
+    change_y = float(slope[1]) * inverse_focal * change
     most_columns, most_lines = fraction_size(
         change_x, change_y, STEEP if quality == 2 else math.inf
     )

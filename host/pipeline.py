@@ -27,75 +27,12 @@ from .view import View
 __all__ = ["make_frame", "make_frames", "total_counts"]
 
 
-def make_frame(
-    cloud: Cloud | Index,
-    view: View,
-    *,
-    radii: npt.NDArray[np.floating[Any]] | None = None,
-    lighting: Lighting | None = None,
-    materials: Materials | None = None,
-    config: EngineConfig = PAPER,
-    quality: str = DEFAULT_QUALITY,
-    skips: Iterable[str] = DEFAULT_SKIPS,
-    depth_range: tuple[float, float] | None = None,
-    shapes: str = "table",
-) -> Frame:
-    """Project, cull, shade, encode and sort a cloud.
+def make_frame(cloud: Cloud | Index, view: View, **options: Any) -> Frame:
+    """Project, cull, shade, encode and sort a cloud, for one sample a pixel.
 
-    Parameters
-    ----------
-    cloud
-        The points; or their index (``build_index``), built once for many frames.
-    view
-        The camera and the size of the image.
-    radii
-        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``. An index
-        has them already.
-    lighting
-        Lights and surface; the default ones if not given.
-    materials
-        The cloud's palette; found if not given. An index has it already.
-    config
-        The engine to draw it.
-    quality
-        One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
-    skips
-        What to leave out, by name; see ``SKIPS``. If ``no_pixel`` would leave nothing at all, it is
-        not applied.
-    depth_range
-        Distances along the view of depth 0 and of the largest depth, so that frames of one view can
-        be put together; fitted to what is seen if not given.
-    shapes
-        One of ``SHAPE_SOURCES``: where the shapes of the quality ``paper`` come from.
-
-    Returns
-    -------
-    Frame
-        ``counts`` has ``points``, ``dropped`` (reason -> points left out when the cloud was read),
-        ``culled`` (reason -> points), ``elements`` (points drawn), ``quality``, ``skips``,
-        ``shapes``, ``bits_sent`` (those of the stream, by the name of ``shapes``),
-        ``codewords`` (length of the stream), ``control_words``, ``depth_range`` (distances along
-        the view of depth 0 and of the largest depth) and ``seconds`` (per stage).
-
-    Raises
-    ------
-    InputError
-        If the image is larger than the engine's, or shows nothing of the cloud, or a radius is
-        missing, negative or not finite; or if there is no quality, skip or source of shapes of a
-        given name, or the ROM does not go with the rest.
+    ``options`` are those of :func:`make_frames`, and so are the errors.
     """
-    (frame,) = make_frames(
-        cloud,
-        view,
-        radii=radii,
-        lighting=lighting,
-        materials=materials,
-        config=config,
-        quality=quality,
-        skips=skips,
-        depth_range=depth_range,
-        shapes=shapes,
-    )
+    (frame,) = make_frames(cloud, view, **options)
     return frame
 
 
@@ -113,7 +50,7 @@ def make_frames(
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
 ) -> list[Frame]:
-    """Return the frames whose mean has so many samples a pixel.
+    """Project, cull, shade, encode and sort a cloud: frames whose mean has so many samples a pixel.
 
     An engine has one sample a pixel, opaque or not. The mean of frames whose images are shifted by
     parts of a pixel is the picture of as many samples: the accumulation buffer of Haeberli and
@@ -125,16 +62,47 @@ def make_frames(
 
     Parameters
     ----------
+    cloud
+        The points; or their index (``build_index``), built once for many frames.
+    view
+        The camera and the size of the image.
     samples
         One of ``SAMPLES``.
-    cloud, view, radii, lighting, materials, config, quality, skips, depth_range, shapes
-        As :func:`splatline.host.pipeline.make_frame` takes them. The frames have one depth range:
-        that of the first that draws anything, unless it is given.
+    radii
+        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``. An index
+        has them already.
+    lighting
+        Lights and surface; the default ones if not given.
+    materials
+        The cloud's palette; found if not given. An index has it already.
+    config
+        The engine to draw it.
+    quality
+        One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
+    skips
+        What to leave out, by name; see ``SKIPS``. If ``no_pixel`` would leave nothing at all, it is
+        not applied.
+    depth_range
+        Distances along the view of depth 0 and of the largest depth, so that frames of one view can
+        be put together; if not given, fitted to what the first frame that draws anything sees.
+    shapes
+        One of ``SHAPE_SOURCES``: where the shapes of the quality ``paper`` come from.
+
+    Returns
+    -------
+    list of Frame
+        ``counts`` of each has ``points``, ``dropped`` (reason -> points left out when the cloud was
+        read), ``culled`` (reason -> points), ``elements`` (points drawn), ``quality``, ``skips``,
+        ``shapes``, ``bits_sent`` (those of the stream, by the name of ``shapes``),
+        ``codewords`` (length of the stream), ``control_words``, ``depth_range`` (distances along
+        the view of depth 0 and of the largest depth) and ``seconds`` (per stage).
 
     Raises
     ------
     InputError
-        If there is no pattern of so many samples, and as ``make_frame`` does.
+        If there is no pattern of so many samples, or the image is larger than the engine's or shows
+        nothing of the cloud, or a radius is missing, negative or not finite; or if there is no
+        quality, skip or source of shapes of a given name, or the ROM does not go with the rest.
     """
     if samples not in SAMPLES:
         raise InputError(
