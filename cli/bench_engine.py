@@ -25,7 +25,7 @@ SPLATS = (None, 2.0, 3.0, 4.0, 6.5)
 """Median diameters in pixels; None: the points' own spacing."""
 
 MEASURED_QUALITIES = ("fast", "exact")
-MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide"))
+MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide", "swift"))
 
 
 @click.command()

@@ -5,7 +5,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .bank import BankRequestLayout
-from .bank_layout import BANKS, bank_address_bits
+from .bank_layout import bank_address_bits, residue_bits, turned
 from .format import EngineConfig
 from .layouts import DealLayout, FlushLayout, LoadLayout, PlaceLayout
 
@@ -16,8 +16,9 @@ class BankArbiter(wiring.Component):
     """Gives each bank an address a cycle: of the initial raster, of an element, or of a flush.
 
     The initial raster goes first, then the element, and the flush takes what banks are left; unless
-    six lines or more wait for it, then it goes before the element. No word is asked for that is
-    still to be written: :class:`Scatter` sees to that among elements, all else is seen to here.
+    six or seven lines wait for it, with sixteen banks two or more, then it goes before the element.
+    No word is asked for that is still to be written: :class:`Scatter` sees to that among elements,
+    all else is seen to here.
 
     After reset all words are cleared, which takes as many cycles as a bank has words.
 
@@ -30,9 +31,9 @@ class BankArbiter(wiring.Component):
         Low: the banks stand still, and nothing is taken.
     draw : In(stream of DealLayout)
         Words of an element.
-    stale : In(8)
+    stale : In(banks)
         Banks in which the element's word is still to be written: it waits.
-    taken : Out(8)
+    taken : Out(banks)
         Banks that take their word of the element in this cycle.
     drawing : Out(1)
         The element's turn has come, though not all its banks need be free.
@@ -49,9 +50,9 @@ class BankArbiter(wiring.Component):
         There is room for them.
     ahead : In(signed(line_bits + 2))
         So many lines are complete, as of the element that is offered.
-    busy : In(8)
+    busy : In(banks)
         Banks that work on further planes.
-    requests : Out(8 x BankRequestLayout)
+    requests : Out(banks x BankRequestLayout)
         What the banks are to do.
     wiping : Out(1)
         The words that the banks were asked for one cycle before are cleared after a reset.
@@ -63,8 +64,8 @@ class BankArbiter(wiring.Component):
             {
                 "running": In(1),
                 "draw": In(stream.Signature(DealLayout(config))),
-                "stale": In(BANKS),
-                "taken": Out(BANKS),
+                "stale": In(config.banks),
+                "taken": Out(config.banks),
                 "drawing": Out(1),
                 "load": In(stream.Signature(LoadLayout(config))),
                 "may_load": In(1),
@@ -72,8 +73,8 @@ class BankArbiter(wiring.Component):
                 "flush": In(stream.Signature(FlushLayout(config))),
                 "may_flush": In(1),
                 "ahead": In(signed(config.line_bits + 2)),
-                "busy": In(BANKS),
-                "requests": Out(data.ArrayLayout(BankRequestLayout(config), BANKS)),
+                "busy": In(config.banks),
+                "requests": Out(data.ArrayLayout(BankRequestLayout(config), config.banks)),
                 "wiping": Out(1),
             }
         )
@@ -82,6 +83,8 @@ class BankArbiter(wiring.Component):
         """Build the circuit."""
         m = Module()
         deal, leaving = self.draw.payload, self.flush.payload
+        banks, bits = self.config.banks, residue_bits(self.config)
+        lines = banks // 2  # that lie in different banks
 
         sweeping = Signal(init=1)
         sweep = Signal(bank_address_bits(self.config))
@@ -94,9 +97,12 @@ class BankArbiter(wiring.Component):
         word, line = self.load.payload.word, self.load.payload.line
         service = Signal(FlushLayout(self.config))
         address = Signal.like(sweep)
-        m.d.comb += [service.eq(leaving), address.eq(Cat(service.pair, service.line[2:4]))]
+        m.d.comb += [
+            service.eq(leaving),
+            address.eq(Cat(service.pair, service.line[bits : self.config.slot_bits])),
+        ]
         with m.If(self.load.valid):
-            upper = word[0] ^ line[2]
+            upper = word[0] ^ turned(self.config, line)
             m.d.comb += [
                 service.pair.eq(word[1:]),
                 service.line.eq(line),
@@ -105,18 +111,20 @@ class BankArbiter(wiring.Component):
         with m.If(sweeping):
             m.d.comb += address.eq(sweep)
 
-        # Where six complete lines wait, flushing goes before the element in the bank that it needs,
-        # or keeps both of the oldest line, whose marks it waits for. Six, as splats of a few pixels
-        # then lie in other banks than the oldest line; four or eight lines apart they are the same.
+        # Where complete lines wait, flushing goes before the element in the bank that it needs, or
+        # keeps both of the oldest line, whose marks it waits for. Six lines with eight banks, as
+        # splats of a few pixels then lie in other banks than the oldest line; four or eight lines
+        # apart they are the same. Two with sixteen: closer to the splats no line is in their way.
         urgent = Signal()
         waiting = Signal()  # so many lines wait; known a cycle late
         m.d.comb += urgent.eq(waiting & self.may_flush)
-        m.d.sync += waiting.eq(~self.ahead[-1] & self.ahead[1:3].all())
+        several = self.ahead[1:3].all() if banks == 8 else self.ahead[1:].any()
+        m.d.sync += waiting.eq(~self.ahead[-1] & several)
 
         loading, flushing = Signal(), Signal()
         loaded = Signal(2)  # one and two cycles before: that word is still to be written
-        held = Signal(BANKS)  # kept for what leaves
-        free = Signal(BANKS)  # for what is to be served
+        held = Signal(banks)  # kept for what leaves
+        free = Signal(banks)  # for what is to be served
         m.d.comb += [
             self.wiping.eq(swept[0]),
             self.drawing.eq(
@@ -124,17 +132,18 @@ class BankArbiter(wiring.Component):
             ),
             self.draw.ready.eq(self.drawing & self.running & ~(deal.want & ~self.taken).any()),
         ]
-        for index in range(BANKS):
+        for index in range(banks):
             share, request = deal.shares[index], self.requests[index]
             mine = Signal(name=f"mine_{index}")
             wanted = Signal(name=f"wanted_{index}")
-            has_line, half = service.line[:2] == index % 4, service.halves[index // 4]
+            has_line = service.line[:bits] == index % lines
+            half = service.halves[index // lines]
             # What leaves, or is loaded, is never a word that is being drawn into.
             m.d.comb += [
                 held[index].eq(
                     urgent
-                    & (leaving.line[:2] == index % 4)
-                    & (leaving.halves[index // 4] | ~self.flush.valid)
+                    & (leaving.line[:bits] == index % lines)
+                    & (leaving.halves[index // lines] | ~self.flush.valid)
                 ),
                 wanted.eq(self.drawing & deal.want[index] & ~held[index]),
                 self.taken[index].eq(
@@ -157,7 +166,7 @@ class BankArbiter(wiring.Component):
         ]
         served, again = Signal(), Signal()
         m.d.comb += [
-            served.eq((Cat(free[:4].any(), free[4:].any()) | ~service.halves).all()),
+            served.eq((Cat(free[:lines].any(), free[lines:].any()) | ~service.halves).all()),
             again.eq(
                 (loaded[1] & (Cat(last.word, last.line) == Cat(word, line)))
                 | Cat(

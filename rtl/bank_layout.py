@@ -1,19 +1,33 @@
-"""Where the words of a window lie: in eight banks, and in stretches of marks."""
+"""Where the words of a window lie: in its banks, and in stretches of marks.
+
+Of eight banks ``(line + 4 * (word % 2)) % 8`` holds a word, of sixteen
+``line % 8 + 8 * (word % 2)``.
+"""
+
+from amaranth.hdl import Const
 
 from .format import EngineConfig
 
-__all__ = ["BANKS", "bank_address_bits", "column_bits", "stretch_bits"]
+__all__ = ["bank_address_bits", "column_bits", "residue_bits", "stretch_bits", "turned"]
 
-BANKS = 8
-"""Banks of the window; bank ``(line + 4 * (word % 2)) % 8`` holds a word of a line."""
+
+def residue_bits(config: EngineConfig) -> int:
+    """Return how many of a line's lowest bits say in which two banks it lies."""
+    return (config.banks // 2).bit_length() - 1
+
+
+def turned(config: EngineConfig, line):
+    """Return whether a line's even words lie in the upper half of the banks, not in the lower."""
+    return line[2] if config.banks == 8 else Const(0)
 
 
 def bank_address_bits(config: EngineConfig) -> int:
-    """Return the address bits of a bank: two for its lines, the rest for half a line's words.
+    """Return the address bits of a bank: some for its lines, the rest for half a line's words.
 
-    A bank holds the even words of two lines of the window and the odd words of two others.
+    A bank of eight has the even words of two lines of the window and the odd words of two others, a
+    bank of sixteen the even or the odd words of two lines.
     """
-    return 2 + config.word_bits - 1
+    return config.slot_bits - residue_bits(config) + config.word_bits - 1
 
 
 def column_bits(config: EngineConfig) -> int:

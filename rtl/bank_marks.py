@@ -4,7 +4,7 @@ from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank_layout import BANKS, bank_address_bits, column_bits, stretch_bits
+from .bank_layout import bank_address_bits, column_bits, residue_bits, stretch_bits
 from .choose import choose
 from .format import EngineConfig
 
@@ -24,9 +24,9 @@ class BankMarks(wiring.Component):
 
     Members
     -------
-    drawn : In(8)
+    drawn : In(banks)
         The bank's word at ``addresses`` is drawn into: mark it.
-    addresses : In(8 x bank_address_bits)
+    addresses : In(banks x bank_address_bits)
         Which word.
     line : In(4)
         Place in the window of a line.
@@ -40,16 +40,16 @@ class BankMarks(wiring.Component):
         Clear the marks of all words that share a row with those at ``addresses``; nothing is drawn
         in that cycle.
     bits : Out(2 ** (column_bits + 1))
-        The words' marks, two neighbours after the other. Of two neighbours the one in banks 0..3
-        comes first, whichever lies left.
+        The words' marks, two neighbours after the other. Of two neighbours the one in the lower
+        half of the banks comes first, whichever lies left.
     """
 
     def __init__(self, config: EngineConfig):
         self.config = config
         super().__init__(
             {
-                "drawn": In(BANKS),
-                "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
+                "drawn": In(config.banks),
+                "addresses": In(data.ArrayLayout(bank_address_bits(config), config.banks)),
                 "line": In(4),
                 "stretch": In(stretch_bits(config)),
                 "busy": Out(1),
@@ -64,16 +64,18 @@ class BankMarks(wiring.Component):
         m = Module()
         low = column_bits(self.config)
         shared = min(self.config.mark_words.bit_length() - 1, low)  # bits of an address left out
-        row = Signal(stretch_bits(self.config) + 2)
-        m.d.comb += row.eq(Cat(self.stretch, self.line[2:]))
+        banks, residue = self.config.banks, self.line[: residue_bits(self.config)]
+        group = self.line[len(residue) :]
+        row = Signal(stretch_bits(self.config) + len(group))
+        m.d.comb += row.eq(Cat(self.stretch, group))
 
-        kept = [Signal(1 << low, name=f"kept_{bank}") for bank in range(BANKS)]
-        for bank in range(BANKS):
+        kept = [Signal(1 << low, name=f"kept_{bank}") for bank in range(banks)]
+        for bank in range(banks):
             drawn, address = self.drawn[bank], self.addresses[bank]
             clear = Signal(name=f"clear_{bank}")
             mark_row = Signal.like(row, name=f"mark_row_{bank}")
             m.d.comb += [
-                clear.eq(self.wipe | (self.take & (self.line[:2] == bank % 4))),
+                clear.eq(self.wipe | (self.take & (residue == bank % (banks // 2)))),
                 mark_row.eq(Mux(drawn | self.wipe, address[low:], row)),
             ]
             for column in range(1 << low - shared):
@@ -96,11 +98,13 @@ class BankMarks(wiring.Component):
                 ]
 
         halves = [Signal(1 << low, name=f"half_{n}") for n in range(2)]
-        for n, half in enumerate(halves):
-            m.d.comb += half.eq(choose(kept[4 * n : 4 * n + 4], self.line[:2]))
+        for half, side in zip(halves, (kept[: banks // 2], kept[banks // 2 :]), strict=True):
+            m.d.comb += half.eq(choose(side, residue))
         for column in range(1 << low):
             m.d.comb += self.bits[2 * column : 2 * column + 2].eq(
                 Cat(halves[0][column], halves[1][column])
             )
-        m.d.comb += self.busy.eq(choose(self.drawn[:4] | self.drawn[4:], self.line[:2]))
+        m.d.comb += self.busy.eq(
+            choose(self.drawn[: banks // 2] | self.drawn[banks // 2 :], residue)
+        )
         return m

@@ -4,7 +4,7 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank_layout import BANKS, bank_address_bits, column_bits, stretch_bits
+from .bank_layout import bank_address_bits, column_bits, residue_bits, stretch_bits, turned
 from .bank_marks import BankMarks
 from .changeover import Changeover
 from .choose import number_of
@@ -51,9 +51,9 @@ class BankWalker(wiring.Component):
         Something may be drawn in this cycle into the stretches ``reach``.
     reach : In(2 ** stretch_bits)
         Means nothing unless ``jump``: an initial raster may lie anywhere.
-    drawn : In(8)
+    drawn : In(banks)
         The bank writes what was drawn into its word at ``addresses``, one cycle after the request.
-    addresses : In(8 x bank_address_bits)
+    addresses : In(banks x bank_address_bits)
         Which word.
     wipe : In(1)
         Clear the marks about ``addresses``, as after a reset: see :class:`BankMarks`.
@@ -83,8 +83,8 @@ class BankWalker(wiring.Component):
                 "last_word": In(config.word_bits),
                 "reaching": In(1),
                 "reach": In(1 << stretch_bits(config)),
-                "drawn": In(BANKS),
-                "addresses": In(data.ArrayLayout(bank_address_bits(config), BANKS)),
+                "drawn": In(config.banks),
+                "addresses": In(data.ArrayLayout(bank_address_bits(config), config.banks)),
                 "wipe": In(1),
                 "close": In(1),
                 "restart": In(1),
@@ -149,7 +149,7 @@ class BankWalker(wiring.Component):
             changeover.oldest.eq(self.oldest),
             changeover.line.eq(line),
             changeover.leaves.eq(leaves),
-            changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(BANKS)).any()),
+            changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(config.banks)).any()),
             # What is drawn at the moment is written one cycle later.
             changeover.clean.eq(clean & ~self.drawn.any()),
             changeover.close.eq(self.close),
@@ -188,13 +188,13 @@ class BankWalker(wiring.Component):
         ask = Signal(FlushLayout(config))
         asked = Signal()
         single = Signal()  # it is the last of the stretch
-        turned = line_left[2]
+        right_first = turned(config, line_left)
         if config.raster_words == 2:
             m.d.comb += [ask.halves.eq(two), single.eq(alone)]
         else:  # the left one first
             m.d.comb += [
-                ask.halves[0].eq(two[0] & ~(turned & two[1])),
-                ask.halves[1].eq(two[1] & ~(~turned & two[0])),
+                ask.halves[0].eq(two[0] & ~(right_first & two[1])),
+                ask.halves[1].eq(two[1] & ~(~right_first & two[0])),
                 single.eq(alone & ~two.all()),
             ]
         m.d.comb += [
@@ -229,9 +229,10 @@ class BankWalker(wiring.Component):
             m.d.sync += [second_valid.eq(1), second.eq(ask), second_line.eq(line_left)]
 
         for slot in range(config.window_lines):
+            group, bank = divmod(slot, config.banks // 2)
             touched = Cat(
-                self.drawn[bank] & (self.addresses[bank][-2:] == slot // 4)
-                for bank in (slot % 4, slot % 4 + 4)
+                self.drawn[half] & (self._group(half) == group)
+                for half in (bank, bank + config.banks // 2)
             ).any()
             with m.If(touched):
                 m.d.sync += written[slot].eq(1)
@@ -241,9 +242,14 @@ class BankWalker(wiring.Component):
             m.d.sync += [line.eq(0), self.oldest.eq(0)]
         return m
 
+    def _group(self, bank):
+        """Return which of its lines a bank writes into: the place but for its lowest bits."""
+        return self.addresses[bank][self.config.word_bits - 1 :]
+
     def _wraps(self, bank, line):
         """Return whether a bank writes into a line whose place is before that of ``line``."""
-        place = Cat(Const(bank % 4, 2), self.addresses[bank][-2:])
+        bits = residue_bits(self.config)
+        place = Cat(Const(bank % (1 << bits), bits), self._group(bank))
         return self.drawn[bank] & (place < line[: self.config.slot_bits])
 
     def _choose_stretch(self, m, stretch, last, passed, clean):

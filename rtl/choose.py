@@ -15,7 +15,7 @@ def choose(values, index, pairs=None) -> Cat:
     Parameters
     ----------
     values
-        Two, four or eight of the same width.
+        As many of the same width as a power of two.
     index
         The number of one.
     pairs

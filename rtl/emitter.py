@@ -4,7 +4,7 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank_layout import BANKS
+from .bank_layout import residue_bits, turned
 from .choose import choose
 from .format import EngineConfig
 from .layouts import FlushLayout, PlaneLayout, RasterLayout
@@ -39,7 +39,7 @@ class Emitter(wiring.Component):
         Which words leave: one, or both of a beat of two.
     ready : Out(1)
         A word may be requested.
-    words : In(8 x PlaneLayout)
+    words : In(banks x PlaneLayout)
         The banks' outputs.
     last_column : In(x_bits)
         Width of the image less 1.
@@ -62,7 +62,7 @@ class Emitter(wiring.Component):
                 "flush": In(1),
                 "request": In(FlushLayout(config)),
                 "ready": Out(1, init=1),
-                "words": In(data.ArrayLayout(PlaneLayout(config), BANKS)),
+                "words": In(data.ArrayLayout(PlaneLayout(config), config.banks)),
                 "last_column": In(config.x_bits),
                 "end": In(1),
                 "raster": Out(stream.Signature(RasterLayout(config))),
@@ -136,26 +136,31 @@ class Emitter(wiring.Component):
         """Return the number of a beat in its line."""
         if self.config.raster_words == 2:
             return place.pair
-        return Cat(place.halves[1] ^ place.line[2], place.pair)
+        return Cat(place.halves[1] ^ turned(self.config, place.line), place.pair)
+
+    def _bank(self, place):
+        """Return the bank of a beat of one word."""
+        return Cat(place.line[: residue_bits(self.config)], place.halves[1])
 
     def _words(self, m, places):
         """Return a beat's words from left to right, each with whether it was requested."""
         before, place = places[-2:]
         if self.config.raster_words == 1:
             word = Signal(PlaneLayout(self.config))
-            bank = Cat(place.line[:2], place.halves[1])
-            m.d.comb += word.eq(choose(self.words, bank))
+            m.d.comb += word.eq(choose(self.words, self._bank(place)))
             return [(word, Const(1))]
-        pairs = Signal(2, reset_less=True)
+        bits = residue_bits(self.config)
+        lines = 1 << bits
+        pairs = Signal(lines // 2, reset_less=True)
         with m.If(self.running):
-            m.d.sync += pairs.eq(Cat(~before.line[1], before.line[1]))
+            m.d.sync += pairs.eq(Cat(before.line[1:bits] == n for n in range(lines // 2)))
         words = []
         for half in range(2):
-            upper = place.line[2] ^ half  # the banks 4..7 have it
+            upper = turned(self.config, place.line) ^ half  # a bank of the upper half has it
             word = Signal(PlaneLayout(self.config), name=("left", "right")[half])
             sides = [
-                choose([self.words[first + n] for n in range(4)], place.line[:2], pairs)
-                for first in (0, 4)
+                choose([self.words[first + n] for n in range(lines)], place.line[:bits], pairs)
+                for first in (0, lines)
             ]
             m.d.comb += word.eq(Mux(upper, sides[1], sides[0]))
             words.append((word, Mux(upper, place.halves[1], place.halves[0])))
@@ -191,9 +196,8 @@ class Emitter(wiring.Component):
         one that needs its planes next, and the one before the port.
         """
         config = self.config
-        chosen = Signal(range(BANKS), reset_less=True)
+        chosen = Signal(range(config.banks), reset_less=True)
         word = Signal(PlaneLayout(config))
-        bank = Cat(self.request.line[:2], self.request.halves[1])
         m.d.comb += word.eq(choose(self.words, chosen))
         before = Signal.like(chosen)  # the bank chosen one cycle ago
         pixel = data.StructLayout(
@@ -206,7 +210,7 @@ class Emitter(wiring.Component):
             m.d.sync += [
                 # A bank that gave plane 0 is chosen again two cycles later for the planes.
                 before.eq(chosen),
-                chosen.eq(Mux(self.flush, bank, before)),
+                chosen.eq(Mux(self.flush, self._bank(self.request), before)),
                 waiting.eq(caught),
             ]
             for number, (depth, colour) in enumerate(self._inside(places[0], [(word, Const(1))])):

@@ -7,7 +7,7 @@ ones are the engine's own.
 from amaranth.hdl import signed
 from amaranth.lib import data
 
-from .bank_layout import BANKS, bank_address_bits, stretch_bits
+from .bank_layout import bank_address_bits, stretch_bits
 from .format import EngineConfig
 
 __all__ = [
@@ -103,8 +103,8 @@ class PlaceLayout(data.StructLayout):
 class FlushLayout(data.StructLayout):
     """Words of a window of banks that are to leave: of two neighbours one or both.
 
-    ``pair`` counts in twos from the left. ``halves[h]``: the one that lies in banks 4 h .. 4 h + 3;
-    that is the right one if h differs from bit 2 of the line.
+    ``pair`` counts in twos from the left. ``halves[h]``: the one that lies in the lower half of the
+    banks (h = 0) or in the upper: for which of the two that is see ``bank_layout``.
     """
 
     def __init__(self, config: EngineConfig):
@@ -226,8 +226,8 @@ class DealLayout(data.StructLayout):
         )
         super().__init__(
             {
-                "want": BANKS,
-                "shares": data.ArrayLayout(share, BANKS),
+                "want": config.banks,
+                "shares": data.ArrayLayout(share, config.banks),
                 "z": config.z.width,
                 "reach": 1 << stretch_bits(config),
             }

@@ -1,4 +1,4 @@
-"""The sliding window of eight banks: what elements pass through on their way to the raster."""
+"""The sliding window of banks: what elements pass through on their way to the raster."""
 
 from amaranth.hdl import Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
@@ -6,7 +6,6 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .bank import Bank
 from .bank_arbiter import BankArbiter
-from .bank_layout import BANKS
 from .bank_walker import BankWalker
 from .emitter import Emitter
 from .format import ROWS, EngineConfig
@@ -104,7 +103,8 @@ class Window(wiring.Component):
         m.submodules.paint = paint = Paint(config)
         m.submodules.emitter = emitter = Emitter(config)
         banks = [
-            Bank(config) if config.colour_planes == 1 else PlanarBank(config) for _ in range(BANKS)
+            Bank(config) if config.colour_planes == 1 else PlanarBank(config)
+            for _ in range(config.banks)
         ]
         for index, bank in enumerate(banks):
             m.submodules[f"bank_{index}"] = bank

@@ -16,7 +16,6 @@ from ..host.unfold import unfold
 from ..rtl.format import BLOCK
 from .bank_walk import (
     ASKED,
-    BANKS,
     LINE,
     OLDEST,
     REACHED,
@@ -24,6 +23,7 @@ from .bank_walk import (
     TOP,
     WRITTEN,
     asked_banks,
+    bank_of,
     is_clean,
     new_walk,
     step_walk,
@@ -47,8 +47,9 @@ __all__ = ["walk_banks"]
 NEIGHBOURS = 3
 """Words of a line that a block can touch."""
 
-URGENT = 6
-"""Where so many complete lines wait, or one more, a word which leaves goes before the element."""
+URGENT, URGENT_SOON = 6, 2
+"""A word which leaves goes before the element where so many complete lines wait: with eight banks
+six or seven, with sixteen two or more."""
 
 
 class Window(NamedTuple):
@@ -58,19 +59,19 @@ class Window(NamedTuple):
     ----------
     left
         Slots of the decoder's element that each bank has still to be dealt, a bit a slot: shape
-        (8,).
+        (banks,).
     address
-        Address of each slot: shape (8, 3).
+        Address of each slot: shape (banks, 3).
     covered, place
         Pixels that the element covers of each slot's word, a bit each, and where that word starts
-        in ``depth``: shape (8, 3).
+        in ``depth``: shape (banks, 3).
     dealt
-        The address that each bank is to draw at next, or ``EMPTY``: shape (8,).
+        The address that each bank is to draw at next, or ``EMPTY``: shape (banks,).
     dealt_covered, dealt_place
-        What ``covered`` and ``place`` have of it: shape (8,).
+        What ``covered`` and ``place`` have of it: shape (banks,).
     taken, writing
         The address that each bank took for drawing in the cycle before, and in the one before that,
-        or ``EMPTY``: shape (8,).
+        or ``EMPTY``: shape (banks,).
     walk
         The walker's registers, see ``bank_walk.OLDEST``: shape (19,).
     marks
@@ -78,7 +79,7 @@ class Window(NamedTuple):
     depth
         Of every pixel of the image's words, if there are further planes: shape (pixels,).
     reading
-        Banks that read further planes in this cycle and in the two that follow: shape (3, 8).
+        Banks that read further planes in this cycle and in the two that follow: shape (3, banks).
     leaving
         What was flushed one, two and three cycles before: nothing, ``BLANK`` or ``SHOWN``: shape
         (3,).
@@ -120,20 +121,21 @@ def walk_banks(words: Any, machine: Machine) -> int:
     int
         0 if there is no end word.
     """
+    banks = 2 * machine.half_banks
     window = Window(
-        np.zeros(BANKS, np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.zeros((BANKS, NEIGHBOURS), np.int64),
-        np.full(BANKS, EMPTY, np.int64),
-        np.zeros(BANKS, np.int64),
-        np.zeros(BANKS, np.int64),
-        np.full(BANKS, EMPTY, np.int64),
-        np.full(BANKS, EMPTY, np.int64),
+        np.zeros(banks, np.int64),
+        np.zeros((banks, NEIGHBOURS), np.int64),
+        np.zeros((banks, NEIGHBOURS), np.int64),
+        np.zeros((banks, NEIGHBOURS), np.int64),
+        np.full(banks, EMPTY, np.int64),
+        np.zeros(banks, np.int64),
+        np.zeros(banks, np.int64),
+        np.full(banks, EMPTY, np.int64),
+        np.full(banks, EMPTY, np.int64),
         new_walk(-ABOVE),
         np.zeros((LINES, 2 * machine.half_words), np.bool_),
         np.full(_pixels(machine), machine.z_mask, np.int64),
-        np.zeros((3, BANKS), np.int64),
+        np.zeros((3, banks), np.int64),
         np.zeros(3, np.int64),
     )
     walk = window.walk
@@ -158,13 +160,14 @@ def walk_banks(words: Any, machine: Machine) -> int:
         asked = asked_banks(walk, machine)
         held = asked if waiting and ready else 0
         flushed = ready and walk[ASKED] != EMPTY
-        for bank in range(BANKS):
+        for bank in range(banks):
             if flushed and asked >> bank & 1:
                 flushed = window.reading[0, bank] == 0
                 flushed &= not go or window.dealt[bank] == EMPTY or held != 0
         # The marks of its line are in use in the cycle after one of its banks was drawn into.
-        residue = walk[LINE] % (BANKS // 2)
-        marking = window.taken[residue] != EMPTY or window.taken[residue + BANKS // 2] != EMPTY
+        first = walk[LINE] % machine.half_banks
+        second = first + machine.half_banks
+        marking = window.taken[first] != EMPTY or window.taken[second] != EMPTY
         ahead, oldest = top - walk[OLDEST], walk[OLDEST]
         if walk[WRITTEN] == 0 and not drawn and not go:
             walk[REACHED] = 0
@@ -186,8 +189,10 @@ def walk_banks(words: Any, machine: Machine) -> int:
         if step:
             dealt = head if offered else EMPTY
             top = offered_top
-        # Six lines wait, or seven; more than so many only where nothing is dealt.
-        waiting = ahead >= 0 and ahead & URGENT == URGENT
+        # More than seven wait only where nothing is dealt.
+        waiting = ahead >= URGENT_SOON
+        if machine.half_banks == 4:
+            waiting = ahead >= 0 and ahead & URGENT == URGENT
         closing = closing or closes
         waits = head != EMPTY and not near
         coming = front.tops[HEAD if waits else FIRST_STAGE]
@@ -195,7 +200,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         if ends:
             near = False
         elif waits or moves:
-            near = coming - oldest < LINES - BANKS
+            near = coming - oldest < LINES - BLOCK
         if moves and front.held[HEAD] != EMPTY:
             head = front.held[HEAD]
             offered_top = front.tops[HEAD]
@@ -245,7 +250,7 @@ def _place_row(
         return
     rightmost = min(end, machine.last_column) // WORD
     for number in range(begin // WORD, rightmost + 1):
-        bank = (line + 4 * (number % 2)) % BANKS
+        bank = bank_of(line, number, machine)
         slot = number - outermost
         window.left[bank] |= 1 << slot
         window.address[bank, slot] = _address(line, number, machine)
@@ -258,7 +263,7 @@ def _place_row(
 @nb.njit(cache=True, inline="always")
 def _address(line: int, number: int, machine: Machine) -> int:
     """Return where a bank has a word of a line: any number of its own will do."""
-    return line // 4 % 4 * machine.half_words + number // 2
+    return line % LINES // machine.half_banks * machine.half_words + number // 2
 
 
 @nb.njit(cache=True)
@@ -268,7 +273,7 @@ def _deal(window: Window, offered: bool) -> bool:
     Return whether no bank has any left.
     """
     last = offered
-    for bank in range(BANKS):
+    for bank in range(len(window.left)):
         left = window.left[bank] if offered else 0
         if left == 0:
             window.dealt[bank] = EMPTY
@@ -290,7 +295,7 @@ def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool
     Return whether all are taken.
     """
     done = go
-    for bank in range(BANKS):
+    for bank in range(len(window.left)):
         address = window.dealt[bank]
         before, window.writing[bank] = window.writing[bank], window.taken[bank]
         if not go or address == EMPTY:
@@ -316,9 +321,10 @@ def _mark(window: Window, bank: int, address: int, machine: Machine) -> None:
     """Mark the words that share a mark with the one at an address of a bank."""
     group, number = divmod(address, machine.half_words)
     first = number - number % machine.mark_words
-    half = bank // (BANKS // 2) ^ group & 1
+    place = machine.half_banks * group + bank % machine.half_banks
+    odd = int(bank != bank_of(place, 0, machine))
     for shared in range(first, min(first + machine.mark_words, machine.half_words)):
-        window.marks[4 * group + bank % 4, 2 * shared + half] = True
+        window.marks[place, 2 * shared + odd] = True
 
 
 @nb.njit(cache=True)
@@ -337,9 +343,10 @@ def _passes(window: Window, bank: int, z: int) -> bool:
 def _drawn(window: Window, machine: Machine) -> int:
     """Return the places of the lines that the banks took a word of in the cycle before."""
     places = 0
-    for bank in range(BANKS):
+    for bank in range(len(window.left)):
         if window.taken[bank] != EMPTY:
-            places |= 1 << (4 * (window.taken[bank] // machine.half_words) + bank % 4)
+            group = window.taken[bank] // machine.half_words
+            places |= 1 << (machine.half_banks * group + bank % machine.half_banks)
     return places
 
 
@@ -356,7 +363,7 @@ def _give_up(window: Window, machine: Machine) -> int:
     for pixel in range(WORD):
         if window.depth[start + pixel] != machine.z_mask:
             # The bank does not know where the image ends; the way out does.
-            window.reading[2, (line + 4 * (number % 2)) % BANKS] = 1
+            window.reading[2, bank_of(line, number, machine)] = 1
             if WORD * number + pixel <= machine.last_column:
                 kind = SHOWN
     return kind

@@ -14,7 +14,6 @@ from .pipeline_model import EMPTY, LINES, Machine
 
 __all__ = [
     "ASKED",
-    "BANKS",
     "LINE",
     "OLDEST",
     "REACHED",
@@ -22,12 +21,11 @@ __all__ = [
     "TOP",
     "WRITTEN",
     "asked_banks",
+    "bank_of",
     "is_clean",
     "new_walk",
     "step_walk",
 ]
-
-BANKS = 8
 
 STRETCH = 16
 """Words whose marks are read together."""
@@ -84,6 +82,15 @@ def _first_left(walk: Any) -> int:
     return int(number)
 
 
+@nb.njit(cache=True, inline="always")
+def bank_of(line: int, number: int, machine: Machine) -> int:
+    """Return the bank of a word of a line, as ``rtl/bank_layout.py`` says."""
+    half = machine.half_banks
+    if half == 4:
+        return int((line + half * (number % 2)) % (2 * half))
+    return int(line % half + half * (number % 2))
+
+
 @nb.njit(cache=True)
 def asked_banks(walk: Any, machine: Machine) -> int:
     """Return the banks that words are to leave from, or else both of the line, a bit each.
@@ -91,9 +98,10 @@ def asked_banks(walk: Any, machine: Machine) -> int:
     No word that leaves is ever one that its bank writes at the moment, or draws in the next cycle:
     its line was complete a cycle before, and its place is not used again until it has left.
     """
+    half = machine.half_banks
     if walk[ASKED] == EMPTY or walk[PAIR]:
-        return 0b10001 << int(walk[OLDEST] % (BANKS // 2))
-    return 1 << int((walk[OLDEST] + 4 * (walk[ASKED] % 2)) % BANKS)
+        return (1 << half | 1) << int(walk[OLDEST] % half)
+    return 1 << bank_of(walk[OLDEST], walk[ASKED], machine)
 
 
 @nb.njit(cache=True)

@@ -15,7 +15,6 @@ from ..host.errors import InputError
 from ..host.frame import Frame
 from ..rtl.format import ROWS, EngineConfig
 from .bank_model import walk_banks
-from .bank_walk import BANKS
 from .expand import expand_frame, slots
 from .golden import block_rows, decode, render
 from .lane_model import least_lane_cycles, walk_lanes
@@ -26,9 +25,10 @@ __all__ = ["LAYOUTS", "bound_cycles", "clearing_cycles", "count_cycles", "least_
 LAYOUTS = {
     "whole columns": "bank = line mod 8; all lines take the same column of words at a time",
     "lines apart": "bank = line mod 8; each line takes the words that its row touches",
-    "interleaved": "bank = (line + 4 (word mod 2)) mod 8, as the engine has it",
+    "interleaved": "bank = (line + 4 (word mod 2)) mod 8, as an engine of eight banks has it",
+    "sixteen": "bank = line mod 8 + 8 (word mod 2), as an engine of sixteen has it",
 }
-"""The layouts compared, all with the same sixteen block RAMs."""
+"""The layouts compared: three with the same sixteen block RAMs, one with twice as many."""
 
 
 REGISTERS = 6
@@ -75,12 +75,14 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
 def clearing_cycles(config: EngineConfig) -> int:
     """Return for how long the window is still cleared when a first frame's first word is taken.
 
-    It takes a cycle an address of a bank (the half words of four lines) or of a lane (a pixel of
+    It takes a cycle an address of a bank (half the words of its lines) or of a lane (a pixel of
     each word of every fourth line), from the reset on; the table writes go before the first code
     word.
     """
-    words = config.word_bits if config.lanes else config.word_bits - 1
-    clearing: int = config.window_lines // 4 << words
+    if config.lanes:
+        clearing = config.window_lines // 4 << config.word_bits
+    else:
+        clearing = config.window_lines // (config.banks // 2) << config.word_bits - 1
     writes = config.register_base + REGISTERS
     return max(clearing - writes - START, 0)
 
@@ -102,8 +104,9 @@ def bound_cycles(frame: Frame) -> int:
         memories, of_a_word = 4 * pixels, pixels
         accesses = _covered_pixels(fields[~fields["control"]])
     else:
-        drawing = round(least_cycles(frame)["interleaved"] * len(elements)) if len(elements) else 0
-        memories, of_a_word = BANKS, 1
+        layout = "interleaved" if frame.config.banks == 8 else "sixteen"
+        drawing = round(least_cycles(frame)[layout] * len(elements)) if len(elements) else 0
+        memories, of_a_word = frame.config.banks, 1
         accesses = int(_touched_words(frame).sum())
     drawn = render(frame).drawn
     leaving = _groups(drawn, frame.config.pixels_per_word)
@@ -125,7 +128,8 @@ def least_cycles(frame: Frame) -> dict[str, float]:
     outer_upper = upper[..., 0] + upper[..., 2] + lower[..., 1]
     outer_lower = lower[..., 0] + lower[..., 2] + upper[..., 1]
     banks = np.maximum(outer_upper, outer_lower).max(axis=1)
-    cycles = dict(zip(LAYOUTS, (columns, rows, banks), strict=True))
+    lines = np.maximum(touched[..., 0] + touched[..., 2], touched[..., 1]).max(axis=1)
+    cycles = dict(zip(LAYOUTS, (columns, rows, banks, lines), strict=True))
     return {name: float(np.maximum(taken, 1).mean()) for name, taken in cycles.items()}
 
 

@@ -85,6 +85,8 @@ class Machine(NamedTuple):
         Pixels in a word of the window's memory.
     raster_words
         Of them in a beat of the raster.
+    half_banks
+        Half the banks: lines so many apart lie in the same two.
     rom
         The engine has a shape ROM.
     pair_lsb
@@ -107,6 +109,7 @@ class Machine(NamedTuple):
     lines: int
     pixels: int
     raster_words: int
+    half_banks: int
     rom: bool
     pair_lsb: int
 
@@ -130,6 +133,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         lines=config.window_lines,
         pixels=config.pixels_per_word,
         raster_words=config.raster_words,
+        half_banks=config.banks // 2,
         rom=config.shapes != "none",
         pair_lsb=config.material.lsb,
     )

@@ -7,13 +7,15 @@ from prove import Fault, Proof
 
 from splatline.rtl.bank import Bank
 from splatline.rtl.bank_arbiter import BankArbiter
-from splatline.rtl.bank_layout import BANKS
+from splatline.rtl.bank_layout import bank_address_bits, residue_bits
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.changeover import Changeover
 from splatline.rtl.emitter import Emitter
+from splatline.rtl.format import BLOCK
 from splatline.rtl.halver import Halver
 from splatline.rtl.loader import Loader
 from splatline.rtl.scatter import Scatter
+from splatline.rtl.share import ShareOfSixteen
 from splatline.rtl.window import Window
 
 __all__ = ["PROOFS"]
@@ -23,6 +25,9 @@ TINY = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1)
 
 TWO_WORDS = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1, raster_words=2)
 """The same with two words in a beat of the raster, as ``wide`` has it."""
+
+SIXTEEN = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1, raster_words=2, banks=16)
+"""And with sixteen banks, as ``swift`` has it."""
 
 
 class WindowProperties(LaneWindowProperties):
@@ -54,9 +59,9 @@ class WindowProperties(LaneWindowProperties):
         self.last_column = any_constant(m, config.x_bits, "last_column")
         self.last_line = any_constant(m, config.line_bits, "last_line")
         self.last_word = self.last_column[config.pixel_bits :]
-        address = Signal(2 + config.word_bits - 1)
-        m.d.comb += address.eq(Cat(self.word[1:], slot[2:]))
-        self.memories = OneWord(address, init=(-1, 0) * BANKS)  # the background
+        address = Signal(bank_address_bits(config))
+        m.d.comb += address.eq(Cat(self.word[1:], slot[residue_bits(config) :]))
+        self.memories = OneWord(address, init=(-1, 0) * config.banks)  # the background
         self.dut = dut = Window(config)
         fragment = self.add(m, dut)
         (walker,) = parts(fragment, BankWalker)
@@ -124,7 +129,7 @@ class WindowProperties(LaneWindowProperties):
         # An element is offered once all its lines were in a window that did not stand still; one of
         # the next frame not at once.
         self.given(m, "behind_the_end", ~(closed & dut.i.valid) | footprint.end)
-        settled = ran & (footprint.top - oldest < config.window_lines - BANKS)
+        settled = ran & (footprint.top - oldest < config.window_lines - BLOCK)
         self.given(m, "settled", ~dut.i.valid | footprint.end | waited | settled)
         # So the window may not move past an element that waits.
         waits = dut.i.valid & ~footprint.end & (footprint.top >= 0)
@@ -212,7 +217,7 @@ PROOFS = [
         Fault("of the one before that", Scatter, r"again \| earlier if", "again if"),
         Fault("waited one cycle for", Scatter, r"again if slow", "0 if slow"),
         Fault("only its first words", Scatter, r" & ~several\.any\(\)", ""),
-        Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_words"),
+        Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_bank"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
         Fault("flushed beside an element", BankArbiter, r"has_line & ~wanted", "has_line"),
         Fault("closed before it is drawn", Window, r"& ~scatter\.o\.valid & loader", "& loader"),
@@ -231,12 +236,28 @@ PROOFS = [
         "the same where beats have two words",
         0,
         13,
-        Fault("left for right", Emitter, r"line\[2\] \^ half", "line[2]", "_words"),
+        Fault("left for right", Emitter, r"(turned\(.*line\)) \^ half", r"\1", "_words"),
         Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
         Fault(
             "one of two is enough", BankArbiter, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"
         ),
         config=TWO_WORDS,
+    ),
+    plan(
+        "window of sixteen banks",
+        "the same with sixteen banks",
+        0,
+        13,
+        *(
+            Fault(name, ShareOfSixteen, pattern, text, "_find")
+            for name, pattern, text in (
+                ("the middle word for an outer one", r"word\[0\] \^ member", "word[0]"),
+                ("the line eight below", r"group\[residue\]\[0\] \^", "group[0][0] &"),
+                ("dealt once", r"several\.eq\(.*\)", "several.eq(0)"),
+            )
+        ),
+        Fault("flushed beside an element", BankArbiter, r"has_line & ~wanted", "has_line"),
+        config=SIXTEEN,
     ),
     plan(
         "window of banks, sweep",

@@ -13,8 +13,10 @@ ROOM = CONFIG.window_lines - 8
 
 
 def place_of_word(line, word):
-    """Bank and address of a word: bank (line + 4 (word mod 2)) mod 8."""
-    return (line + 4 * (word % 2)) % 8, (line // 4 % 4) << CONFIG.word_bits - 1 | word // 2
+    """Bank and address of a word, in eight banks or in sixteen."""
+    odd, half = word % 2, CONFIG.banks // 2
+    bank = (line + 4 * odd) % 8 if half == 4 else line % 8 + 8 * odd
+    return bank, line % 16 // half << CONFIG.word_bits - 1 | word // 2
 
 
 def footprint(top, x, spans, z=0, width=512, height=512):

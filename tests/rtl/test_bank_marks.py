@@ -4,22 +4,25 @@ import random
 
 import cocotb
 import pytest
+from presets import CONFIG, run_bench
 
-from splatline.rtl.bank_layout import BANKS, bank_address_bits, column_bits, stretch_bits
+from splatline.rtl.bank_layout import bank_address_bits, column_bits, stretch_bits
 from splatline.rtl.bank_marks import BankMarks
-from splatline.rtl.format import WIDE
-from splatline.sim.cosim.blocks import run_bench
+from splatline.rtl.format import SWIFT, WIDE
+from splatline.sim.cosim import blocks
 from splatline.sim.cosim.streams import StreamBench
 
-ADDRESS = bank_address_bits(WIDE)
-COLUMNS, STRETCHES = 1 << column_bits(WIDE), 1 << stretch_bits(WIDE)
+ADDRESS = bank_address_bits(CONFIG)
+COLUMNS, STRETCHES = 1 << column_bits(CONFIG), 1 << stretch_bits(CONFIG)
+LINES = CONFIG.banks // 2
+"""So many lines lie in different banks."""
 
 
 def rows_of_marks(config):
     """Addresses of all banks, together in each row of their marks."""
     bits, columns = bank_address_bits(config), 1 << column_bits(config)
     for address in range(0, 1 << bits, columns):
-        yield sum(address << bits * bank for bank in range(BANKS))
+        yield sum(address << bits * bank for bank in range(config.banks))
 
 
 class Marked:
@@ -35,7 +38,7 @@ class Marked:
             getattr(self.dut, name).value = 0
         await self.bench.reset()
         self.dut.wipe.value = 1
-        for row in rows_of_marks(WIDE):
+        for row in rows_of_marks(CONFIG):
             await self.bench.step(lambda row=row: setattr(self.dut.addresses, "value", row))
         self.dut.wipe.value = 0
 
@@ -43,15 +46,15 @@ class Marked:
         """A stretch's marks, as ``bits`` has them."""
         bits = 0
         for column in range(COLUMNS):
-            address = (line // 4 * STRETCHES + stretch) * COLUMNS + column
+            address = (line // LINES * STRETCHES + stretch) * COLUMNS + column
             for half in range(2):
-                bits |= ((line % 4 + 4 * half, address) in self.words) << 2 * column + half
+                bits |= ((line % LINES + LINES * half, address) in self.words) << 2 * column + half
         return bits
 
     async def cycle(self, drawn, line, stretch, take):
         """Draw into the banks' words {bank: address}; look at a stretch, and take it if it may."""
         dut, seen = self.dut, {}
-        busy = line % 4 in drawn or line % 4 + 4 in drawn
+        busy = line % LINES in drawn or line % LINES + LINES in drawn
 
         def drive():
             dut.drawn.value = sum(1 << bank for bank in drawn)
@@ -67,9 +70,9 @@ class Marked:
         if not busy:
             assert seen["marks"] == self.of(line, stretch)
             if take:
-                first = (line // 4 * STRETCHES + stretch) * COLUMNS
+                first = (line // LINES * STRETCHES + stretch) * COLUMNS
                 for half in range(2):
-                    bank = line % 4 + 4 * half
+                    bank = line % LINES + LINES * half
                     self.words -= {(bank, first + column) for column in range(COLUMNS)}
         for bank, address in drawn.items():
             first = address - address % self.share
@@ -81,8 +84,10 @@ async def play(dut, share):
         rng, marked = random.Random(seed), Marked(dut, seed, share)
         await marked.start()
         for _ in range(600):
-            drawn = {bank: rng.randrange(spread) for bank in range(BANKS) if rng.random() < busy}
-            line = rng.randrange(4) if spread < 64 else rng.randrange(16)
+            drawn = {
+                bank: rng.randrange(spread) for bank in range(CONFIG.banks) if rng.random() < busy
+            }
+            line = rng.randrange(LINES) if spread < 64 else rng.randrange(16)
             await marked.cycle(drawn, line, rng.randrange(STRETCHES), rng.random() < 0.3)
         assert marked.words
         for line in range(16):
@@ -107,4 +112,8 @@ async def a_mark_for_four(dut):
 
 @pytest.mark.parametrize(("share", "test"), [(1, "a_mark_a_word"), (4, "a_mark_for_four")])
 def test_marks_are_what_was_drawn(share, test):
-    run_bench(BankMarks(WIDE.replace(mark_words=share)), __file__, test=test)
+    blocks.run_bench(BankMarks(WIDE.replace(mark_words=share)), __file__, test=test)
+
+
+def test_marks_of_sixteen_banks():
+    run_bench(SWIFT, BankMarks, __file__, test="a_mark_a_word")

@@ -4,6 +4,7 @@ import random
 
 import cocotb
 import pytest
+from footprints import place_of_word
 from presets import CONFIG, run_bench
 from slides import Slide
 from test_bank_marks import rows_of_marks
@@ -41,10 +42,10 @@ class BankSlide(Slide):
         dut = self.dut
         drawn, addresses = 0, 0
         for line, word in words:
-            bank = (line + 4 * (word % 2)) % 8
+            bank, address = place_of_word(line, word)
             assert not drawn >> bank & 1
             drawn |= 1 << bank
-            addresses |= (line // 4 % 4 << CONFIG.word_bits - 1 | word // 2) << ADDRESS * bank
+            addresses |= address << ADDRESS * bank
             self.expected.add((line, word))
         reach = sum({1 << word // STRETCH for _, word in words})
 
@@ -66,7 +67,7 @@ class BankSlide(Slide):
 
     def words_of(self, bits):
         place = self.place.from_bits(bits)
-        turned = place.line >> 2 & 1
+        turned = place.line >> 2 & 1 if CONFIG.banks == 8 else 0
         halves = [half for half in (turned, 1 - turned) if place.halves >> half & 1]
         assert 0 < len(halves) <= CONFIG.raster_words
         return [(place.line, 2 * place.pair + (half ^ turned)) for half in halves]
@@ -84,7 +85,7 @@ def random_words(rng, low, high, last_word, spread):
     for _ in range(rng.randrange(9)):
         line = rng.randrange(low, high + 1)
         word = rng.randrange(max(0, last_word + 1 - spread), last_word + 1)
-        chosen.setdefault((line + 4 * (word % 2)) % 8, (line, word))
+        chosen.setdefault(place_of_word(line, word)[0], (line, word))
     return list(chosen.values())
 
 
@@ -192,7 +193,7 @@ async def nothing_leaves_unasked(dut):
     await slide.finish()
 
 
-@pytest.mark.parametrize("preset", ["wide", "deep"])
+@pytest.mark.parametrize("preset", ["wide", "swift", "deep"])
 def test_walker_asks_for_what_was_drawn(preset):
-    """``wide`` asks for two words at once, ``deep`` for one."""
+    """``wide`` and ``swift`` ask for two words at once, ``deep`` for one."""
     run_bench(PRESETS[preset], BankWalker, __file__)

@@ -63,6 +63,8 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
             {"pixels_per_word": 8},
             "pixels_per_word must be 4, not 8: a window of banks has no other",
         ),
+        ({"banks": 4}, "banks must be 8, or 16 without lanes, not 4"),
+        ({"lanes": True, "banks": 16}, "banks must be 8, or 16 without lanes, not 16"),
         ({"lanes": True, "window_lines": 12}, "window_lines must be 8, 16 or 32, not 12"),
         ({"lanes": True, "pixels_per_word": 3}, "pixels_per_word must be 2, 4 or 8, not 3"),
         (
@@ -85,7 +87,15 @@ def test_planes_hold_a_whole_colour():
         # A half of a bank's block RAM has ports of 36 bits.
         assert config.pixels_per_word * config.plane_bits <= 36
     planes = {config.name: config.plane_bits for config in PRESETS.values()}
-    assert planes == {"paper": 9, "wide": 9, "dither": 9, "rgb18": 9, "rgb24": 8, "deep": 9}
+    assert planes == {
+        "paper": 9,
+        "wide": 9,
+        "swift": 9,
+        "dither": 9,
+        "rgb18": 9,
+        "rgb24": 8,
+        "deep": 9,
+    }
 
 
 def test_presets_are_found_by_name():

@@ -30,14 +30,14 @@ def frame_of(rows, x, mode):
     ("rows", "x", "mode", "expected"),
     [
         # Four lines, two words each: one cycle only where neighbouring words lie apart.
-        ([(0, 7)] * 4, 4, 1, (2, 2, 1)),
-        # Three words in each of eight lines: three columns; 24 words in eight banks.
-        ([(0, 7)] * 4, 5, 0, (3, 3, 3)),
+        ([(0, 7)] * 4, 4, 1, (2, 2, 1, 1)),
+        # Three words in each of eight lines: three columns; 24 words in eight banks, or in sixteen.
+        ([(0, 7)] * 4, 5, 0, (3, 3, 3, 2)),
         # A slanted shape: no line touches more than one word, but together they touch two.
-        ([(0, 3), (0, 3), (4, 7), (4, 7)], 4, 1, (2, 1, 1)),
+        ([(0, 3), (0, 3), (4, 7), (4, 7)], 4, 1, (2, 1, 1, 1)),
         # A small disc across two words.
-        ([(1, 0), (1, 0), (3, 4), (3, 4)], 0, 0, (2, 2, 1)),
-        ([(1, 0)] * 4, 1, 0, (1, 1, 1)),
+        ([(1, 0), (1, 0), (3, 4), (3, 4)], 0, 0, (2, 2, 1, 1)),
+        ([(1, 0)] * 4, 1, 0, (1, 1, 1, 1)),
     ],
 )
 def test_known_shapes(rows, x, mode, expected):
@@ -172,7 +172,7 @@ def test_clearing_the_window_holds_a_first_frame_up(played):
     assert clearing_cycles(WIDE) == (1 << bank_address_bits(WIDE)) - (128 + 6) - 4
 
 
-@pytest.mark.parametrize("preset", ["wide", "deep", "rgb18", "rgb24"])
+@pytest.mark.parametrize("preset", ["wide", "swift", "deep", "rgb18", "rgb24"])
 def test_other_configurations_are_counted_as_exactly(preset):
     config = get_preset(preset)
     rng = np.random.default_rng(5)
