@@ -307,4 +307,18 @@ PROOFS = [
         config=TWO_WORDS,
         long=True,
     ),
+    plan(
+        "window of sixteen banks, initial raster",
+        "the same with sixteen banks",
+        1,
+        12,
+        Fault(
+            "loaded into another bank",
+            BankArbiter,
+            r"word\[0\] \^ turned\(.*\)",
+            "line[0]",
+        ),
+        config=SIXTEEN,
+        long=True,
+    ),
 ]
