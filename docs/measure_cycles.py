@@ -16,7 +16,7 @@ import numpy as np
 
 from splatline.host import fit_view, load_scene, make_frame, read_cloud, splat_radii
 from splatline.host.scenes import SCENES
-from splatline.rtl.format import PAPER, WIDE
+from splatline.rtl.format import PAPER, SWIFT, WIDE
 from splatline.sim import golden
 from splatline.sim.cosim.frames import simulate_frame
 from splatline.sim.cycles import count_cycles, least_cycles
@@ -57,9 +57,11 @@ def main():
     for name in SCENES:
         scene = load_scene(name)
         view = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, "zoom": scene.zoom}
-        runs += [measure(name, config, scene.cloud, **view) for config in (PAPER, WIDE)]
+        runs += [measure(name, config, scene.cloud, **view) for config in (PAPER, WIDE, SWIFT)]
     for path in sys.argv[1:]:
-        runs += [measure(Path(path).stem, config, read_cloud(path)) for config in (PAPER, WIDE)]
+        runs += [
+            measure(Path(path).stem, config, read_cloud(path)) for config in (PAPER, WIDE, SWIFT)
+        ]
     layouts = list(runs[0]["least_cycles_per_codeword"])
     heads = ("scene", "preset", "elements", "cycles", "counted", "in column order", "an element")
     print("| " + " | ".join([*heads, *layouts]) + " |")
