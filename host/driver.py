@@ -12,7 +12,7 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, PRESETS, SHAPES, EngineConfig
+from ..rtl.format import BANKS, PAPER, PRESETS, SHAPES, EngineConfig
 from ..rtl.register_map import COUNTERS, IDENTITY, VERSION, register_map
 from ..rtl.registers import RegisterMap
 from ..rtl.variants import SHAPED, VARIANTS
@@ -71,6 +71,7 @@ def read_config(device: Device) -> EngineConfig:
                 values[field.name.lower()] = bool(value) if field.place.width == 1 else value
     try:
         values["shapes"] = list(SHAPES)[int(str(values["shapes"]))]
+        values["banks"] = BANKS[bool(values["banks"])]
         config = PAPER.replace(**values)
     except (ValueError, IndexError) as error:
         raise InputError(f"the engine's configuration makes no sense: {error}") from error

@@ -11,6 +11,7 @@ import dataclasses
 from dataclasses import dataclass
 
 __all__ = [
+    "BANKS",
     "BAYER",
     "BLOCK",
     "COMPACT",
@@ -32,6 +33,9 @@ ROWS = 4
 
 COMPACT = 0b00010
 """What marks a compact word."""
+
+BANKS = (8, 16)
+"""How many banks a window may be made of."""
 
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs there are, and the largest size that each holds."""
@@ -191,7 +195,7 @@ class EngineConfig:
             raise ValueError(f"raster_words must be 1 or 2, not {self.raster_words!r}")
         if self.raster_words > 1 and (self.lanes or self.colour_planes > 1):
             raise ValueError("raster_words must be 1 with lanes or with further colour planes")
-        if self.banks not in ((8,) if self.lanes else (8, 16)):
+        if self.banks not in (BANKS[:1] if self.lanes else BANKS):
             raise ValueError(f"banks must be 8, or 16 without lanes, not {self.banks!r}")
         if self.mark_words not in (1, 2, 4, 8):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from .format import SHAPES, EngineConfig, Field, Register
+from .format import BANKS, SHAPES, EngineConfig, Field, Register
 from .registers import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
 __all__ = ["COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]
@@ -30,7 +30,7 @@ VERSION = (1, 0)
 PARAMETERS = (
     {
         "x_bits": 4, "line_bits": 4, "depth_bits": 5, "channel_bits": 4, "intensity_bits": 4,
-        "material_bits": 4, "coefficient_bits": 4, "lanes": 1, "dither": 1,
+        "material_bits": 4, "coefficient_bits": 4, "lanes": 1, "dither": 1, "banks": 1,
     },
     {
         "colour_shift": 5, "window_lines": 6, "pixels_per_word": 4, "colour_planes": 2,
@@ -128,9 +128,10 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
 
 
 def _number(config: EngineConfig, name: str) -> int:
-    """Return a parameter as a number: of ``shapes`` its place in ``SHAPES``."""
+    """Return a parameter as a number: of ``shapes`` and ``banks`` the place among what there is."""
     value = getattr(config, name)
-    return list(SHAPES).index(value) if name == "shapes" else int(value)
+    choices: dict[str, list[str | int]] = {"shapes": [*SHAPES], "banks": [*BANKS]}
+    return choices[name].index(value) if name in choices else int(value)
 
 
 def _control() -> Iterator[_Row]:

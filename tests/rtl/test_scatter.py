@@ -107,13 +107,13 @@ async def check(dut, stall, seed, count):
 @cocotb.test()
 async def free_banks(dut):
     """As many deals as the busiest bank has words, 1 to 3 or, of sixteen, 2."""
-    await check(dut, 0.0, 1, 1500)
+    await check(dut, 0.0, 1, 800)
 
 
 @cocotb.test()
 async def busy_banks(dut):
     """Banks that are not free, and pauses, lose and repeat nothing."""
-    await check(dut, 0.4, 2, 500)
+    await check(dut, 0.4, 2, 300)
 
 
 @cocotb.test()
