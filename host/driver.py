@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -62,7 +63,7 @@ def read_config(device: Device) -> EngineConfig:
     if found != VERSION[0]:
         raise InputError(f"the engine has version {found} of the registers, not {VERSION[0]}")
     names = {field.name for field in dataclasses.fields(EngineConfig)}
-    values: dict[str, object] = {}
+    values: dict[str, Any] = {}
     for register in (places["CONFIG_0"], places["CONFIG_1"]):
         word = device.read32(register.offset)
         for field in register.fields:
@@ -70,8 +71,9 @@ def read_config(device: Device) -> EngineConfig:
                 value = word >> field.place.lsb & field.place.mask
                 values[field.name.lower()] = bool(value) if field.place.width == 1 else value
     try:
-        values["shapes"] = list(SHAPES)[int(str(values["shapes"]))]
-        values["banks"] = BANKS[bool(values["banks"])]
+        # The registers say which one of what there is.
+        for name, choices in (("shapes", list(SHAPES)), ("banks", list(BANKS))):
+            values[name] = choices[int(values[name])]
         config = PAPER.replace(**values)
     except (ValueError, IndexError) as error:
         raise InputError(f"the engine's configuration makes no sense: {error}") from error

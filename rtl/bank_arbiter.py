@@ -122,13 +122,13 @@ class BankArbiter(wiring.Component):
         m.d.sync += waiting.eq(~self.ahead[-1] & several)
 
         loading, flushing = Signal(), Signal()
-        loaded = Signal(2)  # one and two cycles before: that word is still to be written
+        arrived = Signal(2)  # loaded one and two cycles before: that word is still to be written
         held = Signal(banks)  # kept for what leaves
         free = Signal(banks)  # for what is to be served
         m.d.comb += [
             self.wiping.eq(swept[0]),
             self.drawing.eq(
-                self.draw.valid & ~Cat(swept, loaded).any() & ~self.load.valid & self.loaded
+                self.draw.valid & ~Cat(swept, arrived).any() & ~self.load.valid & self.loaded
             ),
             self.draw.ready.eq(self.drawing & self.running & ~(deal.want & ~self.taken).any()),
         ]
@@ -168,7 +168,7 @@ class BankArbiter(wiring.Component):
         m.d.comb += [
             served.eq((Cat(free[:lines].any(), free[lines:].any()) | ~service.halves).all()),
             again.eq(
-                (loaded[1] & (Cat(last.word, last.line) == Cat(word, line)))
+                (arrived[1] & (Cat(last.word, last.line) == Cat(word, line)))
                 | Cat(
                     left[n] & (place == line[: len(place)]) for n, place in enumerate(places)
                 ).any()
@@ -183,7 +183,7 @@ class BankArbiter(wiring.Component):
             flushing.eq(self.flush.valid & self.flush.ready),
         ]
         with m.If(self.running):
-            m.d.sync += [loaded.eq(Cat(loading, loaded)), left.eq(Cat(flushing, left))]
+            m.d.sync += [arrived.eq(Cat(loading, arrived)), left.eq(Cat(flushing, left))]
             m.d.sync += [places[0].eq(leaving.line), places[1].eq(places[0])]
         with m.If(loading):
             m.d.sync += [last.word.eq(word), last.line.eq(line)]

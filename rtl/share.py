@@ -21,6 +21,8 @@ class Share:
         The stream of footprints.
     half_words
         The number of the first word in its half of the line, and the one after.
+    deals
+        How the footprint is dealt: see ``find`` of the bank's class.
 
     Attributes
     ----------
@@ -34,12 +36,17 @@ class Share:
         Its pixels that are covered.
     """
 
-    def __init__(self, m, bank, elements, half_words):
+    def __init__(self, m, bank, elements, half_words, deals):
         self.bank = bank
         self.elements = elements
         self.half_words = half_words
         self.want, self.several = self.signal(1, "want"), self.signal(1, "several")
         self.is_lower = self.signal(1, "is_lower")  # the lower one of the residue's two spans
+        self.find(m, deals)
+
+    def find(self, m, deals):
+        """Find which word is dealt; it ends with :meth:`place`."""
+        raise NotImplementedError
 
     def signal(self, shape, name):
         """Return a signal that is named after the bank."""
@@ -78,21 +85,10 @@ class Share:
 
 
 class ShareOfEight(Share):
-    """The outer two words of one line, and the middle one of the line four above or below.
+    """The outer two words of one line, and the middle one of the line four above or below."""
 
-    See :class:`Share`.
-
-    Parameters
-    ----------
-    dealt
-        What is offered is dealt, of an element that may have more.
-    """
-
-    def __init__(self, m, bank, elements, half_words, dealt):
-        super().__init__(m, bank, elements, half_words)
-        self._find(m, dealt)
-
-    def _find(self, m, dealt):
+    def find(self, m, dealt):
+        """Find the word; ``dealt``: what is offered is dealt, of an element that may have more."""
         footprint = self.elements.payload
         member, residue = divmod(self.bank, 4)
         upper, lower = footprint.upper[residue], footprint.lower[residue]
@@ -134,21 +130,10 @@ class ShareOfEight(Share):
 
 
 class ShareOfSixteen(Share):
-    """The outer two words of a line, or its middle one.
+    """The outer two words of a line, or its middle one."""
 
-    See :class:`Share`.
-
-    Parameters
-    ----------
-    second
-        The element's second deal: of two words the right one.
-    """
-
-    def __init__(self, m, bank, elements, half_words, second):
-        super().__init__(m, bank, elements, half_words)
-        self._find(m, second)
-
-    def _find(self, m, second):
+    def find(self, m, second):
+        """Find the word; ``second``: the element's second deal, of the right one of two."""
         footprint = self.elements.payload
         member, line = divmod(self.bank, 8)
         residue = line % 4

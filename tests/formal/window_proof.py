@@ -249,7 +249,7 @@ PROOFS = [
         0,
         13,
         *(
-            Fault(name, ShareOfSixteen, pattern, text, "_find")
+            Fault(name, ShareOfSixteen, pattern, text, "find")
             for name, pattern, text in (
                 ("the middle word for an outer one", r"word\[0\] \^ member", "word[0]"),
                 ("the line eight below", r"group\[residue\]\[0\] \^", "group[0][0] &"),
@@ -264,7 +264,7 @@ PROOFS = [
         "the same from the sweep's last cycle on",
         0,
         9,
-        Fault("drawn while it is swept", BankArbiter, r"Cat\(swept, loaded\)", "loaded"),
+        Fault("drawn while it is swept", BankArbiter, r"Cat\(swept, arrived\)", "arrived"),
         changes=SWEEPING,
     ),
     plan(
@@ -287,7 +287,7 @@ PROOFS = [
         Fault(
             "loaded like an element", BankArbiter, r"whole\.eq\(self\.load\.valid\)", "whole.eq(0)"
         ),
-        Fault("drawn where it is loaded", BankArbiter, r"Cat\(swept, loaded\)", "swept"),
+        Fault("drawn where it is loaded", BankArbiter, r"Cat\(swept, arrived\)", "swept"),
         Fault("loaded where one leaves", BankArbiter, r"\| Cat\(\s+left\[n\] .*\s+\)\.any\(\)", ""),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
         Fault("left before it was loaded", Loader, r" & ~self\.moves", ""),

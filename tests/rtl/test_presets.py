@@ -53,8 +53,8 @@ def back_to_back(rng, config):
 
 
 def behind_each_other(rng, config):
-    """Films, whose frames follow while the one before leaves."""
-    return films(rng, RATES, config)
+    """Films, whose frames follow while the one before leaves; test_engine has every pattern."""
+    return films(rng, RATES[1::2], config)
 
 
 def reset_in_the_middle(rng, config):
