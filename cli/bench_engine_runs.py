@@ -77,7 +77,8 @@ def _row(
 ) -> dict[str, Any]:
     """Return what a frame takes, ready for JSON; without LUTs their columns are None."""
     from ..sim import golden
-    from ..sim.cycles import bound_cycles, count_cycles
+    from ..sim.bound import bound_cycles
+    from ..sim.cycles import count_cycles
 
     elements, codewords = frame.counts["elements"], len(frame.codewords)
     cycles = count_cycles(frame)

@@ -18,8 +18,9 @@ from splatline.host import fit_view, load_scene, make_frame, read_cloud, splat_r
 from splatline.host.scenes import SCENES
 from splatline.rtl.format import PAPER, SWIFT, WIDE
 from splatline.sim import golden
+from splatline.sim.bound import least_cycles
 from splatline.sim.cosim.frames import simulate_frame
-from splatline.sim.cycles import count_cycles, least_cycles
+from splatline.sim.cycles import count_cycles
 
 
 def in_column_order(frame):

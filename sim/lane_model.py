@@ -179,10 +179,10 @@ def walk_lanes(words: Any, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
-def least_lane_cycles(words: Any, pixels: int) -> int:
-    """Return the least cycles in which lanes can draw elements, one pixel a lane and cycle.
+def least_lane_cycles(words: Any, pixels: int) -> Any:
+    """Return the least cycles in which lanes can draw each element, one pixel a lane and cycle.
 
-    Of an element those are as many as its busiest lane has pixels. Its lanes are told apart by the
+    Those are as many as its busiest lane has pixels. Its lanes are told apart by the
     places of their pixels in tiles. Clipping is left out.
 
     Parameters
@@ -191,20 +191,23 @@ def least_lane_cycles(words: Any, pixels: int) -> int:
         Code words of elements: shape (n,), int64.
     pixels
         Pixels of a word of the raster.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), int64.
     """
     tiles = np.zeros((2 * BLOCK // pixels, SIDE), np.int64)
-    total = 0
+    cycles = np.ones(len(words), np.int64)
     for i in range(len(words)):
         _cut(words[i], tiles, pixels)
-        busiest = 1
         for k in range(SIDE):
             for j in range(pixels):
                 wanted = 0
                 for number in range(len(tiles)):
                     wanted += tiles[number, k] >> j & 1
-                busiest = max(busiest, wanted)
-        total += busiest
-    return total
+                cycles[i] = max(cycles[i], wanted)
+    return cycles
 
 
 @nb.njit(cache=True)
