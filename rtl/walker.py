@@ -124,16 +124,18 @@ class Walker(wiring.Component):
             self.over.eq(changeover.over),
         ]
 
-        # Its stretches that are still to be taken: none that nothing reached.
+        # Its stretches that are still to be taken: none that nothing reached. The first of them is
+        # known a cycle late, lest the way to it and on to its marks be the longest of the engine;
+        # what was reached since then was so on other lines.
         ahead = Signal(stretches(config), init=-1)
         wanted = Signal.like(ahead)
-        stretch_bit = Signal.like(ahead)
+        stretch_bit = Signal.like(ahead, init=0)
         next_stretch = Signal(stretch_bits)
         m.d.comb += [
             wanted.eq(self._reached(m, clean) & ahead),
-            stretch_bit.eq(wanted & (~wanted + 1)),
             next_stretch.eq(number_of(stretch_bit)),
         ]
+        m.d.sync += stretch_bit.eq(wanted & (~wanted + 1))
 
         # The stretch at hand: its marked pairs, but for the one that is asked for. The next stretch
         # is taken as soon as that is the last.

@@ -53,7 +53,7 @@ class Lanes(NamedTuple):
     marks
         Pairs of words that were written, by place of their line: shape (lines, pairs).
     walk
-        See ``OLDEST`` and what follows: shape (12,).
+        See ``OLDEST`` and what follows: shape (13,).
     """
 
     tiles: Any
@@ -75,13 +75,15 @@ class Lanes(NamedTuple):
     NOW,
     BEFORE,
     TURN,
-) = range(12)
+    CHOSEN,
+) = range(13)
 """Registers of the walker: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
 whether the second word of the one that is asked for is next; stretches that the line still has, a
 bit each; whether a word left one cycle before; whether a stretch's marks are taken, and whether a
 pair is asked for; stretches that tiles reached since the window moved on by its own height, and
-those before, a bit each; and which of these heights it is in, modulo 2."""
+those before, a bit each; which of these heights it is in, modulo 2; and the stretch whose marks are
+taken next."""
 
 
 @nb.njit(cache=True)
@@ -106,7 +108,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         np.zeros((2 * across, SIDE), np.int64),
         np.zeros(1, np.int64),
         np.zeros((machine.lines, pairs), np.bool_),
-        np.zeros(12, np.int64),
+        np.zeros(CHOSEN + 1, np.int64),
     )
     walk = lanes.walk
     walk[TOP], walk[AHEAD] = -ABOVE, -1
@@ -306,13 +308,15 @@ def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
         walk[ASKING] = walk[PAIRS] > 0
         walk[PAIRS] -= walk[ASKING]
     if taking:
-        stretch = 0
-        while not wanted >> stretch & 1:
-            stretch += 1
+        stretch = walk[CHOSEN]
         found = marks[place, stretch * STRETCH // PAIR : (stretch + 1) * STRETCH // PAIR]
         walk[PAIRS] = found.sum()
         found[:] = False
         walk[AHEAD] &= ~(1 << stretch)
+    if wanted:
+        walk[CHOSEN] = 0
+        while not wanted >> walk[CHOSEN] & 1:
+            walk[CHOSEN] += 1
     turn = oldest // len(marks) % 2
     if walk[WRITTEN] == 0:
         walk[NOW] = walk[BEFORE] = 0
