@@ -43,9 +43,9 @@ def page(report: dict[str, Any]) -> str:
     parts = [
         "# Which engine to pick",
         f"Made by `splatline bench configurations`: {width} x {height} pixels, quality"
-        f" {report['quality']}; {versions}. Each engine but the preset `wide` is the preset `paper`"
-        " with what its row says; see `rtl/variants.py`. More bits of depth and of columns are"
-        " taken from the intensities and materials of the 64-bit code word.",
+        f" {report['quality']}; {versions}. Each engine but the presets `wide` and `swift` is the"
+        " preset `paper` with what its row says; see `rtl/variants.py`. More bits of depth and"
+        " of columns are taken from the intensities and materials of the 64-bit code word.",
         "Cycles an element, for each scene and median diameter of its splats. They are the"
         " Verilog's, counted without running it, from the first code word of an engine's first"
         " frame (so its window is being cleared) to its end beat. LUTs, flip-flops and block RAMs"

@@ -129,13 +129,14 @@ class Walker(wiring.Component):
         # what was reached since then was so on other lines.
         ahead = Signal(stretches(config), init=-1)
         wanted = Signal.like(ahead)
-        stretch_bit = Signal.like(ahead, init=0)
+        lowest = Signal.like(ahead)
+        stretch_bit = Signal.like(ahead, init=0, reset_less=True)
         next_stretch = Signal(stretch_bits)
         m.d.comb += [
             wanted.eq(self._reached(m, clean) & ahead),
-            next_stretch.eq(number_of(stretch_bit)),
+            lowest.eq(wanted & (~wanted + 1)),
         ]
-        m.d.sync += stretch_bit.eq(wanted & (~wanted + 1))
+        m.d.sync += [stretch_bit.eq(lowest), next_stretch.eq(number_of(lowest))]
 
         # The stretch at hand: its marked pairs, but for the one that is asked for. The next stretch
         # is taken as soon as that is the last.

