@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import BANKS, PAPER, PRESETS, SHAPES, EngineConfig
-from ..rtl.register_map import COUNTERS, IDENTITY, VERSION, register_map
+from ..rtl.format import PAPER, PRESETS, EngineConfig
+from ..rtl.register_map import CHOICES, COUNTERS, IDENTITY, VERSION, register_map
 from ..rtl.registers import RegisterMap
 from ..rtl.variants import SHAPED, VARIANTS
 from .device import Device, DeviceTimeoutError
@@ -72,7 +72,7 @@ def read_config(device: Device) -> EngineConfig:
                 values[field.name.lower()] = bool(value) if field.place.width == 1 else value
     try:
         # The registers say which one of what there is.
-        for name, choices in (("shapes", list(SHAPES)), ("banks", list(BANKS))):
+        for name, choices in CHOICES.items():
             values[name] = choices[int(values[name])]
         config = PAPER.replace(**values)
     except (ValueError, IndexError) as error:

@@ -30,9 +30,9 @@ __all__ = ["make_frame", "make_frames", "total_counts"]
 def make_frame(cloud: Cloud | Index, view: View, **options: Any) -> Frame:
     """Project, cull, shade, encode and sort a cloud, for one sample a pixel.
 
-    ``options`` are those of :func:`make_frames`, and so are the errors.
+    ``options`` are those of :func:`make_frames` but ``samples``, and so are the errors.
     """
-    (frame,) = make_frames(cloud, view, **options)
+    (frame,) = make_frames(cloud, view, 1, **options)
     return frame
 
 

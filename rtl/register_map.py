@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from .format import BANKS, SHAPES, EngineConfig, Field, Register
 from .registers import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
-__all__ = ["COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]
+__all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]
 
 WORD = 4
 """Bytes of a register."""
@@ -104,6 +104,9 @@ def register_map(config: EngineConfig) -> RegisterMap:
     )
 
 
+CHOICES: dict[str, tuple[str | int, ...]] = {"shapes": tuple(SHAPES), "banks": BANKS}
+"""Parameters of which a field says which one of some it is."""
+
 # A register in short: its name, meaning and fields, and the engine's register that it becomes.
 _Row = tuple[str, str, list[BusField], int | None]
 
@@ -118,7 +121,7 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
     yield "VERSION", "of this map", version, None
     for number, widths in enumerate(PARAMETERS):
         fields = [
-            _constant(name.upper(), width, _number(config, name), f"`{name}`")
+            _constant(name.upper(), width, _number(config, name), _meaning(name))
             for name, width in widths.items()
         ]
         if number:
@@ -128,10 +131,15 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
 
 
 def _number(config: EngineConfig, name: str) -> int:
-    """Return a parameter as a number: of ``shapes`` and ``banks`` the place among what there is."""
+    """Return a parameter as a number: of ``CHOICES`` the place among what there is."""
     value = getattr(config, name)
-    choices: dict[str, list[str | int]] = {"shapes": [*SHAPES], "banks": [*BANKS]}
-    return choices[name].index(value) if name in choices else int(value)
+    return CHOICES[name].index(value) if name in CHOICES else int(value)
+
+
+def _meaning(name: str) -> str:
+    """Return what a parameter's field says, with its numbers' meanings where they are places."""
+    choices = (f"{number}: {choice}" for number, choice in enumerate(CHOICES.get(name, ())))
+    return "; ".join([f"`{name}`", *choices])
 
 
 def _control() -> Iterator[_Row]:

@@ -73,7 +73,7 @@ class Window(NamedTuple):
         The address that each bank took for drawing in the cycle before, and in the one before that,
         or ``EMPTY``: shape (banks,).
     walk
-        The walker's registers, see ``bank_walk.OLDEST``: shape (19,).
+        The walker's registers, see ``bank_walk.OLDEST``: shape (22,).
     marks
         Words that were drawn into, by place of their line: shape (16, words).
     depth

@@ -6,6 +6,7 @@ order of work draws an element in fewer cycles than its busiest bank has words o
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numba as nb
@@ -15,8 +16,9 @@ import numpy.typing as npt
 from ..host.frame import Frame
 from ..rtl.format import BLOCK, ROWS, EngineConfig
 from .expand import expand_frame
-from .golden import block_rows, render
+from .golden import block_rows, decode, render
 from .lane_model import least_lane_cycles
+from .pipeline_model import WORD
 from .stress_words import elements_of
 
 __all__ = ["LAYOUTS", "bound_cycles", "least_cycles"]
@@ -38,18 +40,18 @@ def bound_cycles(frame: Frame) -> int:
     The larger of two. A bank, or lane, takes one word, or pixel, in a cycle: all that are drawn and
     all that leave, were they spread evenly. And each element takes as many cycles as its busiest
     bank has words, or its busiest lane pixels, one beat of the raster leaves in a cycle, and the
-    window has only so many lines: see :func:`_slide`. What an element takes is as if
-    nothing of it were clipped.
+    window has only so many lines: see :func:`_slide`. What lanes take of an element is
+    as if nothing of it were clipped: tiles outside the image take their cycles too.
     """
     config = frame.config
-    frame = expand_frame(frame)
+    frame = _until_the_end(expand_frame(frame))
     fields, line, places = elements_of(frame)
     if config.lanes:
         costs = least_lane_cycles(frame.codewords[places].view(np.int64), config.pixels_per_word)
         memories, of_a_word = 4 * config.pixels_per_word, config.pixels_per_word
         accesses = _covered_pixels(fields)
     else:
-        touched = _touched_words(fields, config)
+        touched = _touched_words(fields) & _words_inside(fields, line, frame)
         costs = _costs(touched)[_layout(config)]
         memories, of_a_word = config.banks, 1
         accesses = int(touched.sum())
@@ -66,8 +68,8 @@ def least_cycles(frame: Frame) -> dict[str, float]:
 
     Clipping is left out: a word that lies outside the image counts as one inside.
     """
-    fields, _, _ = elements_of(expand_frame(frame))
-    costs = _costs(_touched_words(fields, frame.config))
+    fields, _, _ = elements_of(_until_the_end(expand_frame(frame)))
+    costs = _costs(_touched_words(fields))
     return {name: float(taken.mean()) for name, taken in costs.items()}
 
 
@@ -98,11 +100,17 @@ def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
         while leaving <= lower[i] - lines:
             left = max(left, drawn[leaving]) + beats[leaving]
             leaving += 1
-        now = max(now, left) + costs[i]
+        now = max(now + costs[i], left + 1)
         drawn[upper[i] : lower[i] + 1] = now
     for line in range(leaving, len(beats)):
         left = max(left, drawn[line]) + beats[line]
     return max(now, left)
+
+
+def _until_the_end(frame: Frame) -> Frame:
+    """Return the frame without the words behind its end word."""
+    (ends,) = np.nonzero(decode(frame.codewords, frame.config)["end"])
+    return replace(frame, codewords=frame.codewords[: ends[0] + 1]) if len(ends) else frame
 
 
 def _layout(config: EngineConfig) -> str:
@@ -147,11 +155,19 @@ def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
     return int(np.maximum(last - first + 1, 0).sum())
 
 
-def _touched_words(fields: npt.NDArray[Any], config: EngineConfig) -> npt.NDArray[np.bool_]:
+def _words_inside(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> npt.NDArray[np.bool_]:
+    """Return which of those words lie in the image: the others are never dealt."""
+    lines = (line - BLOCK // 2)[:, np.newaxis] + np.arange(BLOCK)
+    words = (fields["x"].astype(np.int64) // WORD)[:, np.newaxis] + np.arange(3)
+    across = words <= (frame.width - 1) // WORD
+    return ((lines >= 0) & (lines < frame.height))[..., np.newaxis] & across[:, np.newaxis]
+
+
+def _touched_words(fields: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     """Return which of three neighbouring words each row touches: shape (elements, 8, 3)."""
     first, last = block_rows(fields)
-    offset = (fields["x"].astype(np.int64) % config.pixels_per_word)[:, np.newaxis]
-    begin, end = (first + offset) // 4, (last + offset) // 4
+    offset = (fields["x"].astype(np.int64) % WORD)[:, np.newaxis]
+    begin, end = (first + offset) // WORD, (last + offset) // WORD
     word = np.arange(3)
     inside = (begin[..., np.newaxis] <= word) & (word <= end[..., np.newaxis])
     return inside & (first <= last)[..., np.newaxis]

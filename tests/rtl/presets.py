@@ -4,15 +4,18 @@ import os
 from pathlib import Path
 from unittest import mock
 
-from splatline.rtl.format import PAPER, PRESETS, get_preset
+from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.variants import VARIANTS
 from splatline.sim.cosim import blocks, simulator
 
 __all__ = ["CONFIG", "OTHERS", "run_bench", "run_built"]
 
 VARIABLE = "SPLATLINE_TEST_PRESET"
 
-CONFIG = get_preset(os.environ.get(VARIABLE, PAPER.name))
-"""The preset of this process: ``paper`` unless ``run_bench`` started it."""
+CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS)}[
+    os.environ.get(VARIABLE, PAPER.name)
+]
+"""The engine of this process: ``paper`` unless ``run_bench`` started it."""
 
 OTHERS = [config for config in PRESETS.values() if config is not PAPER]
 

@@ -137,6 +137,12 @@ REWRITTEN = {
     "marks taken too early": (Walker, r"~pairs\.any\(\) & wanted", "wanted", WALK),
     "a line left too early": (Walker, r"here & moves & ", "here & ", WALK),
     "a pair of the next stretch": (Walker, r"\(first\), stretch\)", "(first), next_stretch)", WALK),
+    "the stretch of before": (
+        Walker,
+        r"next_stretch\.eq\(number_of\(lowest\)\)",
+        "next_stretch.eq(number_of(stretch_bit))",
+        WALK,
+    ),
     "reached at the moment": (Walker, r", now\) \| reach", ", now | reach)", WALK, "_reached"),
     "reached by a first word": (
         Walker,

@@ -3,16 +3,16 @@
 import random
 
 import cocotb
+from presets import CONFIG, run_bench
 
 from splatline.rtl.format import PAPER
 from splatline.rtl.marks import RESIDUES, Marks, mark_bits, stretches
-from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench
 
-WORDS = 1 << PAPER.word_bits
-PAIRS = 1 << mark_bits(PAPER)  # of a stretch
-STRETCHES = stretches(PAPER)
-LINES = PAPER.window_lines
+WORDS = 1 << CONFIG.word_bits
+PAIRS = 1 << mark_bits(CONFIG)  # of a stretch
+STRETCHES = stretches(CONFIG)
+LINES = CONFIG.window_lines
 
 
 class Touch:
@@ -43,7 +43,7 @@ class Touch:
         }
 
     def drive(self, dut, idle=False):
-        dut.words.value = self.words[0] | self.words[1] << PAPER.word_bits
+        dut.words.value = self.words[0] | self.words[1] << CONFIG.word_bits
         dut.group.value = sum(group << 2 * q for q, group in enumerate(self.groups))
         flags = sum((a | b << 1) << 2 * q for q, (a, b) in enumerate(self.touched))
         dut.touch.value = 0 if idle else flags
@@ -148,4 +148,4 @@ async def a_wipe_takes_four_lines_and_no_more(dut):
 
 
 def test_marks_are_what_was_touched(block_simulator):
-    run_bench(Marks(PAPER), __file__, simulator_name=block_simulator)
+    run_bench(PAPER, Marks, __file__, simulator_name=block_simulator)

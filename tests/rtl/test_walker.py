@@ -4,17 +4,18 @@ import random
 
 import cocotb
 from cocotb.triggers import Timer
+from presets import CONFIG, run_bench
 from slides import Slide
 from test_marks import STRETCHES, WORDS, Touch
 
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.marks import RESIDUES
+from splatline.rtl.variants import VARIANTS
 from splatline.rtl.walker import Walker
-from splatline.sim.cosim.blocks import run_bench
 
-PLACE = PlaceLayout(PAPER)
-LOWEST = (1 << PAPER.line_bits + 1) - 1
+PLACE = PlaceLayout(CONFIG)
+LOWEST = (1 << CONFIG.line_bits + 1) - 1
 NOTHING = Touch(0, [(0, 0)] * RESIDUES, [0] * RESIDUES)
 
 
@@ -32,12 +33,12 @@ class LaneSlide(Slide):
 
     def line_of(self, place, lowest):
         """The line from ``lowest`` on that stands in a place of the window."""
-        return lowest + (place - lowest) % PAPER.window_lines
+        return lowest + (place - lowest) % CONFIG.window_lines
 
     async def cycle(self, top, touch=NOTHING, enable=1, loaded=1):
         """One cycle; what is to be written waits if marks are taken. Return whether it was not."""
         dut = self.dut
-        dut.top.value = top % (1 << PAPER.line_bits + 2)
+        dut.top.value = top % (1 << CONFIG.line_bits + 2)
         dut.enable.value, dut.loaded.value = enable, loaded
         await Timer(1, unit="ns")
         oldest = int(dut.oldest.value)
@@ -82,7 +83,7 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
     for seed, (rate, height, words, share, jump) in enumerate(
         [
             (1.0, 150, 8, 0.9, 1),
-            (0.4, 30, WORDS, 0.3, 1),
+            (0.4, 60, WORDS, 0.3, 1),
             (0.7, 600, WORDS, 0.04, 0),
             (1.0, 30, 40, 0.5, 0),
         ]
@@ -100,7 +101,7 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
                 top += rng.choice([0] * 25 + [1, 1, 2, 9])
             cycles += 1
             assert cycles < 50_000
-        assert len(slide.expected) > 50
+        assert len(slide.expected) > 100
         await slide.finish(rng)
 
 
@@ -113,7 +114,7 @@ async def loaded_words_too(dut):
         complete = -1  # no more comes for lines up to this one
         for _ in range(900):
             oldest, touch = int(dut.oldest.value), NOTHING
-            newest = oldest + PAPER.window_lines - 1
+            newest = oldest + CONFIG.window_lines - 1
             loaded = complete >= newest - 1
             if not loaded and rng.random() < per_line / (1 + per_line):
                 touch = random_touch(rng, complete + 1, newest, rng.randrange(WORDS), single=True)
@@ -211,4 +212,9 @@ async def nothing_leaves_unasked(dut):
 
 
 def test_walker_asks_for_what_was_written(block_simulator):
-    run_bench(Walker(PAPER), __file__, simulator_name=block_simulator)
+    run_bench(PAPER, Walker, __file__, simulator_name=block_simulator)
+
+
+def test_walker_chooses_among_sixteen_stretches():
+    (config,) = (config for config in VARIANTS if config.name == "wide2048")
+    run_bench(config, Walker, __file__)

@@ -1,15 +1,17 @@
 """The fewest cycles of a frame: by hand, and beside what engines take."""
 
+import dataclasses
+
 import codewords as cw
 import numpy as np
 import pytest
-from random_frames import shapes
+from random_frames import nonsense, shapes
 
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
-from splatline.rtl.format import PAPER, SWIFT, WIDE
-from splatline.rtl.variants import VARIANTS
+from splatline.rtl.format import PAPER, PRESETS, WIDE
+from splatline.rtl.variants import SHAPED, VARIANTS
 from splatline.sim.bound import bound_cycles, least_cycles
 from splatline.sim.cycles import count_cycles
 
@@ -81,15 +83,43 @@ def test_a_frame_of_nothing_takes_nothing():
     assert bound_cycles(cw.make_frame([cw.advance(9), cw.end()], (64, 64))) == 0
 
 
-@pytest.mark.parametrize("config", [PAPER, WIDE, SWIFT], ids=lambda config: config.name)
-def test_no_engine_takes_fewer(config):
+def knot(config, scale, **options):
+    """The knot with splats of a scale."""
     scene = load_scene("knot")
-    view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up, size=(128, 96))
-    radii = splat_radii(scene.cloud)
-    frames = [shapes(np.random.default_rng(5), 700, 200, 90, config=config)]
-    frames += [
-        make_frame(scene.cloud, view, radii=scale * radii, config=config) for scale in (1, 3)
-    ]
+    view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up, **options)
+    radii = scale * splat_radii(scene.cloud)
+    return make_frame(scene.cloud, view, radii=radii, config=config, quality="paper")
+
+
+ENGINES = [*PRESETS.values(), *SHAPED[:1]]
+
+
+@pytest.mark.parametrize("config", ENGINES, ids=lambda config: config.name)
+def test_no_engine_takes_fewer(config):
+    rng = np.random.default_rng(5)
+    frames = [shapes(rng, 700, 200, 90, config=config)]
+    frames += [knot(config, scale, size=(128, 96)) for scale in (1, 3)]
     for frame in frames:
         bound = bound_cycles(frame)
         assert 0 < bound <= count_cycles(frame, after_reset=False) < 3 * bound
+    # What lies outside the image takes little, and what lies behind the end word nothing.
+    frames = [nonsense(rng, 700, width, 40, config=config) for width in (60, 64, 7)]
+    frames.append(knot(config, 3, size=(128, 128), zoom=8.0))
+    frames.append(
+        cw.make_frame(
+            [*[cw.encode(cw.EVERYTHING, config=config)] * 300, cw.end(config)],
+            (64, 2),
+            config=config,
+        )
+    )
+    below = [cw.advance(70, config), *[cw.encode(cw.EVERYTHING, config=config)] * 300]
+    frames.append(cw.make_frame([*below, cw.end(config)], (64, 64), config=config))
+    for frame in frames:
+        assert bound_cycles(frame) <= count_cycles(frame, after_reset=False)
+
+
+def test_words_behind_the_end_word_take_nothing():
+    frame = rows_at(9)
+    more = dataclasses.replace(frame, codewords=np.tile(frame.codewords, 3))
+    assert bound_cycles(more) == bound_cycles(frame)
+    assert least_cycles(more) == least_cycles(frame)
