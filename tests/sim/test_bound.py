@@ -105,15 +105,9 @@ def test_no_engine_takes_fewer(config):
     # What lies outside the image takes little, and what lies behind the end word nothing.
     frames = [nonsense(rng, 700, width, 40, config=config) for width in (60, 64, 7)]
     frames.append(knot(config, 3, size=(128, 128), zoom=8.0))
-    frames.append(
-        cw.make_frame(
-            [*[cw.encode(cw.EVERYTHING, config=config)] * 300, cw.end(config)],
-            (64, 2),
-            config=config,
-        )
-    )
-    below = [cw.advance(70, config), *[cw.encode(cw.EVERYTHING, config=config)] * 300]
-    frames.append(cw.make_frame([*below, cw.end(config)], (64, 64), config=config))
+    whole = [*[cw.encode(cw.EVERYTHING, config=config)] * 300, cw.end(config)]
+    frames.append(cw.make_frame(whole, (64, 2), config=config))
+    frames.append(cw.make_frame([cw.advance(70, config), *whole], (64, 64), config=config))
     for frame in frames:
         assert bound_cycles(frame) <= count_cycles(frame, after_reset=False)
 
