@@ -64,12 +64,19 @@ def test_without_luts_there_are_cycles_alone(run, folder, monkeypatch):
     assert "MHz" not in result.stdout
 
 
+FULL = "ERROR: Unable to place cell 'ram', no BELs remaining to implement cell type 'DP16KD'"
+
+
 def test_what_does_not_fit_has_no_clock(monkeypatch):
     def refuse(config):
-        raise RuntimeError("nextpnr failed")
+        raise RuntimeError(f"nextpnr failed:\n{said}")
 
     monkeypatch.setattr("splatline.rtl.pnr.place_and_route", refuse)
+    said = FULL
     assert route(PAPER) is None
+    said = "killed"  # which says nothing of the engine
+    with pytest.raises(RuntimeError, match="killed"):
+        route(PAPER)
     monkeypatch.setattr("splatline.rtl.pnr.place_and_route", lambda config: {"fmax_mhz": 88})
     assert route(PAPER) == 88.0
 
