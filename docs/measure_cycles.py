@@ -1,8 +1,8 @@
 """Measure cycles an element on the RTL beside the cycle model and the bounds of memory layouts.
 
 Run as ``.venv/bin/python docs/measure_cycles.py [CLOUD ...]``: the built-in scenes, and any clouds
-named, through the Verilog of the presets ``paper`` and ``wide``. Prints a table and writes
-``docs/cycles.json``.
+named, through the Verilog of the presets ``paper``, ``wide`` and ``swift``. Prints a table and
+writes ``docs/cycles.json``.
 """
 
 import dataclasses
