@@ -84,13 +84,16 @@ class Scatter(wiring.Component):
         half_words = [Signal(self.config.word_bits - 1, name=f"half_word_{j}") for j in range(2)]
         m.d.comb += [half_words[j].eq((footprint.word >> 1) + j) for j in range(2)]
         dealt = self.i.valid & step
+        second = Signal()  # of sixteen banks: the element's second deal, which is its last
         if banks == 8:
-            shares = [ShareOfEight(m, bank, self.i, half_words, dealt) for bank in range(banks)]
+            share_of, found_by = ShareOfEight, dealt
         else:
-            second = Signal()  # the element's second deal, which is its last
-            shares = [ShareOfSixteen(m, bank, self.i, half_words, second) for bank in range(banks)]
+            share_of, found_by = ShareOfSixteen, second
             with m.If(dealt):
                 m.d.sync += second.eq(~self.i.ready)
+        shares = [share_of(bank, self.i, half_words) for bank in range(banks)]
+        for share in shares:
+            share.find(m, found_by)
         for bank, share in enumerate(shares):
             m.d.comb += [
                 several[bank].eq(share.several),

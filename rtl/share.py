@@ -9,20 +9,16 @@ class Share:
     """One bank's words of a footprint, of which it is dealt one at a time.
 
     Of three neighbouring words each lies in a slot, 0 to 2 from the left. Combinational but for
-    what was dealt before; it is a part of the module whose ``m`` it is given.
+    what was dealt before. ``find`` of the bank's class puts it into a module.
 
     Parameters
     ----------
-    m
-        The module.
     bank
         Its number.
     elements
         The stream of footprints.
     half_words
         The number of the first word in its half of the line, and the one after.
-    deals
-        How the footprint is dealt: see ``find`` of the bank's class.
 
     Attributes
     ----------
@@ -36,17 +32,12 @@ class Share:
         Its pixels that are covered.
     """
 
-    def __init__(self, m, bank, elements, half_words, deals):
+    def __init__(self, bank, elements, half_words):
         self.bank = bank
         self.elements = elements
         self.half_words = half_words
         self.want, self.several = self.signal(1, "want"), self.signal(1, "several")
         self.is_lower = self.signal(1, "is_lower")  # the lower one of the residue's two spans
-        self.find(m, deals)
-
-    def find(self, m, deals):
-        """Find which word is dealt; it ends with :meth:`place`."""
-        raise NotImplementedError
 
     def signal(self, shape, name):
         """Return a signal that is named after the bank."""
@@ -88,7 +79,7 @@ class ShareOfEight(Share):
     """The outer two words of one line, and the middle one of the line four above or below."""
 
     def find(self, m, dealt):
-        """Find the word; ``dealt``: what is offered is dealt, of an element that may have more."""
+        """Add the circuit to ``m``; ``dealt``: the word is dealt, and the element may have more."""
         footprint = self.elements.payload
         member, residue = divmod(self.bank, 4)
         upper, lower = footprint.upper[residue], footprint.lower[residue]
@@ -133,7 +124,7 @@ class ShareOfSixteen(Share):
     """The outer two words of a line, or its middle one."""
 
     def find(self, m, second):
-        """Find the word; ``second``: the element's second deal, of the right one of two."""
+        """Add the circuit to ``m``; ``second``: the element's second deal, of its right word."""
         footprint = self.elements.payload
         member, line = divmod(self.bank, 8)
         residue = line % 4
