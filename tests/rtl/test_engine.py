@@ -6,6 +6,7 @@ from amaranth.sim import Simulator
 from engines import engine, mismatches
 from faults import rewrite
 from random_frames import films, frame_of, nonsense, random_raster, shapes, word
+from scene_frames import scene_frame
 
 from splatline.host.order import advance_word, end_word
 from splatline.rtl.engine import Engine, engine_latency
@@ -303,10 +304,6 @@ def test_a_frame_of_the_largest_size():
 
 @pytest.mark.parametrize("scene", ["terrain", "knot"])
 def test_the_built_in_scenes(scene):
-    from splatline.host import fit_view, load_scene, make_frame, splat_radii
-
-    loaded = load_scene(scene)
-    view = fit_view(loaded.cloud, orbit=loaded.orbit, fov=loaded.fov, up=loaded.up)
-    frame = make_frame(loaded.cloud, view, radii=splat_radii(loaded.cloud))
+    frame = scene_frame(scene)
     outcome = check([Job(frame=frame, rates={"raster": 0.95}, seed=3)])[0]
     assert outcome.cycles < 4 * len(frame.codewords)

@@ -1,15 +1,18 @@
-"""Frames of every preset through its Verilog, against the golden renderer, bit for bit."""
+"""Frames of every preset through its Verilog: golden's pictures, the cycle model's cycles."""
 
+import codewords as cw
 import numpy as np
 import pytest
 from engines import engine, mismatches
 from presets import OTHERS
 from random_frames import films, frame_of, nonsense, random_raster, shapes, word
+from scene_frames import scene_frame
 
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word
 from splatline.rtl.format import PAPER
 from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cycles import count_cycles
 
 FULL = [(0, 7)] * 4
 RATES = [
@@ -131,6 +134,24 @@ def test_every_preset_draws_what_the_contract_says(config):
 def test_the_corners_of_the_paper_s_colours():
     jobs = list(extreme_colours(None, PAPER))
     assert not any(map(mismatches, jobs, play(jobs, built=engine())))
+
+
+@pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
+def test_every_preset_takes_the_cycles_that_are_counted(config):
+    """To the cycle; ``test_cycles`` has the same of ``paper``."""
+    rng = np.random.default_rng(5)
+    frames = [
+        cw.random_frame(rng, 500, (60, 50), config),
+        cw.random_frame(rng, 500, (12, 9), config),
+        cw.random_frame(rng, 800, (512, 70), config),
+        cw.random_frame(rng, 300, (61, 300), config),
+        cw.random_frame(rng, 300, (1, 1), config),
+        scene_frame("knot", view={"size": (96, 160)}, config=config),
+        scene_frame("terrain", view={"size": (190, 60)}, config=config),
+    ]
+    outcomes = play([Job(frame=frame) for frame in frames], built=engine(config))
+    counted = [count_cycles(frame, after_reset=index == 0) for index, frame in enumerate(frames)]
+    assert counted == [outcome.cycles for outcome in outcomes]
 
 
 @pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)

@@ -6,8 +6,8 @@ import codewords as cw
 import numpy as np
 import pytest
 from random_frames import nonsense, shapes
+from scene_frames import scene_frame
 
-from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
 from splatline.rtl.format import PAPER, PRESETS, WIDE
@@ -83,12 +83,9 @@ def test_a_frame_of_nothing_takes_nothing():
     assert bound_cycles(cw.make_frame([cw.advance(9), cw.end()], (64, 64))) == 0
 
 
-def knot(config, scale, **options):
+def knot(config, scale, **view):
     """The knot with splats of a scale."""
-    scene = load_scene("knot")
-    view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up, **options)
-    radii = scale * splat_radii(scene.cloud)
-    return make_frame(scene.cloud, view, radii=radii, config=config, quality="paper")
+    return scene_frame("knot", scale, view=view, config=config, quality="paper")
 
 
 ENGINES = [*PRESETS.values(), *SHAPED[:1]]

@@ -4,8 +4,8 @@ import codewords as cw
 import numpy as np
 import pytest
 from random_frames import nonsense, shapes
+from scene_frames import scene_frame
 
-from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.rtl.bank_layout import bank_address_bits
@@ -56,12 +56,6 @@ def climbing(rng, count, width, height, step):
     return cw.make_frame([*words, cw.end()], (width, height))
 
 
-def scene(name, size, config=PAPER):
-    loaded = load_scene(name)
-    view = fit_view(loaded.cloud, orbit=loaded.orbit, fov=loaded.fov, up=loaded.up, size=size)
-    return make_frame(loaded.cloud, view, radii=splat_radii(loaded.cloud), config=config)
-
-
 def trials():
     """Frames by name, in the order in which they are played."""
     rng = np.random.default_rng(77)
@@ -86,8 +80,8 @@ def trials():
         "two places": cw.make_frame(
             [cw.advance(9), *[cw.encode(DOT, x=8), cw.encode(LINE, x=5)] * 300, cw.end()], (64, 64)
         ),
-        "terrain": scene("terrain", (192, 128)),
-        "knot": scene("knot", (96, 160)),
+        "terrain": scene_frame("terrain", view={"size": (192, 128)}),
+        "knot": scene_frame("knot", view={"size": (96, 160)}),
     }
     for width, height in [(1, 1), (5, 3), (8, 17), (64, 40), (512, 1024), (509, 30)]:
         size = f"{width}x{height}"
@@ -141,24 +135,6 @@ def test_clearing_the_window_holds_a_first_frame_up(played):
     assert count_cycles(frame, after_reset=False) < cycles
     assert clearing_cycles(PAPER) == (1 << lane_address_bits(PAPER)) - (128 + 6) - 4
     assert clearing_cycles(WIDE) == (1 << bank_address_bits(WIDE)) - (128 + 6) - 4
-
-
-@pytest.mark.parametrize("preset", ["wide", "swift", "deep", "rgb18", "rgb24"])
-def test_other_configurations_are_counted_as_exactly(preset):
-    config = get_preset(preset)
-    rng = np.random.default_rng(5)
-    frames = [
-        cw.random_frame(rng, 500, (60, 50), config),
-        cw.random_frame(rng, 500, (12, 9), config),
-        cw.random_frame(rng, 800, (512, 70), config),
-        cw.random_frame(rng, 300, (61, 300), config),
-        cw.random_frame(rng, 300, (1, 1), config),
-        scene("knot", (96, 160), config),
-        scene("terrain", (190, 60), config),
-    ]
-    outcomes = play([Job(frame=frame) for frame in frames])
-    counted = [count_cycles(frame, after_reset=index == 0) for index, frame in enumerate(frames)]
-    assert counted == [outcome.cycles for outcome in outcomes]
 
 
 def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
@@ -234,7 +210,8 @@ def test_a_stream_without_an_end_is_cut_short(words):
 @pytest.mark.parametrize("engines", [1, 4])
 def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, engines):
     """An engine's part of a dense frame: elements that follow each other lie in other words."""
-    for part in deal(scene("terrain", (256, 256), config), engines, "columns"):
+    frame = scene_frame("terrain", view={"size": (256, 256)}, config=config)
+    for part in deal(frame, engines, "columns"):
         apart = count_cycles(part, after_reset=False, conflicts=False)
         assert count_cycles(part, after_reset=False) < 1.03 * apart
 

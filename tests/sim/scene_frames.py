@@ -1,0 +1,17 @@
+"""Frames of the built-in scenes, as ``splatline render`` makes them."""
+
+from splatline.host import fit_view, load_scene, make_frame, splat_radii
+
+__all__ = ["scene_frame"]
+
+
+def scene_frame(name, scale=1.0, *, view=None, **options):
+    """Return a scene's frame; ``scale``: of its splats, ``view``: what differs from its own."""
+    scene = load_scene(name)
+    seen = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, **(view or {})}
+    return make_frame(
+        scene.cloud,
+        fit_view(scene.cloud, **seen),
+        radii=scale * splat_radii(scene.cloud),
+        **options,
+    )
