@@ -14,7 +14,7 @@ from .bench_subjects import Pose, poses
 if TYPE_CHECKING:
     from ..host.frame import Frame
     from ..rtl.format import EngineConfig
-    from ..sim.cosim.chains import ChainOutcome, Times
+    from ..sim.cosim.jobs import Outcome, Times
 
 __all__ = ["FRAMES", "Plan", "measure"]
 
@@ -157,7 +157,7 @@ def _row(
     }
 
 
-def _period(outcome: ChainOutcome) -> int:
+def _period(outcome: Outcome) -> int:
     """Return the cycles from end to end of the last two frames of a video."""
     before, last = outcome.times[-2:]
     return last.end_beat - before.end_beat

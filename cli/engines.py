@@ -16,7 +16,7 @@ from .progress import Stages
 if TYPE_CHECKING:
     from ..host.frame import Frame
     from ..sim.average import Drawn
-    from ..sim.cosim.frames import Outcome
+    from ..sim.cosim.jobs import Outcome
 
 __all__ = ["Drawing", "background_option", "draw", "engine_options", "fail_mismatch"]
 

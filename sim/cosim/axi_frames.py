@@ -9,7 +9,7 @@ from ...host.frame import Frame
 from ..beats import from_beats
 from ..driver import Engine
 from .axi_device import SimulatedDevice, build_axi
-from .frames import Outcome
+from .jobs import Outcome
 from .simulator import SimulationError
 
 __all__ = ["simulate_on_buses"]

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 from splatline.cli import engines
 from splatline.cli.main import main
 from splatline.sim import golden
-from splatline.sim.cosim.frames import Outcome
+from splatline.sim.cosim.jobs import Outcome
 
 
 @pytest.fixture

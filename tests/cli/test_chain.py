@@ -12,8 +12,8 @@ from splatline.host.deal_methods import METHODS
 from splatline.host.store import load_frame
 from splatline.sim import figure, golden
 from splatline.sim.cosim import chains
-from splatline.sim.cosim.chains import ChainOutcome, Times, compose
-from splatline.sim.cosim.frames import Outcome
+from splatline.sim.cosim.chains import compose
+from splatline.sim.cosim.jobs import Outcome, Times
 
 SMALL = ("--size", "64x48")
 
@@ -94,7 +94,7 @@ def fast_chains(monkeypatch):
                       (n + 1) * cycles - 1)
                 for n in range(len(rasters))
             ]  # fmt: skip
-            outcomes.append(ChainOutcome(rasters, beats, cycles, times, {}))
+            outcomes.append(Outcome(rasters, beats, cycles, {}, times))
         return outcomes
 
     monkeypatch.setattr(chains, "play_chain", play)

@@ -10,7 +10,7 @@ from splatline.host.order import advance_word, end_word
 from splatline.rtl.shape_rom import ShapeRom
 from splatline.rtl.verilog import convert
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.frames import read_hex, write_hex
+from splatline.sim.cosim.hex_words import read_hex, write_hex
 
 __all__ = ["build_rom", "compact_words", "every_entry", "mixed_words", "play_words"]
 

@@ -9,7 +9,7 @@ from splatline.rtl.format import PRESETS
 from splatline.rtl.pins import IO_PINS, Gatherer, PinTop, Splitter, generate_pins
 from splatline.sim import golden
 from splatline.sim.beats import from_beats, to_beats
-from splatline.sim.cosim.frames import table_writes
+from splatline.sim.cosim.jobs import table_writes
 
 LIMIT = 100_000
 
