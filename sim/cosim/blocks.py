@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import SimpleNamespace
+from typing import Any
+
+from amaranth.hdl import Shape
+from amaranth.lib import data, wiring
 
 from . import simulator
 
-if TYPE_CHECKING:
-    from amaranth.lib import data, wiring
-
-__all__ = ["pack", "run_bench"]
+__all__ = ["pack", "run_bench", "unpack"]
 
 
 def run_bench(
@@ -56,4 +57,53 @@ def run_bench(
 
 def pack(layout: data.Layout, **values: Any) -> int:
     """Return the bits of a layout as an integer: ``pack(layout, x=3, rows=[...])``."""
-    return int(layout.const(values).as_value().value)
+    return _codec(layout)[0](values)
+
+
+def unpack(layout: data.Layout, bits: int) -> Any:
+    """Take an integer apart: structs as namespaces, arrays as lists, else numbers."""
+    return _codec(layout)[1](bits)
+
+
+_CODECS: dict[int, tuple[Callable[[Any], int], Callable[[int], Any], data.Layout]] = {}
+"""Of each layout met, by its identity; it is kept, lest another one gets that."""
+
+
+def _codec(layout: data.Layout) -> tuple[Callable[[Any], int], Callable[[int], Any], data.Layout]:
+    """Return what packs and what unpacks a layout.
+
+    As Amaranth's ``const`` and ``from_bits``, which look every field up again: with those benches
+    take longer to make their stimuli than to simulate them.
+    """
+    if id(layout) not in _CODECS:
+        _CODECS[id(layout)] = _packer(layout), _unpacker(layout), layout
+    return _CODECS[id(layout)]
+
+
+def _packer(shape: Any) -> Callable[[Any], int]:
+    """Return what makes bits of a number, or of a layout's numbers: a dict or a list of them."""
+    if not isinstance(shape, data.Layout):
+        mask = (1 << Shape.cast(shape).width) - 1
+        return lambda value: int(value) & mask
+    fields = {name: (field.offset, _packer(field.shape)) for name, field in shape}
+
+    def join(values: Any) -> int:
+        bits = 0
+        for name, value in values.items() if isinstance(values, dict) else enumerate(values):
+            offset, make = fields[name]
+            bits |= make(value) << offset
+        return bits
+
+    return join
+
+
+def _unpacker(shape: Any) -> Callable[[int], Any]:
+    """Return what reads a number, or a layout's numbers, from the lowest bits."""
+    if not isinstance(shape, data.Layout):
+        cast = Shape.cast(shape)
+        mask, sign = (1 << cast.width) - 1, 1 << cast.width - 1 if cast.signed else 0
+        return lambda bits: ((bits & mask) ^ sign) - sign
+    fields = [(name, field.offset, _unpacker(field.shape)) for name, field in shape]
+    if isinstance(shape, data.ArrayLayout):
+        return lambda bits: [read(bits >> offset) for _, offset, read in fields]
+    return lambda bits: SimpleNamespace(**{name: read(bits >> at) for name, at, read in fields})

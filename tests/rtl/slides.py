@@ -1,5 +1,6 @@
 """What the benches of both walkers share: a window that slides down, and what is asked for."""
 
+from splatline.sim.cosim.blocks import unpack
 from splatline.sim.cosim.streams import StreamBench
 
 __all__ = ["Slide"]
@@ -31,7 +32,7 @@ class Slide:
     def check_flush(self, oldest, top):
         """What is asked for now lies on the window's oldest line, above the next element."""
         if int(self.dut.flush__valid.value):
-            line = self.place.from_bits(int(self.dut.flush__payload.value)).line
+            line = unpack(self.place, int(self.dut.flush__payload.value)).line
             assert line == oldest < top
 
     async def leave(self, cycle):
@@ -59,5 +60,5 @@ class Slide:
 
     def words_of(self, bits):
         """Return the words (line, word) that are asked for at once, the left one first."""
-        place = self.place.from_bits(bits)
+        place = unpack(self.place, bits)
         return [(place.line, place.word)]

@@ -9,7 +9,7 @@ from splatline.rtl.bank import Bank, BankRequestLayout
 from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import WordLayout
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 REQUEST, WORD = BankRequestLayout(PAPER), WordLayout(PAPER)
@@ -90,7 +90,7 @@ class Operator:
         while not await self.cycle((address, None, BACKGROUND)):
             pass
         await self.cycle()
-        word = WORD.from_bits(int(self.dut.old.value))
+        word = unpack(WORD, int(self.dut.old.value))
         return [(word.depth[i], word.colour[i]) for i in range(4)]
 
 

@@ -13,6 +13,7 @@ from splatline.rtl.bank_layout import bank_address_bits, stretch_bits
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.format import PRESETS
 from splatline.rtl.layouts import FlushLayout
+from splatline.sim.cosim.blocks import unpack
 
 PLACE, ADDRESS = FlushLayout(CONFIG), bank_address_bits(CONFIG)
 WORDS = 1 << CONFIG.word_bits
@@ -66,7 +67,7 @@ class BankSlide(Slide):
         self.before = top, drawn, addresses
 
     def words_of(self, bits):
-        place = self.place.from_bits(bits)
+        place = unpack(self.place, bits)
         turned = place.line >> 2 & 1 if CONFIG.banks == 8 else 0
         halves = [half for half in (turned, 1 - turned) if place.halves >> half & 1]
         assert 0 < len(halves) <= CONFIG.raster_words

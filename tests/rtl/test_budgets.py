@@ -15,6 +15,12 @@ def test_every_preset_has_a_budget():
     assert set(budgets.read_budgets()) == {*PRESETS, SHAPED[0].name, *tops}
 
 
+@pytest.mark.parametrize("preset", ["rgb18", "rgb24"])
+def test_more_colour_takes_no_more_block_ram(preset):
+    """The planes fill what the banks' memories leave empty, and so does the material table."""
+    assert budgets.read_budgets()[preset]["bram"] == PAPER_TABLE_1["bram"]
+
+
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"paper"}))
 def test_a_preset_does_not_outgrow_its_budget(preset):

@@ -13,7 +13,7 @@ from splatline.rtl.colour import ColourUnit
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ElementLayout, GeometryLayout
 from splatline.sim.cosim import blocks
-from splatline.sim.cosim.blocks import pack
+from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 
@@ -119,12 +119,12 @@ async def check(dut, ambient, materials, elements, rates, seed):
     ]
     cycles = await bench.run(lambda: len(sink.received) == len(coming), most_cycles=30_000)
     for (mode, (m, d, s)), bits in zip(coming, sink.received, strict=True):
-        beat = COLOURED.from_bits(bits)
+        beat = unpack(COLOURED, bits)
         expected = expected_colour(ambient, materials[m], d, s)
         assert beat.colour == expected, (ambient, materials[m], d, s)
         assert beat.geometry.mode == mode
-    passed = COLOURED.from_bits(sink.received[-1]).geometry
-    assert {name: passed[name] for name in PASSED} == PASSED
+    passed = unpack(COLOURED, sink.received[-1]).geometry
+    assert {name: getattr(passed, name) for name in PASSED} == PASSED
     return cycles, len(coming)
 
 

@@ -7,7 +7,7 @@ import cocotb
 from splatline.rtl.format import WIDE
 from splatline.rtl.halver import Halver
 from splatline.rtl.layouts import LoadLayout, RasterLayout
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 BEAT, WORD = RasterLayout(WIDE), LoadLayout(WIDE)
@@ -59,7 +59,7 @@ async def beats_come_out_as_their_words(dut):
         sink = bench.sink("o", rates[1])
         await bench.reset()
         cycles = await bench.run(lambda: len(sink.received) > len(expected), most_cycles=5000)  # noqa: B023
-        *words, end = (WORD.from_bits(bits) for bits in sink.received)
+        *words, end = (unpack(WORD, bits) for bits in sink.received)
         assert end.end
         assert not any(word.end for word in words)
         assert [own(word) for word in words] == expected

@@ -6,7 +6,7 @@ import cocotb
 
 from splatline.rtl.format import PAPER
 from splatline.rtl.lane import Lane, LaneRequestLayout, PixelLayout, lane_address_bits
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 REQUEST, PIXEL = LaneRequestLayout(PAPER), PixelLayout(PAPER)
@@ -58,7 +58,7 @@ class Operator:
 
     def compare(self, expected):
         """Look at the pixel as it stood before the last request."""
-        old = PIXEL.from_bits(int(self.dut.old.value))
+        old = unpack(PIXEL, int(self.dut.old.value))
         assert old.depth == expected[0]
         assert expected[1] in (None, old.colour)
 

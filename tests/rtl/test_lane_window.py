@@ -12,7 +12,7 @@ from test_window import BACKGROUND, END, RASTER, beats_of, random_image
 from splatline.rtl.format import PAPER
 from splatline.rtl.lane_window import LaneWindow
 from splatline.sim.cosim import blocks
-from splatline.sim.cosim.blocks import pack
+from splatline.sim.cosim.blocks import pack, unpack
 
 
 @cocotb.test()
@@ -206,7 +206,7 @@ async def nonsense_in_the_initial_raster(dut):
         image = random_image(rng, width, height, 0.5)
         beats = beats_of(image, width, height)[:-1]
         for n in range(len(beats) - 1, -1, -5):
-            beat = RASTER.from_bits(beats[n])
+            beat = unpack(RASTER, beats[n])
             behind = [min(beat.pixels.depth[i] + 1, BACKGROUND[0]) for i in range(4)]
             pixels = {"depth": behind, "colour": [7] * 4}
             again = pack(RASTER, pixels=pixels, word=beat.word, line=beat.line)

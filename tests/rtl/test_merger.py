@@ -7,7 +7,7 @@ import cocotb
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.merger import Merger
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 BEAT = RasterLayout(PAPER)
@@ -71,10 +71,10 @@ def check(received, expected):
     received = iter(received)
     for picture in expected:
         for (line, word), pixels in sorted(picture.items()):
-            beat = BEAT.from_bits(next(received))
+            beat = unpack(BEAT, next(received))
             assert (beat.end, beat.line, beat.word) == (0, line, word)
             assert [(beat.pixels.depth[n], beat.pixels.colour[n]) for n in range(PIXELS)] == pixels
-        assert BEAT.from_bits(next(received)).end
+        assert unpack(BEAT, next(received)).end
     assert next(received, None) is None
 
 

@@ -11,7 +11,7 @@ from splatline.rtl.bank import BankRequestLayout
 from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.layouts import PlaneLayout
 from splatline.rtl.planar_bank import PaintLayout, PlanarBank
-from splatline.sim.cosim.blocks import pack
+from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 REQUEST, PAINT, PLANE = BankRequestLayout(CONFIG), PaintLayout(CONFIG), PlaneLayout(CONFIG)
@@ -126,11 +126,11 @@ class Operator:
         """Clear a word and return what stood there, all planes of it."""
         while not await self.cycle((address, None, BACKGROUND, False)):
             pass
-        first = PLANE.from_bits(int(self.dut.old.value))
+        first = unpack(PLANE, int(self.dut.old.value))
         first = [(first.depth[i] & DEPTH, first.colour[i]) for i in range(4)]
         await self.cycle()
         await self.cycle()
-        late = PLANE.from_bits(int(self.dut.old.value))
+        late = unpack(PLANE, int(self.dut.old.value))
         word = []
         for i, (depth, colour) in enumerate(first):
             colour |= late.colour[i] << BITS

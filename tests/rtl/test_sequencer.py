@@ -7,7 +7,7 @@ import cocotb
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ElementLayout
 from splatline.rtl.sequencer import Sequencer
-from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.blocks import run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 ELEMENT = ElementLayout(PAPER)
@@ -46,11 +46,11 @@ def expected_tokens(words):
 def check_tokens(received, expected):
     assert len(received) == len(expected)
     for bits, (is_end, top, word) in zip(received, expected, strict=True):
-        token = ELEMENT.from_bits(bits)
+        token = unpack(ELEMENT, bits)
         assert (token.end, token.top) == (is_end, top)
         if word is not None:
             assert token.mode == word & 1
-            assert token.scans.as_bits() == word >> 1 & (1 << 24) - 1
+            assert bits >> ELEMENT["scans"].offset & (1 << 24) - 1 == word >> 1 & (1 << 24) - 1
             assert (token.diffuse, token.specular) == (word >> 25 & 127, word >> 32 & 127)
             assert (token.material, token.x, token.z) == (
                 word >> 39 & 127,
@@ -97,7 +97,7 @@ async def the_line_saturates(dut):
     dut.admit.value = 1
     await bench.reset()
     await bench.run(lambda: len(sink.received) == 14, most_cycles=200)
-    tops = [ELEMENT.from_bits(bits).top for bits in sink.received]
+    tops = [unpack(ELEMENT, bits).top for bits in sink.received]
     assert tops == [min(511 * n - 4, LOWEST) for n in range(1, 13)] + [LOWEST, -4]
 
 

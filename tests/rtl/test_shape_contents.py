@@ -74,11 +74,13 @@ def written(text, folder, named):
     return changed
 
 
-@pytest.mark.parametrize("files", [False, True], ids=["in the text", "in files"])
-def test_yosys_keeps_the_contents_in_four_block_rams(verilog, files, tmp_path):
-    """Bit for bit in the cells' INIT, from the text and from what $readmemh reads; in EDIF too."""
-    text = written(verilog, tmp_path, ".") if files else verilog
-    (tmp_path / "rom.v").write_text(text)
+def test_yosys_keeps_the_contents_in_four_block_rams(verilog, tmp_path):
+    """Bit for bit in the cells' INIT, and in EDIF.
+
+    From files, which Yosys reads in a third of the time: that the text holds the same is what the
+    simulations of both show.
+    """
+    (tmp_path / "rom.v").write_text(written(verilog, tmp_path, "."))
     script = f"read_verilog rom.v; {COMMAND} -flatten -top dut; {WRITE_EDIF} rom.edif; "
     script += "write_json rom.json"
     run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], tmp_path)

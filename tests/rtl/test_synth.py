@@ -1,10 +1,8 @@
 import pytest
 
 from splatline.rtl.budgets import read_budgets
-from splatline.rtl.format import PAPER, PRESETS
-from splatline.rtl.material_table import MaterialTable
-from splatline.rtl.planar_bank import PlanarBank
-from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, count_component, group_instances, synthesise
+from splatline.rtl.format import PAPER
+from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, group_instances, synthesise
 
 
 @pytest.fixture(scope="module")
@@ -72,11 +70,3 @@ def test_instances_of_one_name_share_a_row_and_others_do_not():
     assert [(group["name"], group["instances"], group["ff"]) for group in groups] == [
         ("bank_0..10.port_2..3", 3, 6), ("lane_0..2_0..1", 2, 4), ("part_4", 1, 2),
     ]  # fmt: skip
-
-
-@pytest.mark.parametrize("preset", ["rgb18", "rgb24"])
-def test_more_colour_takes_no_more_block_ram(preset):
-    """The planes fill what the banks' memories leave empty, and so does the material table."""
-    config = PRESETS[preset]
-    assert count_component(PlanarBank(config))["bram"] == 2
-    assert count_component(MaterialTable(config))["bram"] == 1

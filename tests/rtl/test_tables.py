@@ -6,7 +6,7 @@ import cocotb
 
 from splatline.rtl.format import PAPER, Register
 from splatline.rtl.tables import MaterialWriteLayout, RegistersLayout, Tables
-from splatline.sim.cosim.blocks import run_bench
+from splatline.sim.cosim.blocks import run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 REGISTERS, MATERIAL = RegistersLayout(PAPER), MaterialWriteLayout(PAPER)
@@ -48,11 +48,11 @@ async def each_register_has_its_address(dut):
         if address in bits:
             name, index, width = bits[address]
             state[name if index is None else f"{name}{index}"] = data & (1 << width) - 1
-        registers = REGISTERS.from_bits(int(dut.registers.value))
+        registers = unpack(REGISTERS, int(dut.registers.value))
         found = {f"ambient{c}": registers.ambient[c] for c in range(3)}
-        found |= {name: registers[name] for name in ("last_column", "last_line", "load")}
+        found |= {name: getattr(registers, name) for name in ("last_column", "last_line", "load")}
         assert found == state, hex(address)
-        material = MATERIAL.from_bits(seen["material"])
+        material = unpack(MATERIAL, seen["material"])
         assert material.enable == (address < BASE)
         if address < BASE:
             assert (material.address, material.data) == (address, data)
@@ -67,12 +67,12 @@ async def nothing_is_taken_while_a_frame_is_open(dut):
     await bench.reset()
     for _ in range(10):
         await bench.step()
-        assert not MATERIAL.from_bits(int(dut.material.value)).enable
+        assert not unpack(MATERIAL, int(dut.material.value)).enable
     assert source.sent == 0
-    assert REGISTERS.from_bits(int(dut.registers.value)).last_line == 511
+    assert unpack(REGISTERS, int(dut.registers.value)).last_line == 511
     await bench.step(lambda: setattr(dut.idle, "value", 1))
     assert source.sent == 1
-    assert REGISTERS.from_bits(int(dut.registers.value)).last_line == 99
+    assert unpack(REGISTERS, int(dut.registers.value)).last_line == 99
 
 
 def test_table_writes_reach_their_place(block_simulator):

@@ -12,7 +12,7 @@ from splatline.rtl.format import BAYER, PAPER
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.window import Window
 from splatline.sim.cosim import blocks
-from splatline.sim.cosim.blocks import pack
+from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 
 RASTER = RasterLayout(CONFIG)
@@ -62,7 +62,7 @@ def image_of(received, width, height):
     """The image that beats describe; checks their order and places."""
     image, before = {}, (-1, -1)
     for bits in received:
-        beat = RASTER.from_bits(bits)
+        beat = unpack(RASTER, bits)
         assert not beat.end
         assert before < (beat.line, beat.word), "beats out of order"
         before = (beat.line, beat.word)
