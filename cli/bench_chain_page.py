@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..host.deal_methods import DEFAULT_METHOD, METHODS
+from .markdown import table
 
 __all__ = ["TARGETS", "page", "rate"]
 
@@ -83,7 +84,7 @@ def page(report: dict[str, Any]) -> str:
         " cycle, so that no chain is faster than the bound: the cycles of one engine over the"
         " larger of their share and the raster's words. A scene that is filled shows that bound.",
         "## What it must show",
-        _table(
+        table(
             ("engines", "preset", "scene", "speed-up", "at least", "bound", "met"),
             _verdicts(merged),
             words=("preset", "scene", "met"),
@@ -91,7 +92,7 @@ def page(report: dict[str, Any]) -> str:
         "## Engines",
         f"Elements dealt by {DEFAULT_METHOD}, pictures merged. The paper's time is its formula (3):"
         " max(0.02 s, N / 10^8), for its four engines.",
-        _table(
+        table(
             (
                 *("scene", "preset", "engines", "elements", "raster words", "cycles", "speed-up"),
                 *("over host's order", "bound", "ms", "paper, ms", "fill, cycles", "drain, cycles"),
@@ -106,7 +107,7 @@ def page(report: dict[str, Any]) -> str:
         " frame, which wait until nothing is left of the one before. Idle: an engine takes no code"
         " word between a frame's end word and the next frame's first; the mean of all engines, of"
         " which those that are done wait for the last to begin the frame they are at.",
-        _table(
+        table(
             (
                 *("scene", "preset", "engines", "cycles a frame", "frames/s", "idle, cycles"),
                 *("with tables", "frames/s", "idle, cycles", "table writes"),
@@ -117,7 +118,7 @@ def page(report: dict[str, Any]) -> str:
         f"## Dealing, and loading: {first}",
         "\n".join(f"- `{name}`: {meaning}." for name, meaning in METHODS.items())
         + "\n- Link `load`: each engine loads the picture so far and draws over it.",
-        _table(
+        table(
             ("preset", "link", "dealt by", "engines", "cycles", "speed-up", "over host's order"),
             (_dealing(run) for run in runs if run["scene"] == first),
             words=("preset", "link", "dealt by"),
@@ -192,10 +193,3 @@ def _number(value: float | None) -> str:
 
 def _whole(value: float | None) -> str:
     return "-" if value is None else f"{value:,.0f}"
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[str]) -> str:
-    """Return a table; the columns named in ``words`` are text, the others numbers."""
-    rule = "|".join("---" if head in words else "---:" for head in heads)
-    lines = ["| " + " | ".join(heads) + " |", f"|{rule}|"]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ..host.errors import InputError
+from ..host.errors import InputError, install_hint
 from ..host.quality import QUALITIES
 from ..rtl.format import PRESETS, EngineConfig
 from ..rtl.variants import VARIANTS
@@ -154,6 +154,6 @@ def _require(package: str, *, wanted: bool, extra: str) -> None:
     """Raise ``InputError`` if a package that is wanted is missing."""
     if wanted and importlib.util.find_spec(package) is None:
         raise InputError(
-            f"bench configurations needs {package}: pip install 'splatline[{extra}]'"
+            f"bench configurations needs {package}: {install_hint(extra)}"
             + ("" if extra == "pnr" else ", or give --no-luts")
         )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
+
+from .markdown import table
 
 __all__ = ["page"]
 
@@ -51,9 +53,9 @@ def page(report: dict[str, Any]) -> str:
         " frame (so its window is being cleared) to its end beat. LUTs, flip-flops and block RAMs"
         " as Yosys maps them to the paper's Virtex-II, an XC2V250 (3,072 LUTs and flip-flops, 24"
         " block RAMs).",
-        _table(heads, map(list, map(row, points)), text),
+        table(heads, map(list, map(row, points)), text),
         "Cycles of the whole frame:",
-        _table(["engine", *(_scene(*scene) for scene in scenes)], totals, text),
+        table(["engine", *(_scene(*scene) for scene in scenes)], totals, text),
     ]
     if clocked:
         parts[2] += " The clock is routed, on a Lattice ECP5 LFE5U-25F-6, seed 1."
@@ -62,10 +64,3 @@ def page(report: dict[str, Any]) -> str:
 
 def _scene(name: str, splats: str | float) -> str:
     return f"{name}, {splats if splats == 'auto' else f'{splats:g} px'}"
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: set[str]) -> str:
-    """Return a table; the columns named in ``words`` are text, the others numbers."""
-    rule = "|".join("---" if head in words else "---:" for head in heads)
-    lines = ["| " + " | ".join(heads) + " |", f"|{rule}|"]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])

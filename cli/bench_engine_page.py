@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from typing import Any
 
 from .bench_engine_few import PIXELS
 from .bench_engine_targets import TARGETS, Target
+from .markdown import table
 
 __all__ = ["page"]
 
@@ -27,7 +27,7 @@ def page(report: dict[str, Any]) -> str:
         f" raster a cycle. Rates are those of {report['clock_hz'] / 1e6:g} MHz.",
         "## What it must show",
         "The worst run of each kind. A splat's size is the median diameter.",
-        _table(
+        table(
             ("target", "preset", "limit", "worst", "of", "runs that meet it", "met"),
             (_verdict(row) for row in report["targets"]),
             words={"target", "preset", "of", "met"},
@@ -44,12 +44,12 @@ def page(report: dict[str, Any]) -> str:
         luts = rows[0]["lut4"]
         parts.append(f"## Preset {preset}" + (f", {luts:,} LUTs" if rated else ""))
         cells = (_cells(run)[: len(heads)] for run in rows)
-        parts.append(_table(heads, cells, words={"scene", "splats, px", "quality"}))
+        parts.append(table(heads, cells, words={"scene", "splats, px", "quality"}))
     parts += [
         "## Few elements",
         f"Splats of {PIXELS:g} pixels at random places. The frame is not the engine's first, which"
         " waits until memory is cleared.",
-        _table(
+        table(
             ("preset", "elements", "code words", "raster words", "cycles"),
             ((row["preset"], *(f"{row[key]:,}" for key in FEW)) for row in report["few"]),
             words={"preset"},
@@ -96,10 +96,3 @@ def _cells(run: dict[str, Any]) -> tuple[str, ...]:
         f"{run['elements_per_second'] / 1e6:.1f}",
         "-" if run["lut4"] is None else f"{run['elements_per_second_per_lut']:,}",
     )
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: set[str]) -> str:
-    """Return a table; the columns named in ``words`` are text, the others numbers."""
-    rule = "|".join("---" if head in words else "---:" for head in heads)
-    lines = ["| " + " | ".join(heads) + " |", f"|{rule}|"]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])

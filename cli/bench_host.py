@@ -65,7 +65,7 @@ def host(
     """Measure the rates of every stage, and of peers on the same cores in the same run.
 
     The built-in scenes, the clouds named, and a large cloud in several views. Peers are drawn where
-    they are installed: pip install 'splatline[peers]'.
+    they are installed: pip install '.[peers]'.
 
     \b
     Examples:

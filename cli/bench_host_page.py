@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from .markdown import table
+
 __all__ = ["page"]
+
+WORDS = {"cloud", "quality", "view", "left out", "renderer"}
+"""Columns that are text."""
 
 
 def page(report: dict[str, Any]) -> str:
@@ -20,28 +25,31 @@ def page(report: dict[str, Any]) -> str:
         "",
         "## A frame, in milliseconds",
         "",
-        _table(
+        table(
             (
                 *("cloud", "quality", "elements", "project", "encode", "sort", "host"),
                 *("M points/s", "golden", "M words/s", "frame"),
             ),
             [_frame(run) for run in report["runs"] if run["view"] == "whole"],
+            WORDS,
         ),
         "",
         "## The index, built once a cloud",
         "",
-        _table(
+        table(
             ("cloud", "points", "palette, ms", "index, ms", "bytes a point"),
             _indices(report["runs"]),
+            WORDS,
         ),
         "",
         "## Time follows what is seen",
         "",
         "The large cloud; host and golden in milliseconds.",
         "",
-        _table(
+        table(
             ("view", "quality", "elements", "left out", "host", "golden", "frame"),
             [_seen(run) for run in report["runs"] if run["cloud"] == report["runs"][-1]["cloud"]],
+            WORDS,
         ),
     ]
     if report["peers"]:
@@ -52,7 +60,11 @@ def page(report: dict[str, Any]) -> str:
             "Milliseconds a frame on the same cores in the same run, and how many times ours"
             " (`fast`, host and golden).",
             "",
-            _table(("cloud", "renderer", "ms", "times ours"), [_peer(r) for r in report["peers"]]),
+            table(
+                ("cloud", "renderer", "ms", "times ours"),
+                [_peer(r) for r in report["peers"]],
+                WORDS,
+            ),
         ]
     return "\n".join(parts) + "\n"
 
@@ -107,11 +119,3 @@ def _peer(rival: dict[str, Any]) -> tuple[str, ...]:
     if rival["seconds"] is None:
         return rival["cloud"], rival["peer"], "not run", rival["why"]
     return rival["cloud"], rival["peer"], _ms(rival["seconds"]), f"{rival['ratio']:.1f}"
-
-
-def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """Return a Markdown table; what is not text stands on the right."""
-    text = {"cloud", "quality", "view", "left out", "renderer"}
-    rule = "|".join("---" if head in text else "---:" for head in heads)
-    lines = ["| " + " | ".join(heads) + " |", f"|{rule}|"]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .bench_options import folder_option
+from .markdown import table
 from .outputs import check_folder, write_text
 from .statistics import tool_versions
 
@@ -184,10 +185,10 @@ def _page(results: dict[str, Any]) -> str:
         good = sum(case["as_expected"] for case in cases)
         most = [_most(cases, key) for key in ("changed", "holes", "stray")]
         rows.append([link, str(len(cases)), str(good), *map(_percent, most)])
-    parts.append(_table(heads, rows, words=1))
+    parts.append(table(heads, rows, words=1) + "\n")
     for theme in results["themes"]:
         parts.append(f"## {theme['title']}\n\n{theme['expected']}\n")
-        parts.append(_table(HEADS, (_cells(case) for case in theme["cases"]), words=1))
+        parts.append(table(HEADS, (_cells(case) for case in theme["cases"]), words=1) + "\n")
         parts.extend(_complaints(theme["cases"]))
     return "\n".join(parts)
 
@@ -238,10 +239,3 @@ def _anchor(title: str) -> str:
     """Return the name that a heading has as the target of a link."""
     kept = "".join(mark for mark in title.lower() if mark.isalnum() or mark in " -_")
     return kept.replace(" ", "-")
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int) -> str:
-    """Return a table whose first ``words`` columns are text and the others numbers."""
-    rule = "|---" * words + "|---:" * (len(heads) - words) + "|"
-    lines = [f"| {' | '.join(cells)} |" for cells in (heads, *rows)]
-    return "\n".join([lines[0], rule, *lines[1:]]) + "\n"

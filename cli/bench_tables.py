@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .bench_accuracy import FLOAT, FLOAT_ONE_DEPTH, way
 from .bench_targets import TARGETS, judge, pick
+from .markdown import table
 
 __all__ = ["budgets", "fitted", "page", "title"]
 
@@ -127,7 +128,7 @@ def _targets(runs: list[_Run]) -> str:
         figure = "infinite" if verdict["figure"] is None else f"{verdict['figure']:.2f}"
         met = "met" if verdict["met"] else "**not met**"
         row[list(TARGETS).index(verdict["target"])] = f"{figure}, {met}"
-    return _table(["scene", "preset", *TARGETS], [[*key, *row] for key, row in rows.items()], 2)
+    return table(["scene", "preset", *TARGETS], [[*key, *row] for key, row in rows.items()], 2)
 
 
 def _budget_tables(results: Mapping[str, Any]) -> Iterable[str]:
@@ -139,7 +140,7 @@ def _budget_tables(results: Mapping[str, Any]) -> Iterable[str]:
                      for step in steps)]
             for name, values in scenes.items()
         ]  # fmt: skip
-        yield _table(["scene", *steps], rows, 1)
+        yield table(["scene", *steps], rows, 1)
 
 
 def _fitted_table(runs: list[_Run]) -> str:
@@ -160,7 +161,7 @@ def _fitted_table(runs: list[_Run]) -> str:
                 *(_format(run[key], template) for key, _, template in ERRORS),
             ]
         )
-    return _table(heads, rows, 3)
+    return table(heads, rows, 3)
 
 
 def _sizes_table(runs: list[_Run]) -> str:
@@ -177,7 +178,7 @@ def _sizes_table(runs: list[_Run]) -> str:
         rows.append([key[0], f"{key[1]:g}", *(_format(value, "{:.2f}") for value in found)])
     heads = ["scene", "px", FLOAT, FLOAT_ONE_DEPTH]
     heads += [f"{preset} {name}" for preset, name in columns]
-    return _table(heads, rows, 1)
+    return table(heads, rows, 1)
 
 
 def _column(run: _Run) -> tuple[str | None, str]:
@@ -208,7 +209,7 @@ def _skips_table(runs: list[_Run]) -> str:
             ]
             for run in [*default, *(run for run in changed if title(run) == scene)]
         ]
-    return _table(heads, rows, 2) if rows else ""
+    return table(heads, rows, 2) if rows else ""
 
 
 def _words(run: _Run) -> str:
@@ -221,13 +222,6 @@ def _words(run: _Run) -> str:
 
 def _format(value: float | None, template: str, factor: float = 1.0) -> str:
     return "-" if value is None else template.format(factor * value)
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int) -> str:
-    """Return a Markdown table whose first columns are words and whose others are numbers."""
-    rule = "|" + "---|" * words + "---:|" * (len(heads) - words)
-    lines = [" | ".join(row).join(("| ", " |")) for row in (heads, *rows)]
-    return "\n".join([lines[0], rule, *lines[1:]])
 
 
 def _join_lists(parts: Iterable[str]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
 
-from ..host.errors import InputError
+from ..host.errors import InputError, install_hint
 from .errors import ToolFailure
 from .parameters import COLOUR
 from .progress import Stages
@@ -210,7 +210,7 @@ def _simulate_on_buses(frame: Frame, stall: float, seed: int) -> Outcome:
 
 
 def _not_installed(error: ModuleNotFoundError) -> InputError:
-    return InputError(f"--engine rtl needs {error.name}: pip install 'splatline[cosim]'")
+    return InputError(f"the simulation needs {error.name}: {install_hint('cosim')}")
 
 
 def fail_mismatch(context: click.Context, drawing: Drawing) -> NoReturn:

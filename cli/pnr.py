@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from ..host.errors import InputError
+from ..host.errors import InputError, install_hint
 from ..rtl.format import EngineConfig
 from .errors import ToolFailure
 from .outputs import check_files, require_suffix, write_json, write_text
@@ -101,7 +101,7 @@ def _require(command: str, *packages: str) -> None:
     """Raise ``InputError`` if a package of the command's tools is missing."""
     for package in packages:
         if importlib.util.find_spec(package) is None:
-            raise InputError(f"{command} needs {package}: pip install 'splatline[pnr]'")
+            raise InputError(f"{command} needs {package}: {install_hint('pnr')}")
 
 
 def _print(result: dict[str, Any]) -> None:

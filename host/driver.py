@@ -19,7 +19,7 @@ from ..rtl.registers import RegisterMap
 from ..rtl.variants import SHAPED, VARIANTS
 from .device import Device, DeviceTimeoutError
 from .errors import InputError
-from .frame import Tables
+from .frame import Tables, check_tables
 
 __all__ = ["Driver", "EngineError", "read_config"]
 
@@ -133,7 +133,7 @@ class Driver:
         Raises
         ------
         InputError
-            If the image is larger than the engine's.
+            If the image is larger than the engine's, or the tables are for another engine.
         EngineError
             If the engine refused a write.
         """
@@ -143,6 +143,7 @@ class Driver:
                 f"an image of {width}x{height} pixels does not fit the engine's"
                 f" {config.max_width}x{config.max_height}"
             )
+        check_tables(tables, config)
         self.clear("ERROR")
         entries, before = self._pack(tables), self._entries
         changed = (

@@ -1,6 +1,6 @@
 """The one kind of error that a user's input can cause."""
 
-__all__ = ["InputError"]
+__all__ = ["InputError", "install_hint"]
 
 
 class InputError(ValueError):
@@ -8,3 +8,8 @@ class InputError(ValueError):
 
     The command line prints the message and exits with code 2.
     """
+
+
+def install_hint(extra: str) -> str:
+    """Return how the packages of an extra of ``pyproject.toml`` are installed."""
+    return f"pip install '.[{extra}]' in Splatline's folder"

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.format import PAPER, EngineConfig
+from .errors import InputError
 
-__all__ = ["Frame", "Tables"]
+__all__ = ["Frame", "Tables", "check_tables"]
 
 
 @dataclass(frozen=True)
@@ -54,3 +55,17 @@ class Frame:
     height: int
     config: EngineConfig = PAPER
     counts: dict[str, Any] = field(default_factory=dict)
+
+
+def check_tables(tables: Tables, config: EngineConfig) -> None:
+    """Raise ``InputError`` if an engine of a configuration cannot hold what the tables say."""
+    coefficients = ((1 << config.material_bits, 3), config.coefficient_bits)
+    for name, table, (shape, bits) in (
+        ("ambient", tables.ambient, ((3,), config.ambient_bits)),
+        ("diffuse", tables.diffuse, coefficients),
+        ("specular", tables.specular, coefficients),
+    ):
+        if table.shape != shape:
+            raise InputError(f"the table {name!r} must have the shape {shape}, not {table.shape}")
+        if table.min() < 0 or table.max() >> bits:
+            raise InputError(f"the table {name!r} has values that do not fit {bits} bits")

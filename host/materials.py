@@ -16,6 +16,7 @@ from .lighting import Lighting
 __all__ = ["Materials", "find_materials", "material_tables"]
 
 MOST_MATERIALS = 128
+LARGEST_PALETTE = 256  # of Pillow, and of indices of a byte
 """What the ``paper`` engine's table holds."""
 
 ROUNDS = 8
@@ -42,7 +43,15 @@ def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     """Return a palette for a cloud: its own colours if they are few, else the means of clusters.
 
     Those are Pillow's median cut, improved by Lloyd's algorithm (k-means).
+
+    Parameters
+    ----------
+    cloud
+        The cloud.
+    most
+        How many materials there may be; of more than 256 no more are used.
     """
+    most = min(most, LARGEST_PALETTE)
     colours = np.ascontiguousarray(cloud.colours, np.uint8)
     if (colours == colours[:1]).all():
         return Materials(colours[:1].copy(), np.zeros(len(colours), np.uint8))

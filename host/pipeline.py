@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, EngineConfig
+from ..rtl.format import PAPER, PRESETS, EngineConfig
+from ..rtl.variants import VARIANTS
 from .cloud import Cloud
 from .errors import InputError
 from .frame import Frame
@@ -180,9 +181,15 @@ def _with_something(
 def check_size(width: int, height: int, config: EngineConfig) -> None:
     """Raise ``InputError`` if an engine cannot draw an image of this size."""
     if width > config.max_width or height > config.max_height:
+        larger = [
+            other.name
+            for other in (*PRESETS.values(), *VARIANTS)
+            if width <= other.max_width and height <= other.max_height
+        ]
         raise InputError(
             f"the image is {width}x{height}; an engine of preset {config.name} draws at most "
             f"{config.max_width}x{config.max_height}"
+            + (f"; preset {larger[0]} draws this size" if larger else "")
         )
 
 

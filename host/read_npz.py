@@ -21,9 +21,9 @@ COLOURS = ("colours", "colors", "rgb", "colour", "color")
 def read_npz(path: Path) -> Columns:
     """Return the points of an NPZ file.
 
-    Positions are the array ``positions``, ``points`` or ``xyz``, normals ``normals``, colours
-    ``colours``, ``colors`` or ``rgb``: shape (n, 3); colours may have a fourth column, which is
-    left out. Arrays of other names are left alone.
+    Positions are the first array that is named as in ``POSITIONS``, normals as in ``NORMALS``,
+    colours as in ``COLOURS``, in capitals or not: shape (n, 3); colours may have a fourth column,
+    which is left out. Arrays of other names are left alone.
 
     Raises
     ------

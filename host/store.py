@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ..rtl.format import COMPACT, EngineConfig
 from .atomic import atomic_write
 from .errors import InputError
-from .frame import Frame, Tables
+from .frame import Frame, Tables, check_tables
 from .view import View
 
 __all__ = ["describe_frame", "load_frame", "save_frame", "sidecar_path"]
@@ -154,21 +154,14 @@ def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Fra
     ):
         if not isinstance(value, int) or not 1 <= value <= most:
             raise ValueError(f"a {name} of {value!r}")
-    tables = {name: np.array(values, np.int64) for name, values in sidecar["tables"].items()}
-    materials = 1 << config.material_bits
-    bits = {
-        "ambient": ((3,), config.ambient_bits),
-        "diffuse": ((materials, 3), config.coefficient_bits),
-        "specular": ((materials, 3), config.coefficient_bits),
-    }
-    for name, (shape, width_bits) in bits.items():
-        table = tables[name]
-        if table.shape != shape or table.min() < 0 or table.max() >> width_bits:
-            raise ValueError(f"the table {name}")
+    tables = Tables(
+        **{name: np.array(values, np.int64) for name, values in sidecar["tables"].items()}
+    )
+    check_tables(tables, config)
     counts = sidecar.get("counts") or {}
     if not isinstance(counts, dict) or not isinstance(counts.get("seconds", {}), dict):
         raise ValueError("the counts")
-    return Frame(codewords, Tables(**tables), width, height, config, counts)
+    return Frame(codewords, tables, width, height, config, counts)
 
 
 def _are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:

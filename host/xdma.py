@@ -14,6 +14,7 @@ import mmap
 import os
 import select
 import threading
+import time
 from pathlib import Path
 from types import TracebackType
 
@@ -109,23 +110,25 @@ class XdmaDevice:
 
     def receive(self) -> npt.NDArray[np.uint64]:
         """Read beats up to the end beat."""
-        data = self._rest
-        while (size := self._packet(data)) is None:
-            if not select.select([self._raster], [], [], self.timeout)[0]:
-                self._rest = data
+        deadline = time.monotonic() + self.timeout
+        while (size := self._packet(self._rest)) is None:
+            left = max(0.0, deadline - time.monotonic())
+            if not select.select([self._raster], [], [], left)[0]:
                 raise DeviceTimeoutError(f"no end beat after {self.timeout} s")
             try:
-                data += os.read(self._raster, CHUNK)
+                piece = os.read(self._raster, CHUNK)
             except OSError as error:  # the driver has a limit of its own
-                self._rest = data
                 raise DeviceTimeoutError(f"the raster could not be read: {error}") from error
-        self._rest = data[size:]
+            if not piece:
+                raise DeviceTimeoutError("the raster's stream has ended, before an end beat")
+            self._rest += piece
+        data, self._rest = self._rest[:size], self._rest[size:]
         for sender in self._senders:
             sender.join()
         self._senders.clear()
         if self._trouble:
             raise self._trouble.pop()
-        return np.frombuffer(data[:size], "<u8").reshape(-1, self._beat // 8)
+        return np.frombuffer(data, "<u8").reshape(-1, self._beat // 8)
 
     def close(self) -> None:
         """Close the files."""

@@ -199,8 +199,8 @@ class EngineConfig:
             raise ValueError(f"banks must be 8, or 16 without lanes, not {self.banks!r}")
         if self.mark_words not in (1, 2, 4, 8):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
-        if self.lanes and (self.colour_planes > 1 or self.dither):
-            raise ValueError("lanes have neither further colour planes nor dithering")
+        if self.lanes and (self.colour_planes > 1 or self.dither or self.mark_words > 1):
+            raise ValueError("lanes have no further colour planes, dithering or shared marks")
         if self.shapes not in SHAPES:
             raise ValueError(f"shapes must be {', '.join(SHAPES)}, not {self.shapes!r}")
         if self.z.end != 64:
@@ -463,9 +463,9 @@ PRESETS = {
         ),
     )
 }
-"""Named configurations: ``paper``; ``wide``; ``swift``; as ``wide``, with ordered dithering, with 6
-and 8 bits a colour channel, and with 12 bits of depth, which the intensities and the materials give
-up."""
+"""Named configurations: ``paper``; ``wide``; ``swift``; and with eight banks and one word a beat:
+with ordered dithering, with 6 and 8 bits a colour channel, and with 12 bits of depth, which the
+intensities and the materials give up."""
 
 BAYER = ((0, 8, 2, 10), (12, 4, 14, 6), (3, 11, 1, 9), (15, 7, 13, 5))
 """Thresholds of ordered dithering in sixteenths, by line and column modulo 4 (Bayer, 1973)."""

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..host.errors import InputError
-from ..host.frame import Frame, Tables
+from ..host.frame import Frame, check_tables
 from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig, Field
 from .expand import expand_frame
 from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
@@ -81,7 +81,7 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
     if bands < 1:
         raise ValueError(f"the image is drawn in at least one band of lines, not {bands}")
     _check_image(frame)
-    _check_tables(frame.tables, config)
+    check_tables(frame.tables, config)
     if initial is not None:
         _check_initial(initial, frame)
 
@@ -208,19 +208,6 @@ def _check_image(frame: Frame) -> None:
             f"an image of {frame.width}x{frame.height} pixels does not fit the engine"
             f" {config.name!r}, which draws 1x1 to {config.max_width}x{config.max_height}"
         )
-
-
-def _check_tables(tables: Tables, config: EngineConfig) -> None:
-    coefficients = ((1 << config.material_bits, 3), config.coefficient_bits)
-    for name, table, (shape, bits) in (
-        ("ambient", tables.ambient, ((3,), config.ambient_bits)),
-        ("diffuse", tables.diffuse, coefficients),
-        ("specular", tables.specular, coefficients),
-    ):
-        if table.shape != shape:
-            raise InputError(f"the table {name!r} must have the shape {shape}, not {table.shape}")
-        if table.min() < 0 or table.max() >> bits:
-            raise InputError(f"the table {name!r} has values that do not fit {bits} bits")
 
 
 def _check_initial(initial: Raster, frame: Frame) -> None:

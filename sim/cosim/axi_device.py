@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...host.device import BusError, DeviceTimeoutError
-from ...host.errors import InputError
+from ...host.errors import InputError, install_hint
 from ...rtl.format import PAPER, EngineConfig
 from ...rtl.register_map import raster_stream_bytes
 from . import simulator
@@ -95,7 +95,7 @@ class SimulatedDevice:
             raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
         if importlib.util.find_spec("cocotbext") is None:
             raise InputError(
-                "an engine on AXI is simulated with cocotbext-axi: pip install 'splatline[cosim]'"
+                f"an engine on AXI is simulated with cocotbext-axi: {install_hint('cosim')}"
             )
         self.config = config
         self.limit = limit

@@ -55,7 +55,7 @@ def simulate_frame(
     initial
         Raster to start from.
     stall
-        Share of the cycles, 0..1, in which each port is held back at random.
+        Share of the cycles, 0 to 255/256, in which each port is held back at random.
     seed
         Of the random stalls.
 

@@ -17,6 +17,8 @@ from ..raster import Raster
 __all__ = ["STREAMS", "Outcome", "Playing", "Times", "table_writes"]
 
 STREAMS = ("codeword", "table", "initial", "raster")
+SLOWEST = 1 / 256
+"""The least share of the cycles in which the player can be told to be willing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,16 +85,18 @@ class Playing(ABC):
         Raises
         ------
         ValueError
-            If there is no such stream, or a rate is 0.
+            If there is no such stream, or a rate is out of range.
         """
         unknown = set(self.rates) - set(STREAMS)
         if unknown:
             raise ValueError(f"no streams named {sorted(unknown)}; there are {STREAMS}")
         every = {name: self.rates.get(name, 1.0) for name in STREAMS}
-        slowest = min(every.values())
-        if not slowest > 0.0:
-            raise ValueError("a rate of 0 would never end")
-        return {name: max(0, round(256 * rate) - 1) for name, rate in every.items()}, slowest
+        for name, rate in every.items():
+            if not SLOWEST <= rate <= 1.0:
+                raise ValueError(f"the rate of {name} must be 1/256 to 1, not {rate}")
+        return {name: max(0, round(256 * rate) - 1) for name, rate in every.items()}, min(
+            every.values()
+        )
 
     def table_writes(self) -> list[npt.NDArray[np.uint64]]:
         """Return the table writes of each frame that has any; all its parts have its tables."""

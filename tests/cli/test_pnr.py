@@ -70,7 +70,7 @@ def test_a_missing_tool_is_named_in_one_line(run, folder, routing, monkeypatch, 
     result = run(command)
     assert result.exit_code == 2
     assert result.stderr == (
-        f"splatline: {command} needs yowasp_{package}: pip install 'splatline[pnr]'\n"
+        f"splatline: {command} needs yowasp_{package}: pip install '.[pnr]' in Splatline's folder\n"
     )
     assert not list(folder.iterdir())
 

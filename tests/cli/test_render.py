@@ -125,7 +125,7 @@ def test_the_verilog_on_its_buses_is_compared_too(run, folder, cloud, verilog, m
     ("error", "code", "words"),
     [
         (SimulationError("the simulation stopped\nlast line"), 1, "the simulation stopped\nlast"),
-        (ModuleNotFoundError("no", name="cocotb_tools"), 2, "--engine rtl needs cocotb_tools"),
+        (ModuleNotFoundError("no", name="cocotb_tools"), 2, "the simulation needs cocotb_tools"),
     ],
 )
 def test_a_simulation_that_cannot_be_says_why(run, folder, cloud, monkeypatch, error, code, words):

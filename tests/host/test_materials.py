@@ -21,6 +21,16 @@ def test_few_colours_stay_exactly_as_they_are():
     assert len(materials.palette) <= 128
 
 
+def test_no_more_materials_than_a_byte_tells_apart():
+    """However many the engine's table has."""
+    colours = np.stack([np.arange(300) % 256, np.arange(300) // 256, np.zeros(300)], axis=-1)
+    cloud = cloud_of(np.zeros((300, 3)), np.ones((300, 3)), colours.astype(np.uint8))
+    materials = find_materials(cloud, most=512)
+    assert len(materials.palette) <= 256
+    error = materials.palette[materials.index].astype(int) - colours
+    assert np.abs(error).max() <= 4
+
+
 def test_many_colours_are_reduced_to_near_ones():
     rng = np.random.default_rng(2)
     colours = rng.integers(0, 256, (20_000, 3))

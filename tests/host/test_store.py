@@ -85,7 +85,7 @@ def edit(path, **changes):
                     "specular": [[0] * 3] * 128,
                 },
             ),
-            "the table ambient",
+            "the table 'ambient' has values",
         ),
     ],
 )

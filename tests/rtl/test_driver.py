@@ -88,6 +88,21 @@ def test_a_raster_that_does_not_end_is_given_up(board):
         device.receive()
 
 
+def test_a_raster_stream_that_ends_is_not_waited_for(tmp_path):
+    """A read that returns nothing: as of a card that is taken away."""
+    fake = FakeBoard(tmp_path, PAPER)
+    with XdmaDevice(fake.card, timeout=60.0) as device:
+        fake.close()
+        with pytest.raises(DeviceTimeoutError, match="stream has ended"):
+            device.receive()
+
+
+def test_tables_of_another_engine_are_refused(board):
+    """Before a register is written: its values do not fit the fields of this one."""
+    with XdmaDevice(board.card) as device, pytest.raises(InputError, match="values that do not fit"):
+        Engine(device).write_tables(clean(PRESETS["rgb24"], 6).tables, 64, 40)
+
+
 def test_an_image_larger_than_the_engine_s_is_refused(board):
     frame = clean(PAPER, 6)
     with XdmaDevice(board.card) as device:
