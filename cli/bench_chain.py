@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.links import LINKS, MOST_ENGINES
 from .bench_chain_runs import Plan, measure
 from .bench_options import folder_option, scenes_option
 from .bench_subjects import check_names
@@ -34,7 +35,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 @click.option(
     "--engines",
     multiple=True,
-    type=click.IntRange(1, 64),
+    type=click.IntRange(1, MOST_ENGINES),
     default=(1, 2, 4, 8),
     show_default="1, 2, 4, 8",
     help="Engines in the chain; may be given several times. 1 is what the others are measured by.",
@@ -43,9 +44,9 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
     "--link",
     "links",
     multiple=True,
-    type=click.Choice(["merge", "load"]),
-    default=("merge", "load"),
-    show_default="merge, load",
+    type=click.Choice(LINKS),
+    default=LINKS,
+    show_default=", ".join(LINKS),
     help="How pictures go from engine to engine.",
 )
 @click.option(

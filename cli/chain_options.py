@@ -7,12 +7,11 @@ from typing import Any, TypeVar
 
 import click
 
-__all__ = ["LINKS", "chain_options"]
+from ..rtl.links import LINKS, MOST_ENGINES
+
+__all__ = ["chain_options"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
-
-LINKS = ("merge", "load")
-"""Those of :mod:`splatline.rtl.chain`, which need not be imported to say so."""
 
 
 def chain_options(command: _Command) -> _Command:
@@ -27,7 +26,7 @@ def chain_options(command: _Command) -> _Command:
         ),
         click.option(
             "--engines",
-            type=click.IntRange(1, 64),
+            type=click.IntRange(1, MOST_ENGINES),
             metavar="N",
             default=None,
             show_default="one, without a chain",

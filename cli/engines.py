@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -141,12 +142,7 @@ def draw(
 
         parts = [deal(frame, engines) for frame in frames]
     with stages.stage("golden", "Drawing with the golden renderer"):
-        pictures = []
-        for each in parts:
-            picture = golden.render(each[0])
-            for part in each[1:]:
-                picture = golden.render(part, picture)
-            pictures.append(picture)
+        pictures = [golden.render_parts(each) for each in parts]
     if engine == "golden":
         return Drawing(average(pictures))
     runs = []
@@ -166,51 +162,41 @@ def draw(
 
 
 def _simulate_chain(parts: list[Frame], link: str, stall: float, seed: int) -> Outcome:
-    """Run the Verilog of a chain, as :func:`_simulate` runs an engine's."""
-    try:
+    """Run the Verilog of a chain."""
+    with _told():
         from ..sim.cosim.chains import simulate_parts
-        from ..sim.cosim.simulator import SimulationError
-    except ModuleNotFoundError as error:
-        raise _not_installed(error) from error
-    try:
+
         return simulate_parts(parts, link=link, stall=stall, seed=seed)
-    except ModuleNotFoundError as error:
-        raise _not_installed(error) from error
-    except SimulationError as error:
-        raise ToolFailure(str(error)) from error
 
 
 def _simulate(frame: Frame, stall: float, seed: int) -> Outcome:
-    """Run the Verilog, with errors that the command line knows how to tell."""
-    try:
+    """Run the Verilog of an engine."""
+    with _told():
         from ..sim.cosim.frames import simulate_frame
-        from ..sim.cosim.simulator import SimulationError
-    except ModuleNotFoundError as error:
-        raise _not_installed(error) from error
-    try:
+
         return simulate_frame(frame, stall=stall, seed=seed)
-    except ModuleNotFoundError as error:
-        raise _not_installed(error) from error
-    except SimulationError as error:
-        raise ToolFailure(str(error)) from error
 
 
 def _simulate_on_buses(frame: Frame, stall: float, seed: int) -> Outcome:
-    """Run the Verilog on its buses, with errors that the command line knows how to tell."""
-    try:
+    """Run the Verilog of an engine on its buses."""
+    with _told():
         from ..sim.cosim.axi_frames import simulate_on_buses
-        from ..sim.cosim.simulator import SimulationError
 
-        try:
-            return simulate_on_buses(frame, stall=stall, seed=seed)
-        except SimulationError as error:
-            raise ToolFailure(str(error)) from error
+        return simulate_on_buses(frame, stall=stall, seed=seed)
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Turn what goes wrong in a simulation into errors that the command line knows how to tell."""
+    from ..sim.cosim.simulator import SimulationError
+
+    try:
+        yield
     except ModuleNotFoundError as error:
-        raise _not_installed(error) from error
-
-
-def _not_installed(error: ModuleNotFoundError) -> InputError:
-    return InputError(f"the simulation needs {error.name}: {install_hint('cosim')}")
+        hint = install_hint("cosim")
+        raise InputError(f"the simulation needs {error.name}: {hint}") from error
+    except SimulationError as error:
+        raise ToolFailure(str(error)) from error
 
 
 def fail_mismatch(context: click.Context, drawing: Drawing) -> NoReturn:

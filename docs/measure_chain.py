@@ -20,11 +20,11 @@ from splatline.rtl.chain import QUEUE
 from splatline.rtl.format import PAPER, EngineConfig
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.merger import Merger
-from splatline.rtl.netlist import RUN_YOSYS, run_tool
+from splatline.rtl.netlist import run_tool
 from splatline.rtl.pins import BEAT_PIECE, Gatherer, Splitter
 from splatline.rtl.pnr import CONSTRAINTS, OPTIONS, RUN_NEXTPNR, SYNTHESIS, read_report
 from splatline.rtl.queue import Queue
-from splatline.rtl.synth import count_component
+from splatline.rtl.synth import RUN_YOSYS, count_component
 from splatline.rtl.verilog import convert
 
 SEEDS = (1, 2, 3, 4)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.format import PAPER, ROWS, EngineConfig
-from .encode_splats import encode_splats, measure_room
+from .encode_splats import Fixed, encode_splats, measure_room
 from .occlusion import cover, new_pyramid
 from .project import Splats
 from .quality import DEFAULT_QUALITY, QUALITIES
@@ -103,20 +103,22 @@ def encode(
         Write the symmetric shapes that the engine's ROM holds as compact words.
     """
     low, high = splats.depth_range
-    fixed = (
-        shape_table(),
-        level_slopes(),
-        list(QUALITIES).index(quality),
-        view.width,
-        view.height,
-        1.0 / view.focal,
-        low,
-        _inverse(high - low),
-        nearest_pixel,
-        config.diffuse.lsb,
-        view.near,
-        config.largest_shape if compact else 0,
-        *view.middle,
+    middle_x, middle_y = view.middle
+    fixed = Fixed(
+        table=shape_table(),
+        levels=level_slopes(),
+        quality=list(QUALITIES).index(quality),
+        width=view.width,
+        height=view.height,
+        inverse_focal=1.0 / view.focal,
+        low=low,
+        inverse_span=_inverse(high - low),
+        nearest_pixel=nearest_pixel,
+        look_lsb=config.diffuse.lsb,
+        near=view.near,
+        largest_compact=config.largest_shape if compact else 0,
+        middle_x=middle_x,
+        middle_y=middle_y,
     )
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
@@ -16,10 +16,11 @@ from .fractions import STEEP, encode_fractions, fraction_size
 from .half_places import encode_turned
 from .occlusion import is_hidden
 from .project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
+from .quality import AS_PAPER, EXACT, FAST
 from .shapes import LEVELS, quantise
 from .symmetric import encode_symmetric
 
-__all__ = ["encode_splats", "measure_room"]
+__all__ = ["Fixed", "encode_splats", "measure_room"]
 
 FLAT = 0.02
 """Pixels of r^2 over the focal length up to which a disc is drawn to first order: its true ellipse
@@ -31,6 +32,49 @@ SMALLEST = 1e-3
 REACH = 0.5 * BLOCK + 1.0
 """Pixels by which a symmetric shape may reach beyond its true circle: so thin a one that it covers
 no pixel's centre has the nearest in its own metric, anywhere in its block, from a whole place."""
+
+
+class Fixed(NamedTuple):
+    """What is the same for all splats of a frame.
+
+    Parameters
+    ----------
+    table, levels
+        The shape table, and the slopes of its levels.
+    quality
+        Its number.
+    width, height
+        Of the image.
+    inverse_focal
+        1 over the focal length, in pixels.
+    low, inverse_span
+        The least depth, and 1 over the range of depths.
+    nearest_pixel
+        Whether a splat without a pixel draws the nearest.
+    look_lsb
+        The lowest bit of DIFFUSE.
+    near
+        Distance of the near plane.
+    largest_compact
+        The largest size that goes as a compact word; 0: none.
+    middle_x, middle_y
+        Column and line of the view's axis.
+    """
+
+    table: Any
+    levels: Any
+    quality: int
+    width: int
+    height: int
+    inverse_focal: float
+    low: float
+    inverse_span: float
+    nearest_pixel: bool
+    look_lsb: int
+    near: float
+    largest_compact: int
+    middle_x: float
+    middle_y: float
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
@@ -54,28 +98,28 @@ def _room(place: Any, diameter: float, slope: Any, distance: float, fixed: Any) 
     2 r pixels hold the centres of at most floor(2 r) + 1. The symmetric shapes reach a pixel
     further, for their whole places and diameters.
     """
-    quality, width, height, inverse_focal = fixed[2], fixed[3], fixed[4], fixed[5]
-    if quality < 2 and diameter <= BLOCK:
+    inverse_focal = fixed.inverse_focal
+    if fixed.quality != EXACT and diameter <= BLOCK:
         return 2
-    a, b = abs(place[0] - fixed[12]), abs(place[1] - fixed[13])
+    a, b = abs(place[0] - fixed.middle_x), abs(place[1] - fixed.middle_y)
     a, b = a * inverse_focal, b * inverse_focal
     # As in ``cull.lies_outside``; what comes nearer than half the distance may fill the image.
     share = 0.5 * diameter * inverse_focal
     larger = 1.0 / (1.0 - share) if share < 0.5 else LARGEST
     wide = diameter * (1.0 + min(a, 0.5 * a * a)) * larger + 1e-3
     high = diameter * (1.0 + min(b, 0.5 * b * b)) * larger + 1e-3
-    if quality == 0:
+    if fixed.quality == AS_PAPER:
         wide, high = wide + 2.0 * ROWS, high + 4.0 * ROWS
-    lines = min(int(min(high, LARGEST)) + 1, height + 2 * ROWS)
-    columns = min(int(min(wide, LARGEST)) + 1, width + BLOCK)
+    lines = min(int(min(high, LARGEST)) + 1, fixed.height + 2 * ROWS)
+    columns = min(int(min(wide, LARGEST)) + 1, fixed.width + BLOCK)
     if lines <= ROWS and columns <= BLOCK:
         return 1
     # As ``encode_fractions`` has it, to the last bit.
-    change = distance * fixed[7]
+    change = distance * fixed.inverse_span
     change_x = float(slope[0]) * inverse_focal * change
     change_y = float(slope[1]) * inverse_focal * change
     most_columns, most_lines = fraction_size(
-        change_x, change_y, STEEP if quality == 2 else math.inf
+        change_x, change_y, STEEP if fixed.quality == EXACT else math.inf
     )
     return -(-lines // most_lines) * -(-columns // most_columns)
 
@@ -105,10 +149,7 @@ def encode_splats(
     source
         Views of the splats (see ``Splats.views``), and the slots of each chunk.
     fixed
-        Shape table, its levels' slopes, number of the quality, width, height, 1 / focal length,
-        least depth, 1 / depth range, whether a splat without a pixel draws the nearest, the lowest
-        bit of DIFFUSE, the distance of the near plane, the largest size that goes as a compact
-        word (0: none), and the column and line of the view's axis.
+        See :class:`Fixed`.
     to
         Where words go; see :mod:`splatline.host.emit`.
     skip_hidden, bound, coarse
@@ -118,8 +159,8 @@ def encode_splats(
     """
     floats, bits, doubles, begins, ends = source
     words, lines, width, height, x_lsb, z_lsb, largest = to
-    quality, inverse_focal, low, inverse_span = fixed[2], fixed[5], fixed[6], fixed[7]
-    nearest_pixel, look_lsb, middle_x, middle_y = fixed[8], fixed[9], fixed[12], fixed[13]
+    inverse_focal, look_lsb = fixed.inverse_focal, fixed.look_lsb
+    true_shapes = fixed.quality != AS_PAPER
     for number in nb.prange(len(wave)):
         chunk = wave[number]
         at = starts[chunk]
@@ -129,14 +170,15 @@ def encode_splats(
             column, line = float(floats[i, COLUMN]), float(floats[i, LINE])
             slope_x, slope_y = float(floats[i, SLOPE_X]), float(floats[i, SLOPE_Y])
             diameter, distance = float(floats[i, DIAMETER]), doubles[i, DEPTH]
-            a, b = (column - middle_x) * inverse_focal, (line - middle_y) * inverse_focal
+            a = (column - fixed.middle_x) * inverse_focal
+            b = (line - fixed.middle_y) * inverse_focal
             form = conic(a, b, slope_x, slope_y)
             # Far smaller than a pixel or larger than any image makes no difference.
             radius = 0.5 * diameter
             radius = radius if radius > SMALLEST else SMALLEST
             radius = radius if radius < LARGEST else LARGEST
             square = radius * radius
-            in_depth = quality and square * inverse_focal > FLAT
+            in_depth = true_shapes and square * inverse_focal > FLAT
             splat = column, line, diameter, slope_x, slope_y, distance
             if (
                 skip_hidden
@@ -153,20 +195,20 @@ def encode_splats(
                 form = form_a, form_b, form_c, determinant
                 centre_x, centre_y = column + right, line + down
             found = 2
-            if quality and not in_depth and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
+            if true_shapes and not in_depth and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
                 # No other pixel's centre is near enough.
                 found, scans = int(covers_own_pixel(column, line, square, form)), ONE_PIXEL
                 x, top = math.floor(column), math.floor(line)
                 found = found if 0 <= x < width and 0 <= top < height else 0
-            elif quality and radius * inverse_focal < 0.5:
+            elif true_shapes and radius * inverse_focal < 0.5:
                 found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
             if found == 1:  # nearly all
-                z = quantised_depth((distance - low) * inverse_span, largest)
+                z = quantised_depth((distance - fixed.low) * fixed.inverse_span, largest)
                 common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
                 words[at] = common | 1 | scans << 1 | x << x_lsb
                 lines[at] = top + ROWS
                 at += 1
-            elif found == 2 or nearest_pixel:
+            elif found == 2 or fixed.nearest_pixel:
                 common = np.int64(bits[i, LOOK]) << look_lsb
                 share = radius * inverse_focal
                 ellipse = centre_x, centre_y, square, share * share
@@ -206,9 +248,9 @@ def _is_hidden(
         Where its centre lies: x / z and y / z.
     """
     column, line, _, slope_x, slope_y, distance = splat
-    inverse_focal, low, inverse_span = fixed[5], fixed[6], fixed[7]
+    inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
     # As far as its disc reaches (see ``conic``), or its symmetric shape.
-    beyond = 0.01 if fixed[2] == 2 else REACH
+    beyond = 0.01 if fixed.quality == EXACT else REACH
     wide = radius * (1.0 + min(abs(a), 0.5 * a * a)) + beyond
     high = radius * (1.0 + min(abs(b), 0.5 * b * b)) + beyond
     # The disc's plane is nearest at a corner of that.
@@ -231,15 +273,14 @@ def _encode_other(
     to: Any,
 ) -> int:
     """Write the words of a splat that is not one fraction, and return the next one's place."""
-    table, levels, quality, inverse_focal = fixed[0], fixed[1], fixed[2], fixed[5]
-    low, inverse_span, nearest_pixel, rom = fixed[6], fixed[7], fixed[8], fixed[11]
+    table, levels, quality, rom = fixed.table, fixed.levels, fixed.quality, fixed.largest_compact
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to[5], to[6]
-    depth = (distance - low) * inverse_span
-    if found and quality == 1 and diameter <= BLOCK:
+    depth = (distance - fixed.low) * fixed.inverse_span
+    if found and quality == FAST and diameter <= BLOCK:
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_turned(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
-    if quality == 0:
+    if quality == AS_PAPER:
         shape = (
             quantise(-slope_x, -1.0, LEVELS),
             quantise(-slope_y, -1.0, LEVELS),
@@ -252,17 +293,17 @@ def _encode_other(
         plane = (
             column,
             line,
-            slope_x * inverse_focal,
-            slope_y * inverse_focal,
+            slope_x * fixed.inverse_focal,
+            slope_y * fixed.inverse_focal,
             distance,
-            low,
-            inverse_span,
+            fixed.low,
+            fixed.inverse_span,
             ellipse[3],
-            fixed[10],
-            STEEP if quality == 2 else math.inf,
+            fixed.near,
+            STEEP if quality == EXACT else math.inf,
         )
         end = encode_fractions(ellipse[0], ellipse[1], ellipse[2], form, plane, common, at, to)
-        if end > at or not nearest_pixel:
+        if end > at or not fixed.nearest_pixel:
             return end
     common |= quantised_depth(depth, largest) << z_lsb
     return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)

@@ -1,6 +1,6 @@
 """The ways to turn a splat into code words."""
 
-__all__ = ["DEFAULT_QUALITY", "QUALITIES"]
+__all__ = ["AS_PAPER", "DEFAULT_QUALITY", "EXACT", "FAST", "QUALITIES"]
 
 QUALITIES = {
     "paper": "the symmetric shape always, at whole places and whole diameters",
@@ -9,7 +9,10 @@ QUALITIES = {
     "whole fractions",
     "exact": "fractions at the true place and size, each with its own depth, halved where steep",
 }
-"""Names, in the order in which the compiled code numbers them."""
+"""Names and meanings."""
+
+AS_PAPER, FAST, EXACT = (list(QUALITIES).index(name) for name in ("paper", "fast", "exact"))
+"""Their numbers, for compiled code."""
 
 DEFAULT_QUALITY = "exact"
 """Highest PSNR on every scene measured, for as many words as ``fast`` wherever splats are small

@@ -12,15 +12,11 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from .engine import Engine
 from .format import PAPER, EngineConfig
 from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+from .links import LINKS, MOST_ENGINES
 from .merger import Merger
 from .queue import Queue
 
-__all__ = ["LINKS", "MOST_ENGINES", "QUEUE", "Chain", "check_chain"]
-
-LINKS = ("merge", "load")
-"""How an engine's picture goes on to the next: joined on the way out, or loaded into its window."""
-
-MOST_ENGINES = 64
+__all__ = ["QUEUE", "Chain", "check_chain"]
 
 QUEUE = 256
 """Beats that wait behind an engine. They lie in block RAM, of which more than a few take the same.

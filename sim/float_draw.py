@@ -15,7 +15,7 @@ import numpy as np
 from ..host.fractions import STEEP, cut, fraction_size
 from ..host.shapes import LEVELS, quantise
 from ..rtl.format import BLOCK, ROWS
-from .reference import _bound_disc, _bound_part
+from .reference import bound_disc, bound_part
 
 __all__ = ["DEPTHS", "PLACES", "SIZES", "SPLAT", "draw_bands", "place_splats"]
 
@@ -114,11 +114,11 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
         low_y, high_y = splat.line - half, splat.line + half
     else:
         if centre[2] - reach < near:
-            low_x, high_x = _bound_part(centre, normal, radius, 0, near)
-            low_y, high_y = _bound_part(centre, normal, radius, 1, near)
+            low_x, high_x = bound_part(centre, normal, radius, 0, near)
+            low_y, high_y = bound_part(centre, normal, radius, 1, near)
         else:
-            low_x, high_x = _bound_disc(centre, normal, radius, 0)
-            low_y, high_y = _bound_disc(centre, normal, radius, 1)
+            low_x, high_x = bound_disc(centre, normal, radius, 0)
+            low_y, high_y = bound_disc(centre, normal, radius, 1)
         low_x, high_x = middle_x + focal * low_x, middle_x + focal * high_x
         low_y, high_y = middle_y + focal * low_y, middle_y + focal * high_y
 

@@ -7,6 +7,7 @@ into arrays.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numba
@@ -20,7 +21,7 @@ from .expand import expand_frame
 from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
 from .raster import Raster
 
-__all__ = ["block_rows", "decode", "render"]
+__all__ = ["block_rows", "decode", "render", "render_parts"]
 
 WORD_WORK = 4
 """How much more work a code word is than a pixel of the image, about."""
@@ -104,6 +105,22 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
         raster.depth,
         raster.colour,
     )
+    return raster
+
+
+def render_parts(parts: Sequence[Frame], initial: Raster | None = None) -> Raster:
+    """Draw parts of a picture one over the other, the first one first: what a chain draws.
+
+    Raises
+    ------
+    InputError, ValueError
+        As :func:`render`; or if there are no parts.
+    """
+    if not parts:
+        raise ValueError("a picture has at least one part")
+    raster = render(parts[0], initial)
+    for part in parts[1:]:
+        raster = render(part, raster)
     return raster
 
 

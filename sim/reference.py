@@ -18,7 +18,7 @@ from ..host.cloud import Cloud
 from ..host.lighting import Lighting
 from ..host.view import View
 
-__all__ = ["Reference", "render"]
+__all__ = ["Reference", "bound_disc", "bound_part", "render"]
 
 _Floats = npt.NDArray[np.float64]
 
@@ -189,9 +189,9 @@ def _bound_discs(
         crosses = centres[i, 2] - reach < near
         for axis in range(2):
             if crosses:
-                low, high = _bound_part(centres[i], normals[i], radius, axis, near)
+                low, high = bound_part(centres[i], normals[i], radius, axis, near)
             else:
-                low, high = _bound_disc(centres[i], normals[i], radius, axis)
+                low, high = bound_disc(centres[i], normals[i], radius, axis)
             # Clipped as floats: far outside the image they do not fit an integer. A sample more on
             # either side makes up for rounding.
             limit = float(size[axis])
@@ -203,7 +203,7 @@ def _bound_discs(
 
 
 @numba.njit(cache=True)
-def _bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[float, float]:
+def bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[float, float]:
     """Return the least and the greatest ``x / z`` (or ``y / z``) of a disc in front of the eye.
 
     The plane x = k z through the eye, with the normal w = (1, 0, -k), touches the disc where the
@@ -221,7 +221,7 @@ def _bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[flo
 
 
 @numba.njit(cache=True)
-def _bound_part(
+def bound_part(
     centre: Any, normal: Any, radius: float, axis: int, near: float
 ) -> tuple[float, float]:
     """Return bounds of ``x / z``, not the tightest, of a disc's part beyond the near plane."""

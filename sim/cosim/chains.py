@@ -9,14 +9,12 @@ from ...host.deal import deal
 from ...host.deal_methods import DEFAULT_METHOD
 from ...host.frame import Frame
 from ...rtl.format import EngineConfig
-from .. import golden
-from ..raster import Raster
 from .jobs import STREAMS, Outcome, Playing
 from .play import play_jobs
 from .player import wrap
 from .simulator import Build
 
-__all__ = ["ChainJob", "build_chain", "compose", "play_chain", "simulate_parts"]
+__all__ = ["ChainJob", "build_chain", "play_chain", "simulate_parts"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,21 +41,6 @@ class ChainJob(Playing):
     def parts(self) -> Sequence[Sequence[Frame]]:
         """What each engine draws of each frame."""
         return self.frames
-
-    def pictures(self) -> list[Raster]:
-        """Return what golden makes of each frame."""
-        return [
-            compose(parts, start) for parts, start in zip(self.frames, self.starts, strict=True)
-        ]
-
-
-def compose(parts: Sequence[Frame], initial: Raster | None = None) -> Raster:
-    """Return golden's picture of parts drawn one over the other, the first one first."""
-    raster = initial
-    for part in parts:
-        raster = golden.render(part, raster)
-    assert raster is not None, "a frame has at least one part"
-    return raster
 
 
 def build_chain(

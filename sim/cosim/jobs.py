@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ...host.frame import Frame, Tables
 from ...rtl.format import EngineConfig, Register
+from .. import golden
 from ..beats import put_field
 from ..raster import Raster
 
@@ -78,6 +79,13 @@ class Playing(ABC):
             return list(self.initial)
         own = self.frames_with_tables > 1
         return [None if own and number else self.initial for number in range(frames)]
+
+    def pictures(self) -> list[Raster]:
+        """Return what golden makes of each frame."""
+        return [
+            golden.render_parts(parts, start)
+            for parts, start in zip(self.parts, self.starts, strict=True)
+        ]
 
     def scaled_rates(self) -> tuple[dict[str, int], float]:
         """Return the streams' rates as the player takes them, 0..255, and the slowest as it is.

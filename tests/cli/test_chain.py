@@ -12,7 +12,6 @@ from splatline.host.deal_methods import METHODS
 from splatline.host.store import load_frame
 from splatline.sim import figure, golden
 from splatline.sim.cosim import chains
-from splatline.sim.cosim.chains import compose
 from splatline.sim.cosim.jobs import Outcome, Times
 
 SMALL = ("--size", "64x48")
@@ -48,7 +47,7 @@ def test_a_picture_by_a_chain_is_compared_with_golden_s(run, folder, cloud, monk
     wrong = []
 
     def simulate(parts, *, link, stall, seed):
-        raster = compose(parts)
+        raster = golden.render_parts(parts)
         raster.colour[raster.drawn] ^= np.uint8(bool(wrong))
         assert (len(parts), link) == (3, "load")
         return Outcome([raster], np.zeros((0, 2), np.uint64), 4321, {"build": 1.0, "run": 2.0})
@@ -70,7 +69,7 @@ def test_golden_draws_what_a_chain_would(run, folder, cloud, monkeypatch):
     assert result.exit_code == 0, result.output
     assert run("encode", cloud, *SMALL, "-o", "ball.frame").exit_code == 0
     frame = load_frame("ball.frame")
-    expected = compose(deal(frame, 4))
+    expected = golden.render_parts(deal(frame, 4))
     assert expected.mismatches(golden.render(frame)) > 0  # where depths are equal
     figure.save_rgb("expected.png", expected.to_rgb(figure.BACKGROUND))
     figure.save_depth("expected_depth.png", expected)

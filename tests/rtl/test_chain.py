@@ -9,9 +9,10 @@ from random_frames import frame_of, nonsense, random_raster, shapes
 from stalls import Stalled
 
 from splatline.host.deal_methods import METHODS
-from splatline.rtl.chain import LINKS, check_chain
+from splatline.rtl.chain import check_chain
 from splatline.rtl.chain_verilog import generate_chain
 from splatline.rtl.format import PAPER
+from splatline.rtl.links import LINKS
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.chains import ChainJob, play_chain

@@ -99,7 +99,10 @@ def test_a_raster_stream_that_ends_is_not_waited_for(tmp_path):
 
 def test_tables_of_another_engine_are_refused(board):
     """Before a register is written: its values do not fit the fields of this one."""
-    with XdmaDevice(board.card) as device, pytest.raises(InputError, match="values that do not fit"):
+    with (
+        XdmaDevice(board.card) as device,
+        pytest.raises(InputError, match="values that do not fit"),
+    ):
         Engine(device).write_tables(clean(PRESETS["rgb24"], 6).tables, 64, 40)
 
 

@@ -9,11 +9,11 @@ from rom_words import build_rom, every_entry, play_words
 
 from splatline.host.shapes import EMPTY_SCANS, shape_table
 from splatline.rtl.memory_files import move_contents
-from splatline.rtl.netlist import RUN_YOSYS, WRITE_EDIF, run_tool
+from splatline.rtl.netlist import WRITE_EDIF, run_tool
 from splatline.rtl.shape_contents import shape_contents
 from splatline.rtl.shape_rom import ShapeRom
 from splatline.rtl.shape_table import EMPTY, folded_shapes
-from splatline.rtl.synth import COMMAND, KINDS
+from splatline.rtl.synth import COMMAND, KINDS, RUN_YOSYS
 from splatline.rtl.variants import SHAPED
 from splatline.rtl.verilog import convert
 from splatline.sim.cosim import simulator

@@ -5,8 +5,8 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from splatline.rtl.netlist import RUN_YOSYS, run_tool
-from splatline.rtl.synth import COMMAND
+from splatline.rtl.netlist import run_tool
+from splatline.rtl.synth import COMMAND, RUN_YOSYS
 from splatline.rtl.timing import SOURCE, estimate_timing, net_delay
 from splatline.rtl.verilog import convert
 

@@ -133,7 +133,7 @@ def test_a_disc_is_bounded_tightly():
         rim = centre + radius * rim
         for axis in range(2):
             slopes = rim[:, axis] / rim[:, 2]
-            bounds = reference._bound_disc(centre, normal, radius, axis)
+            bounds = reference.bound_disc(centre, normal, radius, axis)
             spread = np.ptp(slopes)
             np.testing.assert_allclose(bounds, [slopes.min(), slopes.max()], atol=1e-4 * spread)
 
