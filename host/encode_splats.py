@@ -159,7 +159,10 @@ def encode_splats(
     """
     floats, bits, doubles, begins, ends = source
     words, lines, width, height, x_lsb, z_lsb, largest = to
-    inverse_focal, look_lsb = fixed.inverse_focal, fixed.look_lsb
+    # Outside the loop, which would read them anew for every splat.
+    inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
+    look_lsb, nearest_pixel = fixed.look_lsb, fixed.nearest_pixel
+    middle_x, middle_y = fixed.middle_x, fixed.middle_y
     true_shapes = fixed.quality != AS_PAPER
     for number in nb.prange(len(wave)):
         chunk = wave[number]
@@ -170,8 +173,8 @@ def encode_splats(
             column, line = float(floats[i, COLUMN]), float(floats[i, LINE])
             slope_x, slope_y = float(floats[i, SLOPE_X]), float(floats[i, SLOPE_Y])
             diameter, distance = float(floats[i, DIAMETER]), doubles[i, DEPTH]
-            a = (column - fixed.middle_x) * inverse_focal
-            b = (line - fixed.middle_y) * inverse_focal
+            a = (column - middle_x) * inverse_focal
+            b = (line - middle_y) * inverse_focal
             form = conic(a, b, slope_x, slope_y)
             # Far smaller than a pixel or larger than any image makes no difference.
             radius = 0.5 * diameter
@@ -203,12 +206,12 @@ def encode_splats(
             elif true_shapes and radius * inverse_focal < 0.5:
                 found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
             if found == 1:  # nearly all
-                z = quantised_depth((distance - fixed.low) * fixed.inverse_span, largest)
+                z = quantised_depth((distance - low) * inverse_span, largest)
                 common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
                 words[at] = common | 1 | scans << 1 | x << x_lsb
                 lines[at] = top + ROWS
                 at += 1
-            elif found == 2 or fixed.nearest_pixel:
+            elif found == 2 or nearest_pixel:
                 common = np.int64(bits[i, LOOK]) << look_lsb
                 share = radius * inverse_focal
                 ellipse = centre_x, centre_y, square, share * share
