@@ -108,13 +108,13 @@ def describe(
     rows = []
     for config in points:
         counts: dict[str, Any] = dict.fromkeys(("lut4", "ff", "bram", "mult", "fits"))
-        rate = None
+        rate, device = None, None
         if luts:
             advance(f"{config.name}: Yosys")
             counts = count(config)
         if clock:
             advance(f"{config.name}: nextpnr")
-            rate = route(config)
+            rate, device = route(config)
         rows.append(
             {
                 "name": config.name,
@@ -124,6 +124,7 @@ def describe(
                 "window_lines": config.window_lines,
                 "pixels_per_word": config.pixels_per_word,
                 **counts,
+                "ecp5": device,
                 "ecp5_mhz": rate,
             }
         )
@@ -138,16 +139,12 @@ def count(config: EngineConfig) -> dict[str, Any]:
     return {**counts, "fits": all(taken <= DEVICE[kind] for kind, taken in counts.items())}
 
 
-def route(config: EngineConfig) -> float | None:
-    """Return the clock rate of an engine on an ECP5 in MHz; None if it does not fit."""
+def route(config: EngineConfig) -> tuple[float, str]:
+    """Return the clock rate of an engine on an ECP5 in MHz, and which one that is."""
     from ..rtl.pnr import place_and_route
 
-    try:
-        return float(place_and_route(config)["fmax_mhz"])
-    except RuntimeError as error:
-        if "no BELs remaining" not in str(error):  # of some kind the device has too few
-            raise
-        return None
+    report = place_and_route(config)
+    return report["fmax_mhz"], report["device"]
 
 
 def _require(package: str, *, wanted: bool, extra: str) -> None:

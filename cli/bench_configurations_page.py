@@ -23,7 +23,7 @@ def page(report: dict[str, Any]) -> str:
     counted = points[0]["lut4"] is not None
     heads += ["LUTs", "flip-flops", "block RAMs", "fits XC2V250"] if counted else []
     clocked = any(point["ecp5_mhz"] is not None for point in points)
-    heads += ["ECP5, MHz"] if clocked else []
+    heads += ["ECP5", "MHz"] if clocked else []
     found = {(run["preset"], run["scene"], run["splats"]): run for run in runs}
 
     def row(point: _Row) -> Iterable[str]:
@@ -35,18 +35,18 @@ def page(report: dict[str, Any]) -> str:
             yield from (f"{point[kind]:,}" for kind in ("lut4", "ff", "bram"))
             yield "yes" if point["fits"] else "**no**"
         if clocked:
-            yield "does not fit" if point["ecp5_mhz"] is None else f"{point['ecp5_mhz']:.1f}"
+            yield from (point["ecp5"].rpartition("-6")[0], f"{point['ecp5_mhz']:.1f}")
 
     totals = (
         [point["name"], *(f"{found[point['name'], *scene]['cycles']:,}" for scene in scenes)]
         for point in points
     )
-    text = {"engine", "window", "fits XC2V250"}
+    text = {"engine", "window", "fits XC2V250", "ECP5"}
     parts = [
         "# Which engine to pick",
         f"Made by `splatline bench configurations`: {width} x {height} pixels, quality"
-        f" {report['quality']}; {versions}. Each engine but the presets `wide` and `swift` is the"
-        " preset `paper` with what its row says; see `rtl/variants.py`. More bits of depth and"
+        f" {report['quality']}; {versions}. Each engine with lanes is the preset"
+        " `paper` with what its row says; see `rtl/variants.py`. More bits of depth and"
         " of columns are taken from the intensities and materials of the 64-bit code word.",
         "Cycles an element, for each scene and median diameter of its splats. They are the"
         " Verilog's, counted without running it, from the first code word of an engine's first"
@@ -58,7 +58,10 @@ def page(report: dict[str, Any]) -> str:
         table(["engine", *(_scene(*scene) for scene in scenes)], totals, text),
     ]
     if clocked:
-        parts[2] += " The clock is routed, on a Lattice ECP5 LFE5U-25F-6, seed 1."
+        parts[2] += (
+            " The clock is routed, on the smallest Lattice ECP5 of the slowest grade that has the"
+            " block RAMs, seed 1."
+        )
     return "\n\n".join(parts) + "\n"
 
 

@@ -22,35 +22,42 @@ class SpanDecoder(wiring.Component):
         Columns of the block, inclusive.
     enable : In(1)
         The row is not empty and its line lies in the image.
-    offset : In(2)
+    offset : In(pixel_bits)
         Pixel of its word in which the block's column 0 lies.
     shifted : In(1)
         The row lies one column further right.
-    inside : In(3)
-        Which of that word and its two neighbours on the right lie in the image.
+    inside : In(block_words)
+        Which of that word and its neighbours on the right lie in the image.
     span : Out(SpanLayout)
         The pixels covered. Where ``words`` is 0, ``first`` and ``last`` mean nothing.
     """
 
-    first: In(3)
-    last: In(3)
-    enable: In(1)
-    offset: In(2)
-    shifted: In(1)
-    inside: In(3)
-    span: Out(SpanLayout())
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "first": In(3),
+                "last": In(3),
+                "enable": In(1),
+                "offset": In(config.pixel_bits),
+                "shifted": In(1),
+                "inside": In(config.block_words),
+                "span": Out(SpanLayout(config)),
+            }
+        )
 
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
         span = self.span
+        bits = self.config.pixel_bits
         m.d.comb += [
             # With the shift as the carry into the adder, where it costs nothing.
             span.first.eq((Cat(1, self.first) + Cat(self.shifted, self.offset))[1:]),
             span.last.eq((Cat(1, self.last) + Cat(self.shifted, self.offset))[1:]),
         ]
-        for word in range(3):
-            touched = (span.first[2:] <= word) & (span.last[2:] >= word)
+        for word in range(self.config.block_words):
+            touched = (span.first[bits:] <= word) & (span.last[bits:] >= word)
             m.d.comb += span.words[word].eq(self.enable & self.inside[word] & touched)
         return m
 
@@ -99,7 +106,7 @@ class Decoder(wiring.Component):
 
         footprint = Signal(FootprintLayout(config))
         m.d.comb += [
-            footprint.word.eq(element.x[2:]),
+            footprint.word.eq(element.x[config.pixel_bits :]),
             footprint.z.eq(element.z),
             footprint.end.eq(element.end),
         ]
@@ -175,18 +182,19 @@ class Decoder(wiring.Component):
     def _deal(self, m, element, shape, enables, footprint):
         """Turn the rows from the block's order into the order of residues, and place them."""
         # Words of the image from X's word on, less 1.
+        bits = self.config.pixel_bits
         words_left = Signal(signed(self.config.word_bits + 1))
-        inside = Signal(3)
+        inside = Signal(self.config.block_words)
         m.d.comb += [
-            words_left.eq(self.last_column[2:] - element.x[2:]),
-            inside.eq(Cat(words_left >= word for word in range(3))),
+            words_left.eq(self.last_column[bits:] - element.x[bits:]),
+            inside.eq(Cat(words_left >= word for word in range(len(inside)))),
         ]
-        spans = {name: [SpanDecoder() for _ in range(4)] for name in ("upper", "lower")}
+        spans = {name: [SpanDecoder(self.config) for _ in range(4)] for name in ("upper", "lower")}
         for name, row in spans.items():
             for residue, span in enumerate(row):
                 m.submodules[f"{name}_{residue}"] = span
                 m.d.comb += [
-                    span.offset.eq(element.x[:2]),
+                    span.offset.eq(element.x[:bits]),
                     span.inside.eq(inside),
                     footprint[name][residue].eq(span.span),
                 ]

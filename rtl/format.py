@@ -102,7 +102,8 @@ class EngineConfig:
         Lines of the sliding window. Eight are drawn into; the others wait to be flushed. 8, 16 or
         32 with lanes, else 16.
     pixels_per_word
-        Pixels in one word of the window's memory: 2, 4 or 8 with lanes, else 4.
+        Pixels in one word of the window's memory: 2, 4 or 8 with lanes, 4 with eight banks, 4 or 8
+        with sixteen.
     raster_words
         Words of the window's memory in a beat of the raster, 1 or 2: two neighbours leave together.
         2 with banks and one colour plane alone.
@@ -113,7 +114,9 @@ class EngineConfig:
     banks
         Banks of a window that is made of them, 8 or 16. A bank of eight has words of every fourth
         line, and a bank of sixteen of every eighth: one line of an element, which draws it in two
-        cycles at most, out of the way of the lines that leave; for twice the block RAMs.
+        cycles at most, out of the way of the lines that leave; for twice the block RAMs. With words
+        of eight pixels that line has two words at most, in two banks: a cycle an element, for twice
+        as many again.
     lanes
         The window is made of lanes of pixels, four for each pixel of a word, which take the least
         silicon and a tile of four lines and a word's columns a cycle; else of banks of words, which
@@ -174,18 +177,21 @@ class EngineConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or not low <= value <= high:
                 raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
-        for name, with_lanes, with_banks in (
-            ("window_lines", (8, 16, 32), 16),
-            ("pixels_per_word", (2, 4, 8), 4),
+        if self.banks not in (BANKS[:1] if self.lanes else BANKS):
+            raise ValueError(f"banks must be 8, or 16 without lanes, not {self.banks!r}")
+        window = "lanes" if self.lanes else f"{self.banks} banks"
+        for name, choices in (
+            ("window_lines", (8, 16, 32) if self.lanes else (16,)),
+            (
+                "pixels_per_word",
+                (2, 4, 8) if self.lanes else (4, 8) if self.banks > BANKS[0] else (4,),
+            ),
         ):
             value = getattr(self, name)
-            if not self.lanes and value != with_banks:
-                raise ValueError(
-                    f"{name} must be {with_banks}, not {value!r}: a window of banks has no other"
-                )
-            if value not in with_lanes:
-                choices = "{}, {} or {}".format(*with_lanes)
-                raise ValueError(f"{name} must be {choices}, not {value!r}")
+            if value not in choices:
+                *most, last = map(str, choices)
+                allowed = f"{', '.join(most)} or {last}" if most else last
+                raise ValueError(f"{name} must be {allowed} with {window}, not {value!r}")
         if self.word_bits < 2:
             raise ValueError(
                 f"x_bits must be at least {self.pixel_bits + 2}"
@@ -195,8 +201,6 @@ class EngineConfig:
             raise ValueError(f"raster_words must be 1 or 2, not {self.raster_words!r}")
         if self.raster_words > 1 and (self.lanes or self.colour_planes > 1):
             raise ValueError("raster_words must be 1 with lanes or with further colour planes")
-        if self.banks not in (BANKS[:1] if self.lanes else BANKS):
-            raise ValueError(f"banks must be 8, or 16 without lanes, not {self.banks!r}")
         if self.mark_words not in (1, 2, 4, 8):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither or self.mark_words > 1):
@@ -383,6 +387,11 @@ class EngineConfig:
         return self.x_bits - self.pixel_bits
 
     @property
+    def block_words(self) -> int:
+        """Most words of a line that a block can touch."""
+        return (BLOCK + 2 * self.pixels_per_word - 2) // self.pixels_per_word
+
+    @property
     def raster_pixels(self) -> int:
         """Pixels in a beat of the raster."""
         return self.pixels_per_word * self.raster_words
@@ -432,8 +441,8 @@ BANKED = PAPER.replace(lanes=False)
 WIDE = BANKED.replace(name="wide", raster_words=2)
 """More silicon, and fewer cycles for elements over 4 pixels and for sparse scenes."""
 
-SWIFT = WIDE.replace(name="swift", banks=16)
-"""The fewest cycles: 1.0 to 1.2 an element of ``fast`` up to 4 pixels, of sparse scenes too."""
+SWIFT = WIDE.replace(name="swift", banks=16, pixels_per_word=8)
+"""A code word a cycle, whatever its size: the fewest cycles, of sparse scenes too."""
 
 PRESETS = {
     config.name: config

@@ -179,12 +179,13 @@ class SpanLayout(data.StructLayout):
     """Which pixels of one line an element covers, counted from the word that X lies in.
 
     ``first`` and ``last`` (inclusive) count pixels from the left edge of that word; ``words`` has a
-    bit for it and each of its two neighbours on the right: set if the span touches the word, and
-    the word lies in the image. In an image's last word a span may reach past the right border.
+    bit for it and each of its neighbours on the right, two of four pixels or one of eight: set if
+    the span touches the word, and the word lies in the image. In an image's last word a span may
+    reach past the right border.
     """
 
-    def __init__(self):
-        super().__init__({"first": 4, "last": 4, "words": 3})
+    def __init__(self, config: EngineConfig):
+        super().__init__({"first": 4, "last": 4, "words": config.block_words})
 
 
 class FootprintLayout(data.StructLayout):
@@ -202,8 +203,8 @@ class FootprintLayout(data.StructLayout):
     def __init__(self, config: EngineConfig):
         super().__init__(
             {
-                "upper": data.ArrayLayout(SpanLayout(), 4),
-                "lower": data.ArrayLayout(SpanLayout(), 4),
+                "upper": data.ArrayLayout(SpanLayout(config), 4),
+                "lower": data.ArrayLayout(SpanLayout(config), 4),
                 "upper_group": data.ArrayLayout(2, 4),
                 "word": config.word_bits,
                 "z": config.z.width,

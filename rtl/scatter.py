@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from .bank_layout import bank_address_bits, column_bits
 from .format import EngineConfig
 from .layouts import DealLayout, FootprintLayout
-from .share import ShareOfEight, ShareOfSixteen
+from .share import ShareOfEight, ShareOfPair, ShareOfSixteen
 
 __all__ = ["Scatter"]
 
@@ -18,14 +18,15 @@ class Scatter(wiring.Component):
     A bank of eight holds the even words of one line of the footprint and the odd words of the line
     four above or below, so of three neighbouring words it holds the outer two of one span and the
     middle one of the other: at most three words an element, each in a slot of its own. A bank of
-    sixteen holds the outer two or the middle one of one line. They are dealt from left to right, a
-    word to each bank at a time. A bank takes its word when it can, whatever the others do; once all
-    have taken theirs the next ones are dealt, of this element or of the one that follows. An
-    element takes as many deals as its busiest bank has words, at least one; a word that no row
+    sixteen holds the outer two or the middle one of one line; with words of eight pixels, of which
+    a line of a footprint has two at most, the left or the right one. They are dealt from left to
+    right, a word to each bank at a time. A bank takes its word when it can, whatever the others do;
+    once all have taken theirs the next ones are dealt, of this element or of the one that follows.
+    An element takes as many deals as its busiest bank has words, at least one; a word that no row
     touches costs nothing.
 
     **Latency**: 1 cycle. **Throughput**: 1 to 3 cycles an element, with sixteen banks 1 or 2; 1 for
-    most up to four pixels wide.
+    most up to four pixels wide, and for all with words of eight.
 
     Members
     -------
@@ -85,13 +86,16 @@ class Scatter(wiring.Component):
         m.d.comb += [half_words[j].eq((footprint.word >> 1) + j) for j in range(2)]
         dealt = self.i.valid & step
         second = Signal()  # of sixteen banks: the element's second deal, which is its last
+        pixels = self.config.pixels_per_word
         if banks == 8:
             share_of, found_by = ShareOfEight, dealt
+        elif self.config.block_words == 2:
+            share_of, found_by = ShareOfPair, None
         else:
             share_of, found_by = ShareOfSixteen, second
             with m.If(dealt):
                 m.d.sync += second.eq(~self.i.ready)
-        shares = [share_of(bank, self.i, half_words) for bank in range(banks)]
+        shares = [share_of(bank, pixels, self.i, half_words) for bank in range(banks)]
         for share in shares:
             share.find(m, found_by)
         for bank, share in enumerate(shares):
@@ -107,9 +111,10 @@ class Scatter(wiring.Component):
             ]
 
         # The stretches of marks that it lies in: that of its first word, and the next one if its
-        # third word may lie there.
+        # last word may lie there, the third or, of eight pixels, the second.
         low = column_bits(self.config) + 1
-        stretch, across = footprint.word[low:], footprint.word[1:low].all()
+        behind_pair = self.config.block_words - 2
+        stretch, across = footprint.word[low:], footprint.word[behind_pair:low].all()
         m.d.comb += [
             following.z.eq(footprint.z),
             following.reach.eq(

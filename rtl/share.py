@@ -2,19 +2,22 @@
 
 from amaranth.hdl import Cat, Mux, Signal
 
-__all__ = ["ShareOfEight", "ShareOfSixteen"]
+__all__ = ["ShareOfEight", "ShareOfPair", "ShareOfSixteen"]
 
 
 class Share:
     """One bank's words of a footprint, of which it is dealt one at a time.
 
-    Of three neighbouring words each lies in a slot, 0 to 2 from the left. Combinational but for
-    what was dealt before. ``find`` of the bank's class puts it into a module.
+    Of the neighbouring words that an element may touch each lies in a slot, 0 to 2 from the left,
+    or 0 and 1 with words of eight pixels. Combinational but for what was dealt before. ``find`` of
+    the bank's class puts it into a module.
 
     Parameters
     ----------
     bank
         Its number.
+    pixels
+        Of a word.
     elements
         The stream of footprints.
     half_words
@@ -32,8 +35,9 @@ class Share:
         Its pixels that are covered.
     """
 
-    def __init__(self, bank, elements, half_words):
+    def __init__(self, bank, pixels, elements, half_words):
         self.bank = bank
+        self.pixels = pixels
         self.elements = elements
         self.half_words = half_words
         self.want, self.several = self.signal(1, "want"), self.signal(1, "several")
@@ -64,15 +68,17 @@ class Share:
         upper, lower = footprint.upper[residue], footprint.lower[residue]
         group = (footprint.upper_group[residue] + self.is_lower)[:2]
         first, last = self.signal(4, "first"), self.signal(4, "last")
-        begin, end = self.signal(2, "begin"), self.signal(2, "end")
+        column = range(self.pixels)
+        bits = len(column).bit_length() - 1
+        begin, end = self.signal(column, "begin"), self.signal(column, "end")
         m.d.comb += [
             first.eq(Mux(self.is_lower, lower.first, upper.first)),
             last.eq(Mux(self.is_lower, lower.last, upper.last)),
-            begin.eq(Mux(starts(first), first[:2], 0)),
-            end.eq(Mux(ends(last), last[:2], 3)),
+            begin.eq(Mux(starts(first), first[:bits], 0)),
+            end.eq(Mux(ends(last), last[:bits], column[-1])),
         ]
         self.address = Cat(Mux(next_word, *reversed(self.half_words)), group[lines_bit - 2 :])
-        self.mask = Cat((begin <= pixel) & (end >= pixel) for pixel in range(4))
+        self.mask = Cat((begin <= pixel) & (end >= pixel) for pixel in column)
 
 
 class ShareOfEight(Share):
@@ -150,4 +156,31 @@ class ShareOfSixteen(Share):
             # What touches the first word starts there, and what touches the third ends there.
             starts=lambda first: Mux(middle, first[2], ~right | first[3]),
             ends=lambda last: Mux(middle, last[2], right | ~last[2:].any()),
+        )
+
+
+class ShareOfPair(Share):
+    """The left or the right one of a line's two words of eight pixels."""
+
+    def find(self, m, _):
+        """Add the circuit to ``m``; every element has one deal."""
+        footprint = self.elements.payload
+        member, line = divmod(self.bank, 8)
+        residue = line % 4
+        right = footprint.word[0] ^ member  # the bank has the right word
+        words = self.signal(2, "words")
+        m.d.comb += [
+            self.is_lower.eq(footprint.upper_group[residue][0] ^ (line // 4)),
+            words.eq(
+                Mux(self.is_lower, footprint.lower[residue].words, footprint.upper[residue].words)
+            ),
+            self.want.eq(Mux(right, words[1], words[0])),
+        ]
+        self.place(
+            m,
+            residue,
+            3,
+            next_word=right & footprint.word[0],
+            starts=lambda first: ~right | first[3],
+            ends=lambda last: right | ~last[3],
         )

@@ -1,13 +1,13 @@
-"""Engines beside the presets: one for each choice of a window of lanes, and some of them together.
+"""Engines beside the presets: one for each choice of a window, and some of them together.
 
 They are what the tests simulate and what ``splatline bench configurations`` compares.
 """
 
 from __future__ import annotations
 
-from .format import PAPER, EngineConfig
+from .format import PAPER, SWIFT, EngineConfig
 
-__all__ = ["SHAPED", "VARIANTS"]
+__all__ = ["SHAPED", "SWIFT_OF_FOUR", "VARIANTS"]
 
 
 def _large(name: str, **changes: object) -> EngineConfig:
@@ -32,6 +32,9 @@ _DEEP: dict[str, object] = {
 }
 """16 bits of depth, given up by intensities and materials."""
 
+SWIFT_OF_FOUR = SWIFT.replace(name="swift-word4", pixels_per_word=4)
+"""Half the block RAMs of ``swift``, and two thirds of its LUTs."""
+
 VARIANTS = (
     PAPER.replace(name="lines8", window_lines=8),
     PAPER.replace(name="lines32", window_lines=32),
@@ -45,9 +48,11 @@ VARIANTS = (
         "largest", pixels_per_word=8, window_lines=32,
         depth_bits=16, intensity_bits=4, material_bits=4, colour_shift=7,
     ),
+    SWIFT_OF_FOUR,
 )  # fmt: skip
 """By name: windows of 8 and of 32 lines, words of 2 and of 8 pixels, both as small as can be; 16
-bits of depth; 2048 columns, with a window that stays as small; and the largest of everything."""
+bits of depth; 2048 columns, with a window that stays as small; the largest of everything, all with
+lanes; and sixteen banks of words of four pixels."""
 
 SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
 """Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,

@@ -33,11 +33,11 @@ class Window(wiring.Component):
     After reset the banks are cleared, which takes as many cycles as a bank has words.
 
     **Latency**: 7 cycles from a retired line to its first beat, 9 with further planes.
-    **Throughput**: 1 to 3 cycles an element, with sixteen banks 1 or 2 (see :class:`Scatter`), one
-    more where it follows into the word that its predecessor wrote last; a word a cycle of the
-    initial raster, and a beat of ``raster`` while its banks are free. With further planes each word
-    with a pixel that passes the depth test takes its bank for a second cycle, so that an element
-    takes 6 at most and one more;
+    **Throughput**: 1 to 3 cycles an element, with sixteen banks 1 or 2, or always 1 (see
+    :class:`Scatter`), one more where it follows into the word that its predecessor wrote last; a
+    word a cycle of the initial raster, and a beat of ``raster`` while its banks are free. With
+    further planes each word with a pixel that passes the depth test takes its bank for a second
+    cycle, so that an element takes 6 at most and one more;
     two words in four cycles of the initial raster, and of ``raster`` unless they are background.
 
     Members
@@ -112,7 +112,7 @@ class Window(wiring.Component):
         running = emitter.running
 
         close = Signal()  # the end token is taken
-        last_word = self.last_column[2:]
+        last_word = self.last_column[config.pixel_bits :]
         m.d.comb += [
             walker.last_word.eq(last_word),
             walker.loaded.eq(loader.loaded),

@@ -36,16 +36,12 @@ from .pipeline_model import (
     FOLLOWING,
     HEAD,
     LINES,
-    WORD,
     Machine,
     advance,
     new_front,
 )
 
 __all__ = ["walk_banks"]
-
-NEIGHBOURS = 3
-"""Words of a line that a block can touch."""
 
 URGENT, URGENT_SOON = 6, 2
 """A word which leaves goes before the element where so many complete lines wait: with eight banks
@@ -61,10 +57,10 @@ class Window(NamedTuple):
         Slots of the decoder's element that each bank has still to be dealt, a bit a slot: shape
         (banks,).
     address
-        Address of each slot: shape (banks, 3).
+        Address of each slot: shape (banks, words).
     covered, place
         Pixels that the element covers of each slot's word, a bit each, and where that word starts
-        in ``depth``: shape (banks, 3).
+        in ``depth``: shape (banks, words).
     dealt
         The address that each bank is to draw at next, or ``EMPTY``: shape (banks,).
     dealt_covered, dealt_place
@@ -124,9 +120,9 @@ def walk_banks(words: Any, machine: Machine) -> int:
     banks = 2 * machine.half_banks
     window = Window(
         np.zeros(banks, np.int64),
-        np.zeros((banks, NEIGHBOURS), np.int64),
-        np.zeros((banks, NEIGHBOURS), np.int64),
-        np.zeros((banks, NEIGHBOURS), np.int64),
+        np.zeros((banks, machine.block_words), np.int64),
+        np.zeros((banks, machine.block_words), np.int64),
+        np.zeros((banks, machine.block_words), np.int64),
         np.full(banks, EMPTY, np.int64),
         np.zeros(banks, np.int64),
         np.zeros(banks, np.int64),
@@ -177,7 +173,8 @@ def walk_banks(words: Any, machine: Machine) -> int:
         _shift(window, _give_up(window, machine) if flushed else 0)
         step_walk(walk, window.marks, complete, flushed, marking, machine)
         if machine.mark_words > 1:
-            walk[REACHED] = (2 << machine.last_column // (WORD * STRETCH)) - 1  # all are read
+            # All are read.
+            walk[REACHED] = (2 << machine.last_column // (machine.pixels * STRETCH)) - 1
         elif go:
             walk[REACHED] |= _reach(words[dealt], machine)
         walk[WRITTEN] |= drawn
@@ -219,10 +216,11 @@ def _depth(words: Any, index: int, machine: Machine) -> int:
 @nb.njit(cache=True, inline="always")
 def _reach(word: int, machine: Machine) -> int:
     """Return the stretches that an element's words may lie in, a bit each."""
-    number = (word >> machine.x_lsb & machine.x_mask) // WORD
+    number = (word >> machine.x_lsb & machine.x_mask) // machine.pixels
     stretches = 1 << number // STRETCH
-    if number % STRETCH >= STRETCH - 2 and number + 2 < 2 * machine.half_words:
-        stretches |= 2 << number // STRETCH  # its third word may lie in the next
+    last = machine.block_words - 1
+    if number % STRETCH + last >= STRETCH and number + last < 2 * machine.half_words:
+        stretches |= 2 << number // STRETCH  # its last word may lie in the next
     return int(stretches)
 
 
@@ -238,7 +236,7 @@ def _place(word: int, top: int, window: Window, machine: Machine) -> None:
     for row in range(BLOCK):
         first, last = rows[row]
         if first <= last:
-            _place_row(top + row, x + first, x + last, x // WORD, window, machine)
+            _place_row(top + row, x + first, x + last, x // machine.pixels, window, machine)
 
 
 @nb.njit(cache=True, inline="always")
@@ -248,14 +246,15 @@ def _place_row(
     """Deal the words of the columns ``begin .. end`` of a line; slot 0 is word ``outermost``."""
     if line < 0 or line > machine.last_line:
         return
-    rightmost = min(end, machine.last_column) // WORD
-    for number in range(begin // WORD, rightmost + 1):
+    rightmost = min(end, machine.last_column) // machine.pixels
+    for number in range(begin // machine.pixels, rightmost + 1):
         bank = bank_of(line, number, machine)
         slot = number - outermost
         window.left[bank] |= 1 << slot
         window.address[bank, slot] = _address(line, number, machine)
         if machine.planes > 1:
-            first, last = max(begin - WORD * number, 0), min(end - WORD * number, WORD - 1)
+            left = machine.pixels * number
+            first, last = max(begin - left, 0), min(end - left, machine.pixels - 1)
             window.covered[bank, slot] = (2 << last) - (1 << first)
             window.place[bank, slot] = _start(line, number, machine)
 
@@ -311,7 +310,7 @@ def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool
         window.taken[bank] = address
         window.dealt[bank] = EMPTY
         _mark(window, bank, address, machine)
-        if machine.planes > 1 and _passes(window, bank, z):
+        if machine.planes > 1 and _passes(window, bank, z, machine):
             window.reading[2, bank] = 1
     return done
 
@@ -328,11 +327,11 @@ def _mark(window: Window, bank: int, address: int, machine: Machine) -> None:
 
 
 @nb.njit(cache=True)
-def _passes(window: Window, bank: int, z: int) -> bool:
+def _passes(window: Window, bank: int, z: int, machine: Machine) -> bool:
     """Draw the pixels of a word that pass the depth test; return whether any did."""
     passed = False
     start = window.dealt_place[bank]
-    for pixel in range(WORD):
+    for pixel in range(machine.pixels):
         if window.dealt_covered[bank] >> pixel & 1 and z < window.depth[start + pixel]:
             window.depth[start + pixel] = z
             passed = True
@@ -356,15 +355,15 @@ def _give_up(window: Window, machine: Machine) -> int:
     if machine.planes == 1:
         return BLANK
     line, number = window.walk[OLDEST], window.walk[ASKED]
-    if number > machine.last_column // WORD:  # it shares its mark with a word of the image
+    if machine.pixels * number > machine.last_column:  # it shares its mark with one of the image
         return BLANK
     start = _start(line, number, machine)
     kind = BLANK
-    for pixel in range(WORD):
+    for pixel in range(machine.pixels):
         if window.depth[start + pixel] != machine.z_mask:
             # The bank does not know where the image ends; the way out does.
             window.reading[2, bank_of(line, number, machine)] = 1
-            if WORD * number + pixel <= machine.last_column:
+            if machine.pixels * number + pixel <= machine.last_column:
                 kind = SHOWN
     return kind
 
@@ -390,7 +389,7 @@ def _on_the_way(window: Window, machine: Machine) -> bool:
 @nb.njit(cache=True, inline="always")
 def _start(line: int, number: int, machine: Machine) -> int:
     """Return where a word of a line starts in ``depth``."""
-    return WORD * (line * (machine.last_column // WORD + 1) + number)
+    return machine.pixels * (line * (machine.last_column // machine.pixels + 1) + number)
 
 
 @nb.njit(cache=True)

@@ -1,6 +1,6 @@
 """How few cycles a frame could take, by how the window's memory is laid out.
 
-A memory word holds four neighbouring pixels; a bank reads one word and writes one word a cycle. No
+A memory word holds neighbouring pixels; a bank reads one word and writes one word a cycle. No
 order of work draws an element in fewer cycles than its busiest bank has words of it.
 """
 
@@ -14,11 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..host.frame import Frame
-from ..rtl.format import BLOCK, ROWS, EngineConfig
+from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig
 from .expand import expand_frame
 from .golden import block_rows, decode, render
 from .lane_model import least_lane_cycles
-from .pipeline_model import WORD
 from .stress_words import elements_of
 
 __all__ = ["LAYOUTS", "bound_cycles", "least_cycles"]
@@ -51,7 +50,8 @@ def bound_cycles(frame: Frame) -> int:
         memories, of_a_word = 4 * config.pixels_per_word, config.pixels_per_word
         accesses = _covered_pixels(fields)
     else:
-        touched = _touched_words(fields) & _words_inside(fields, line, frame)
+        touched = _touched_words(fields, config.pixels_per_word)
+        touched &= _words_inside(fields, line, frame)
         costs = _costs(touched)[_layout(config)]
         memories, of_a_word = config.banks, 1
         accesses = int(touched.sum())
@@ -64,12 +64,12 @@ def bound_cycles(frame: Frame) -> int:
 
 
 def least_cycles(frame: Frame) -> dict[str, float]:
-    """Return the mean least cycles of an element, for each of ``LAYOUTS``.
+    """Return the mean least cycles of an element, for each of ``LAYOUTS`` and words of four pixels.
 
     Clipping is left out: a word that lies outside the image counts as one inside.
     """
     fields, _, _ = elements_of(_until_the_end(expand_frame(frame)))
-    costs = _costs(_touched_words(fields))
+    costs = _costs(_touched_words(fields, PAPER.pixels_per_word))
     return {name: float(taken.mean()) for name, taken in costs.items()}
 
 
@@ -158,16 +158,17 @@ def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
 def _words_inside(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> npt.NDArray[np.bool_]:
     """Return which of those words lie in the image: the others are never dealt."""
     lines = (line - BLOCK // 2)[:, np.newaxis] + np.arange(BLOCK)
-    words = (fields["x"].astype(np.int64) // WORD)[:, np.newaxis] + np.arange(3)
-    across = words <= (frame.width - 1) // WORD
+    pixels = frame.config.pixels_per_word
+    words = (fields["x"].astype(np.int64) // pixels)[:, np.newaxis] + np.arange(3)
+    across = words <= (frame.width - 1) // pixels
     return ((lines >= 0) & (lines < frame.height))[..., np.newaxis] & across[:, np.newaxis]
 
 
-def _touched_words(fields: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+def _touched_words(fields: npt.NDArray[Any], pixels: int) -> npt.NDArray[np.bool_]:
     """Return which of three neighbouring words each row touches: shape (elements, 8, 3)."""
     first, last = block_rows(fields)
-    offset = (fields["x"].astype(np.int64) % WORD)[:, np.newaxis]
-    begin, end = (first + offset) // WORD, (last + offset) // WORD
+    offset = (fields["x"].astype(np.int64) % pixels)[:, np.newaxis]
+    begin, end = (first + offset) // pixels, (last + offset) // pixels
     word = np.arange(3)
     inside = (begin[..., np.newaxis] <= word) & (word <= end[..., np.newaxis])
     return inside & (first <= last)[..., np.newaxis]

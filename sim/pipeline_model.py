@@ -25,7 +25,6 @@ __all__ = [
     "FOLLOWING",
     "HEAD",
     "LINES",
-    "WORD",
     "Front",
     "Machine",
     "advance",
@@ -35,9 +34,6 @@ __all__ = [
 
 LINES = PAPER.window_lines
 """Lines of a window of banks, which is one size only."""
-
-WORD = PAPER.pixels_per_word
-"""Pixels in a word of a window of banks."""
 
 FIRST_STAGE, HEAD = 0, 1
 """The pipeline's stages before the window: the table of materials, and the decoder."""
@@ -83,6 +79,8 @@ class Machine(NamedTuple):
         Lines of the window.
     pixels
         Pixels in a word of the window's memory.
+    block_words
+        Words of a line that a block touches at most.
     raster_words
         Of them in a beat of the raster.
     half_banks
@@ -108,6 +106,7 @@ class Machine(NamedTuple):
     z_mask: int
     lines: int
     pixels: int
+    block_words: int
     raster_words: int
     half_banks: int
     rom: bool
@@ -132,6 +131,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         z_mask=config.z.mask,
         lines=config.window_lines,
         pixels=config.pixels_per_word,
+        block_words=config.block_words,
         raster_words=config.raster_words,
         half_banks=config.banks // 2,
         rom=config.shapes != "none",

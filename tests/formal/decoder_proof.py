@@ -5,7 +5,7 @@ from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
 from splatline.rtl.decoder import Decoder, SpanDecoder
-from splatline.rtl.format import BLOCK, PRESETS
+from splatline.rtl.format import BLOCK, PRESETS, SWIFT
 from splatline.rtl.layouts import GeometryLayout
 
 __all__ = ["PROOFS"]
@@ -73,15 +73,16 @@ class DecoderProperties(Properties):
                     m.d.comb += span.eq(footprint.upper[number])
                 with m.Else():
                     m.d.comb += span.eq(footprint.lower[number])
+        bits = config.pixel_bits
         distance = Signal(range(-(4 << config.x_bits), 4 << config.x_bits))
         spanned = Signal()
         m.d.comb += [
-            word.eq(column >> 2),
-            distance.eq(column - 4 * footprint.word),
+            word.eq(column >> bits),
+            distance.eq(column - (footprint.word << bits)),
             spanned.eq(
                 (distance >= 0)
-                & (distance < 12)
-                & (span.words.bit_select(distance[2:4], 1))
+                & (distance < config.block_words << bits)
+                & (span.words.bit_select(distance[bits:4], 1))
                 & (span.first <= distance)
                 & (distance <= span.last)
             ),
@@ -90,13 +91,14 @@ class DecoderProperties(Properties):
         m.d.comb += covered.eq(covers(element, row, column) & (line >= 0) & (line <= last_line))
         with m.If(here):  # it stands there before it is offered as well
             self.always(m, "same", ~(column <= last_column) | (spanned == covered))
-            self.always(m, "border", (column >> 2 <= last_column >> 2) | ~spanned)
-            for word in range(3):
-                reached = (span.first[2:] <= word) & (word <= span.last[2:])
+            self.always(m, "border", (column >> bits <= last_column >> bits) | ~spanned)
+            for word in range(config.block_words):
+                reached = (span.first[bits:] <= word) & (word <= span.last[bits:])
                 touches = reached & (span.first <= span.last)
                 self.always(m, f"touches_{word}", ~span.words[word] | touches)
             # The window's proof takes it for granted, of spans without words as well.
-            within = (span.first[2:] != 3) & (span.last[2:] != 3)
+            most = config.block_words << bits
+            within = (span.first < most) & (span.last < most)
             self.always(m, "within", within)
             self.always(m, "rows", (line >= 0) & (line <= last_line) | ~span.words.any())
             group = Signal(2)
@@ -132,7 +134,7 @@ PROOFS = [
                 "right border", Decoder, r"words_left >= word", "words_left + 1 >= word", "_deal"
             ),
             Fault("top border", Decoder, r">= 8 - k", ">= 7 - k", "_enables"),
-            Fault("last word", SpanDecoder, r"last\[2:\] >= word", "last[2:] > word"),
+            Fault("last word", SpanDecoder, r"last\[bits:\] >= word", "last[bits:] > word"),
             Fault("not held", Decoder, r"~valid \| \(self\.o\.valid & self\.o\.ready\)", "1"),
             Fault(
                 "taken unoffered", Decoder, r"\(self\.o\.valid & self\.o\.ready\)", "self.o.ready"
@@ -147,5 +149,16 @@ PROOFS = [
                 "the top of the frame before", Decoder, r"m\.Elif\(valid & held\.end\)", "m.Elif(0)"
             ),
         ),
-    )
+    ),
+    Proof(
+        name="decoder: spans, words of eight",
+        shows="the same where words have eight pixels",
+        build=lambda: DecoderProperties(SWIFT),
+        depth=5,
+        endless=True,
+        faults=(
+            Fault("last word", SpanDecoder, r"last\[bits:\] >= word", "last[bits:] > word"),
+            Fault("not shifted", Decoder, r"eq\(shape\.shifted\)", "eq(0)", "_deal"),
+        ),
+    ),
 ]

@@ -15,7 +15,7 @@ from splatline.rtl.format import BLOCK
 from splatline.rtl.halver import Halver
 from splatline.rtl.loader import Loader
 from splatline.rtl.scatter import Scatter
-from splatline.rtl.share import ShareOfSixteen
+from splatline.rtl.share import ShareOfPair, ShareOfSixteen
 from splatline.rtl.window import Window
 
 __all__ = ["PROOFS"]
@@ -27,7 +27,10 @@ TWO_WORDS = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1, raster_w
 """The same with two words in a beat of the raster, as ``wide`` has it."""
 
 SIXTEEN = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1, raster_words=2, banks=16)
-"""And with sixteen banks, as ``swift`` has it."""
+"""And with sixteen banks."""
+
+EIGHT = SIXTEEN.replace(x_bits=5, pixels_per_word=8)
+"""And those with words of eight pixels, as ``swift`` has it."""
 
 
 class WindowProperties(LaneWindowProperties):
@@ -137,6 +140,7 @@ class WindowProperties(LaneWindowProperties):
         self.given(m, "end_top", ~dut.i.valid | ~footprint.end | (footprint.top == lowest))
         self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
 
+        bits, most = config.pixel_bits, config.block_words << config.pixel_bits
         distance = Signal(config.word_bits)
         column = Signal(4)
         m.d.comb += [
@@ -155,13 +159,13 @@ class WindowProperties(LaneWindowProperties):
                 there = dut.i.valid & span.words.any()
                 in_image = (line >= 0) & (line <= self.last_line) & ~footprint.end
                 group = (footprint.upper_group[residue] + half)[:2]
-                within = (span.first[2:] != 3) & (span.last[2:] != 3)
+                within = (span.first < most) & (span.last < most)
                 self.given(m, f"within_{name}", within)
                 self.given(m, f"span_{name}", ~there | (in_image & (group == line[2:4])))
-                for word in range(3):
+                for word in range(config.block_words):
                     touched = dut.i.valid & span.words[word]
                     inside = footprint.word + word <= self.last_word
-                    reached = (span.first[2:] <= word) & (word <= span.last[2:])
+                    reached = (span.first[bits:] <= word) & (word <= span.last[bits:])
                     self.given(
                         m,
                         f"word_{name}_{word}",
@@ -258,6 +262,21 @@ PROOFS = [
         ),
         Fault("flushed beside an element", BankArbiter, r"has_line & ~wanted", "has_line"),
         config=SIXTEEN,
+    ),
+    plan(
+        "window of sixteen banks, words of eight",
+        "the same with words of eight pixels",
+        0,
+        13,
+        *(
+            Fault(name, ShareOfPair, pattern, text, "find")
+            for name, pattern, text in (
+                ("the left word for the right", r"word\[0\] \^ member", "word[0]"),
+                ("from its word's first pixel on", r"~right \| first\[3\]", "first[3]"),
+                ("to its word's last pixel", r"right \| ~last\[3\]", "~last[3]"),
+            )
+        ),
+        config=EIGHT,
     ),
     plan(
         "window of banks, sweep",

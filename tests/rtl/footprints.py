@@ -5,9 +5,10 @@ from presets import CONFIG
 from splatline.rtl.layouts import FootprintLayout
 from splatline.sim.cosim.blocks import pack
 
-__all__ = ["FOOTPRINT", "Footprints", "end_token", "footprint", "place_of_word"]
+__all__ = ["FOOTPRINT", "PIXELS", "Footprints", "end_token", "footprint", "place_of_word"]
 
 FOOTPRINT = FootprintLayout(CONFIG)
+PIXELS = CONFIG.pixels_per_word
 ROOM = CONFIG.window_lines - 8
 """An element comes once its first line is less than so many below the window's first one."""
 
@@ -24,7 +25,7 @@ def footprint(top, x, spans, z=0, width=512, height=512):
 
     Return its bits and the pixels it covers, {(line, column)}.
     """
-    word = x // 4
+    word = x // PIXELS
     halves = {"upper": [None] * 4, "lower": [None] * 4}
     empty = {"first": 0, "last": 0, "words": 0}
     pixels = set()
@@ -32,16 +33,17 @@ def footprint(top, x, spans, z=0, width=512, height=512):
         line = top + row
         span = empty
         if row in spans and 0 <= line < height:
-            first, last = (x % 4 + column for column in spans[row])
+            first, last = (x % PIXELS + column for column in spans[row])
             touched = [
-                first // 4 <= j <= last // 4 and word + j <= (width - 1) // 4 for j in range(3)
+                first // PIXELS <= j <= last // PIXELS and word + j <= (width - 1) // PIXELS
+                for j in range(CONFIG.block_words)
             ]
             span = {
                 "first": first,
                 "last": last,
                 "words": sum(bit << j for j, bit in enumerate(touched)),
             }
-            covered = {(line, 4 * word + p) for p in range(first, last + 1)}
+            covered = {(line, PIXELS * word + p) for p in range(first, last + 1)}
             pixels |= {(line, column) for line, column in covered if column < width}
         halves["upper" if row < 4 else "lower"][line % 4] = span
     groups = [(top + (q - top) % 4) // 4 % 4 for q in range(4)]

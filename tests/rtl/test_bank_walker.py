@@ -137,7 +137,7 @@ async def a_stretch_that_nothing_reached_is_not_read(dut):
     """A line with a word costs the reading of two stretches, wherever they lie."""
     slide = BankSlide(dut, 11)
     await slide.start()
-    for n, word in enumerate((0, 17, 50, 100, 127)):
+    for n, word in enumerate((0, 17, 30, WORDS - 12, WORDS - 1)):
         line = 16 * n
         await slide.cycle(line - 4)
         await slide.cycle(line, [(line, word)])
@@ -175,7 +175,7 @@ async def nothing_leaves_unasked(dut):
     for case, (top, loaded) in enumerate([(3, 1), (12, 0)]):
         slide = BankSlide(dut, case)
         await slide.start(jump=0)
-        await slide.cycle(0, [(3, 99)])
+        await slide.cycle(0, [(3, WORDS - 29)])
         for _ in range(20):
             await slide.cycle(top, loaded=loaded)
         assert not slide.flush.received
@@ -183,7 +183,7 @@ async def nothing_leaves_unasked(dut):
         await slide.finish()
     slide = BankSlide(dut, 5, rate=0.2)
     await slide.start(jump=0)
-    for word in (1, 2, 3, 70):
+    for word in (1, 2, 3, 50):
         await slide.cycle(0, [(0, word)])
     before = 0
     for _ in range(80):

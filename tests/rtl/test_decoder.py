@@ -5,16 +5,17 @@ from functools import cache
 
 import cocotb
 from blocks import block_rows
+from presets import CONFIG, run_bench
 
 from splatline.rtl.decoder import Decoder
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import PAPER, SWIFT
 from splatline.rtl.layouts import FootprintLayout, GeometryLayout
-from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench
 
-PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(PAPER)}
-FOOTPRINT = FootprintLayout(PAPER)
-LAST = (1 << PAPER.line_bits + 1) - 1
+PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(CONFIG)}
+FOOTPRINT = FootprintLayout(CONFIG)
+PIXELS = CONFIG.pixels_per_word
+LAST = (1 << CONFIG.line_bits + 1) - 1
 
 
 def element(rows, mode, x, top, **rest):
@@ -65,13 +66,13 @@ def footprint_pixels(bits, top, width):
                 continue
             begin = get(bits, half, residue, "first")
             end = get(bits, half, residue, "last")
-            for word in range(3):
+            for word in range(CONFIG.block_words):
                 if words >> word & 1:
-                    first, last = max(begin, 4 * word), min(end, 4 * word + 3)
+                    first, last = max(begin, PIXELS * word), min(end, PIXELS * (word + 1) - 1)
                     assert first <= last, "a word is named that the span does not touch"
-                    pixels |= {(line, 4 * word0 + p) for p in range(first, last + 1)}
+                    pixels |= {(line, PIXELS * word0 + p) for p in range(first, last + 1)}
     # The last word of a line may reach past the border; the window clips it.
-    return {(line, x) for line, x in pixels if x < width or x // 4 != (width - 1) // 4}
+    return {(line, x) for line, x in pixels if x < width or x // PIXELS != (width - 1) // PIXELS}
 
 
 async def check(dut, cases, width, height, rates, seed):
@@ -99,7 +100,7 @@ async def all_pairs_of_rows(dut):
     cases = []
     for number, (a, b) in enumerate((a, b) for a in ROW_CODES for b in ROW_CODES):
         for mode in (0, 1):
-            for offset in range(4):
+            for offset in range(PIXELS):
                 rows = [(a, b, b, a), (b, a, a, b)][number % 2]
                 cases.append((rows, mode, 100 + offset, 40 + (number + offset) % 8))
     cycles = await check(dut, cases, 512, 512, (1.0, 1.0), 1)
@@ -114,7 +115,7 @@ async def middles_at_half_pixels(dut):
     empty = [(first, last) for first in range(8) for last in range(first)]
     cases = [
         (rows, mode, 100 + offset, 40 + rng.randrange(8))
-        for offset in range(4)
+        for offset in range(PIXELS)
         for mode in (0, 1)
         for row in [(1, 0), (0, 0), (0, 7), (2, 5)]
         for rows in [
@@ -230,4 +231,8 @@ async def an_element_waits_for_the_window(dut):
 def test_decoder_covers_the_pixels_of_the_contract(simulator_name):
     """In Icarus the random ones alone: all pairs of rows take half a minute there."""
     test = None if simulator_name == "verilator" else "all_columns"
-    run_bench(Decoder(PAPER), __file__, simulator_name=simulator_name, test=test)
+    run_bench(PAPER, Decoder, __file__, simulator_name=simulator_name, test=test)
+
+
+def test_decoder_covers_them_in_words_of_eight_pixels():
+    run_bench(SWIFT, Decoder, __file__, simulator_name="verilator")

@@ -49,6 +49,7 @@ PART_FAULTS = [
     ("paper", Scatter, test_scatter, "free_banks", "end_3", "2'h3", "mask"),
     ("paper", Scatter, test_scatter, "elements_in_a_row", "rests", "8'h0", "no rest"),
     ("paper", Scatter, test_scatter, "elements_in_a_row", "rests", "earlier", "short rest"),
+    ("swift", Scatter, test_scatter, "free_banks", "end_3", "3'h7", "mask of eight"),
     ("wide", BankMarks, test_bank_marks, MARKS, "busy", "1'h0", "marks read while in use"),
     ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "1'h0", "marks stay"),
     ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "take | wipe", "marks clear too much"),

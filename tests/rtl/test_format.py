@@ -1,6 +1,6 @@
 import pytest
 
-from splatline.rtl.format import PAPER, PRESETS, EngineConfig, get_preset
+from splatline.rtl.format import BLOCK, PAPER, PRESETS, EngineConfig, get_preset
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 from splatline.rtl.variants import SHAPED, VARIANTS
 
@@ -58,15 +58,22 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         ({"colour_planes": 0}, "colour_planes must be an integer in 1..3, not 0"),
         ({"colour_planes": 4}, "colour_planes must be an integer in 1..3, not 4"),
         ({"material_bits": 2}, "material_bits must be an integer in 3..9, not 2"),
-        ({"window_lines": 8}, "window_lines must be 16, not 8: a window of banks has no other"),
+        ({"window_lines": 8}, "window_lines must be 16 with 8 banks, not 8"),
+        ({"pixels_per_word": 8}, "pixels_per_word must be 4 with 8 banks, not 8"),
         (
-            {"pixels_per_word": 8},
-            "pixels_per_word must be 4, not 8: a window of banks has no other",
+            {"pixels_per_word": 2, "banks": 16},
+            "pixels_per_word must be 4 or 8 with 16 banks, not 2",
         ),
         ({"banks": 4}, "banks must be 8, or 16 without lanes, not 4"),
         ({"lanes": True, "banks": 16}, "banks must be 8, or 16 without lanes, not 16"),
-        ({"lanes": True, "window_lines": 12}, "window_lines must be 8, 16 or 32, not 12"),
-        ({"lanes": True, "pixels_per_word": 3}, "pixels_per_word must be 2, 4 or 8, not 3"),
+        (
+            {"lanes": True, "window_lines": 12},
+            "window_lines must be 8, 16 or 32 with lanes, not 12",
+        ),
+        (
+            {"lanes": True, "pixels_per_word": 3},
+            "pixels_per_word must be 2, 4 or 8 with lanes, not 3",
+        ),
         (
             {"lanes": True, "pixels_per_word": 8, "x_bits": 4},
             "x_bits must be at least 5 for 8 pixels a word, not 4",
@@ -84,8 +91,8 @@ def test_planes_hold_a_whole_colour():
     for config in PRESETS.values():
         used = config.colour_planes * config.plane_bits
         assert 0 <= used - config.colour_bits < config.colour_planes
-        # A half of a bank's block RAM has ports of 36 bits.
-        assert config.pixels_per_word * config.plane_bits <= 36
+        if config.colour_planes > 1:  # a half of a bank's block RAM has ports of 36 bits
+            assert config.pixels_per_word * config.plane_bits <= 36
     planes = {config.name: config.plane_bits for config in PRESETS.values()}
     assert planes == {
         "paper": 9,
@@ -96,6 +103,12 @@ def test_planes_hold_a_whole_colour():
         "rgb24": 8,
         "deep": 9,
     }
+
+
+def test_a_block_touches_so_many_words():
+    for pixels in (2, 4, 8):
+        most = max((offset + BLOCK - 1) // pixels + 1 for offset in range(pixels))
+        assert PAPER.replace(pixels_per_word=pixels).block_words == most
 
 
 def test_presets_are_found_by_name():

@@ -23,9 +23,11 @@ FULL = test_presets.FULL
 PLAYED = [
     config
     for config in VARIANTS
-    if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all" or config.name == "largest"
+    if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all"
+    or config.name in ("largest", "swift-word4")
 ]
-"""The largest, which differs from the preset in most: each takes a build. All of them on demand."""
+"""The largest, which differs from ``paper`` in most, and the one with banks: each takes a build.
+All of them on demand."""
 
 
 def at_the_right_border(rng, config):
