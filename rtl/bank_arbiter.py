@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from .bank import BankRequestLayout
 from .bank_layout import bank_address_bits, residue_bits, turned
+from .choose import pick
 from .format import EngineConfig
 from .layouts import DealLayout, FlushLayout, LoadLayout, PlaceLayout
 
@@ -123,34 +124,46 @@ class BankArbiter(wiring.Component):
 
         loading, flushing = Signal(), Signal()
         arrived = Signal(2)  # loaded one and two cycles before: that word is still to be written
-        held = Signal(banks)  # kept for what leaves
-        free = Signal(banks)  # for what is to be served
+        # Of each half of the banks, the one in which the line lies that leaves: whether it is kept
+        # for that, and whether the element wants it. Chosen by the line first: to ask all banks
+        # what each of them does would be the longest way of the engine.
+        kept, sought = Signal(2), Signal(2)
+        blocked = Signal(2)  # the one that is to serve does something else
+        served = Signal()
         m.d.comb += [
             self.wiping.eq(swept[0]),
             self.drawing.eq(
                 self.draw.valid & ~Cat(swept, arrived).any() & ~self.load.valid & self.loaded
             ),
-            self.draw.ready.eq(self.drawing & self.running & ~(deal.want & ~self.taken).any()),
+            kept.eq((leaving.halves | ~self.flush.valid.replicate(2)) & urgent.replicate(2)),
+            sought.eq(self._of_halves(deal.want, leaving.line)),
+            self.draw.ready.eq(
+                self.drawing
+                & self.running
+                & ~(sought & kept).any()
+                & ~(deal.want & (self.stale | self.busy)).any()
+            ),
+            # While a load is served nothing is drawn.
+            blocked.eq(
+                (sought & ~kept & self.drawing.replicate(2))
+                | self._of_halves(self.busy, service.line)
+            ),
+            served.eq(~(service.halves & blocked).any()),
         ]
         for index in range(banks):
             share, request = deal.shares[index], self.requests[index]
             mine = Signal(name=f"mine_{index}")
             wanted = Signal(name=f"wanted_{index}")
             has_line = service.line[:bits] == index % lines
-            half = service.halves[index // lines]
+            half = index // lines
+            held = kept[half] & (leaving.line[:bits] == index % lines)
             # What leaves, or is loaded, is never a word that is being drawn into.
             m.d.comb += [
-                held[index].eq(
-                    urgent
-                    & (leaving.line[:bits] == index % lines)
-                    & (leaving.halves[index // lines] | ~self.flush.valid)
-                ),
-                wanted.eq(self.drawing & deal.want[index] & ~held[index]),
+                wanted.eq(self.drawing & deal.want[index] & ~held),
                 self.taken[index].eq(
                     wanted & ~self.stale[index] & ~self.busy[index] & self.running
                 ),
-                mine.eq(has_line & half & ~wanted),
-                free[index].eq(has_line & ~wanted & ~self.busy[index]),
+                mine.eq(has_line & service.halves[half] & ~wanted),
                 request.address.eq(Mux(wanted, share.address, address)),
                 request.mask.eq(share.mask),
                 request.whole.eq(self.load.valid),
@@ -164,9 +177,8 @@ class BankArbiter(wiring.Component):
         places = [  # of which lines
             Signal(self.config.slot_bits, name=f"place_left_{n}", reset_less=True) for n in range(2)
         ]
-        served, again = Signal(), Signal()
+        again = Signal()
         m.d.comb += [
-            served.eq((Cat(free[:lines].any(), free[lines:].any()) | ~service.halves).all()),
             again.eq(
                 (arrived[1] & (Cat(last.word, last.line) == Cat(word, line)))
                 | Cat(
@@ -188,3 +200,9 @@ class BankArbiter(wiring.Component):
         with m.If(loading):
             m.d.sync += [last.word.eq(word), last.line.eq(line)]
         return m
+
+    def _of_halves(self, banks, line):
+        """Return the bits of the two of ``banks`` in which a line lies."""
+        lines = self.config.banks // 2
+        residue = line[: residue_bits(self.config)]
+        return Cat(pick(list(banks[half : half + lines]), residue) for half in (0, lines))

@@ -223,7 +223,7 @@ PROOFS = [
         Fault("only its first words", Scatter, r" & ~several\.any\(\)", ""),
         Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_bank"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
-        Fault("flushed beside an element", BankArbiter, r"has_line & ~wanted", "has_line"),
+        Fault("flushed beside an element", BankArbiter, r"sought & ~kept & ", "0 & "),
         Fault("closed before it is drawn", Window, r"& ~scatter\.o\.valid & loader", "& loader"),
         Fault("left before it is written", Window, r"top\.eq\(retired\)", "top.eq(top)"),
         Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
@@ -243,7 +243,7 @@ PROOFS = [
         Fault("left for right", Emitter, r"(turned\(.*line\)) \^ half", r"\1", "_words"),
         Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
         Fault(
-            "one of two is enough", BankArbiter, r"\(Cat\((free.*)\) \| ~.*\)\.all", r"Cat(\1).any"
+            "one of two is enough", BankArbiter, r"halves & blocked\)\.any", "halves & blocked).all"
         ),
         config=TWO_WORDS,
     ),
@@ -260,7 +260,7 @@ PROOFS = [
                 ("dealt once", r"several\.eq\(.*\)", "several.eq(0)"),
             )
         ),
-        Fault("flushed beside an element", BankArbiter, r"has_line & ~wanted", "has_line"),
+        Fault("flushed beside an element", BankArbiter, r"sought & ~kept & ", "0 & "),
         config=SIXTEEN,
     ),
     plan(
