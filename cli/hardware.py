@@ -10,7 +10,6 @@ import click
 from ..host.errors import InputError, install_hint
 from ..rtl.format import EngineConfig
 from .chain_options import chain_options
-from .errors import ToolFailure
 from .outputs import check_files, check_folder, require_suffix, write_json, write_text
 from .parameters import PRESET
 from .progress import Stages
@@ -143,10 +142,7 @@ def synth(
     with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
         from ..rtl.synth import synthesise
 
-        try:
-            result = synthesise(preset, top=top)
-        except RuntimeError as error:
-            raise ToolFailure(str(error)) from error
+        result = synthesise(preset, top=top)
     from .report_synthesis import describe_excess, print_synthesis
 
     if record:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import click
 
 from ..host.errors import InputError
+from ..rtl.tools import ToolError
 from .bench import bench
 from .errors import ToolFailure
 from .frames import encode, info, play
@@ -23,8 +26,14 @@ __all__ = ["main"]
 BAD_INPUT = 2
 """Exit code of bad input and of a wrong command line."""
 
+TOOL_FAILED = 1
+"""Exit code where Yosys, nextpnr or ecppack failed."""
+
 INTERRUPTED = 130
 """Exit code of a run stopped with Ctrl-C, as shells have it (128 + SIGINT)."""
+
+TERMINATED = 143
+"""Exit code of a run that was sent SIGTERM."""
 
 
 class Program(click.Group):
@@ -42,13 +51,17 @@ class Program(click.Group):
         if not standalone_mode:
             return super().main(args, prog_name, standalone_mode=False, **extra)
         try:
-            code = super().main(args, prog_name, standalone_mode=False, **extra)
+            with _ends_in_order():
+                code = super().main(args, prog_name, standalone_mode=False, **extra)
         except click.exceptions.NoArgsIsHelpError as error:
             error.show()
             code = BAD_INPUT
         except ToolFailure as error:  # with the lines of its log: there is nothing else to go by
             click.echo(f"splatline: {error.format_message()}", err=True)
             code = error.exit_code
+        except ToolError as error:  # likewise
+            click.echo(f"splatline: {error}", err=True)
+            code = TOOL_FAILED
         except click.ClickException as error:
             code = _complain(_usage(error))
         except InputError as error:
@@ -58,6 +71,20 @@ class Program(click.Group):
         except click.Abort:  # what click makes of Ctrl-C
             code = INTERRUPTED
         sys.exit(code)
+
+
+@contextmanager
+def _ends_in_order() -> Iterator[None]:
+    """Have SIGTERM end the run as Ctrl-C does: tools are killed, scratch files removed."""
+
+    def end(*_: object) -> None:
+        sys.exit(TERMINATED)
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _complain(message: str) -> int:

@@ -10,7 +10,6 @@ import click
 
 from ..host.errors import InputError, install_hint
 from ..rtl.format import EngineConfig
-from .errors import ToolFailure
 from .outputs import check_files, require_suffix, write_json, write_text
 from .parameters import PRESET
 from .progress import Stages
@@ -58,10 +57,7 @@ def pnr(
     with Stages().stage("", f"Placing and routing {preset.name} with nextpnr"):
         from ..rtl.pnr import place_and_route
 
-        try:
-            result = place_and_route(preset, seed=seed, tries=tries, mhz=freq, packed=bitstream)
-        except RuntimeError as error:
-            raise ToolFailure(str(error)) from error
+        result = place_and_route(preset, seed=seed, tries=tries, mhz=freq, packed=bitstream)
     if report is not None:
         write_json(report, result)
     _print(result)
@@ -89,10 +85,7 @@ def netlist(preset: EngineConfig, output: Path | None) -> None:
     with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
         from ..rtl.netlist import pin_netlist
 
-        try:
-            text, module = pin_netlist(preset)
-        except RuntimeError as error:
-            raise ToolFailure(str(error)) from error
+        text, module = pin_netlist(preset)
     write_text(output, text)
     click.echo(f"{output}: {len(module['cells']):,} cells")
 

@@ -20,11 +20,11 @@ from splatline.rtl.chain import QUEUE
 from splatline.rtl.format import PAPER, EngineConfig
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.merger import Merger
-from splatline.rtl.netlist import run_tool
 from splatline.rtl.pins import BEAT_PIECE, Gatherer, Splitter
-from splatline.rtl.pnr import CONSTRAINTS, OPTIONS, RUN_NEXTPNR, SYNTHESIS, read_report
+from splatline.rtl.pnr import CONSTRAINTS, DEVICES, OPTIONS, SYNTHESIS, read_report
 from splatline.rtl.queue import Queue
-from splatline.rtl.synth import RUN_YOSYS, count_component
+from splatline.rtl.synth import count_component
+from splatline.rtl.tools import run_nextpnr, run_yosys
 from splatline.rtl.verilog import convert
 
 SEEDS = (1, 2, 3, 4)
@@ -72,11 +72,11 @@ def route(component: wiring.Component) -> dict[int, float]:
         (folder / "top.lpf").write_text(CONSTRAINTS.read_text())
         # ABC9 of this Yosys stops without a word on one of the queues' lengths.
         script = f"read_verilog top.v; {SYNTHESIS} -noabc9 -top top -json top.json"
-        run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
+        run_yosys(script, folder)
         for seed in SEEDS:
             files = ["--json", "top.json", "--lpf", "top.lpf", "--report", "report.json"]
-            arguments = ["-q", *OPTIONS, *files, "--seed", str(seed), "--timing-allow-fail"]
-            run_tool("nextpnr", RUN_NEXTPNR, arguments, folder)
+            options = [DEVICES[0].option, *OPTIONS, "--seed", str(seed), "--timing-allow-fail"]
+            run_nextpnr([*options, *files], folder)
             rates[seed] = read_report(json.loads((folder / "report.json").read_text()))["fmax_mhz"]
     return rates
 

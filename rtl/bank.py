@@ -14,8 +14,9 @@ __all__ = ["Bank", "BankRequestLayout"]
 class BankRequestLayout(data.StructLayout):
     """What a bank is asked to do in a cycle.
 
-    ``draw``: depth-test the pixels of ``mask`` of the word at ``address``, or all if it is to be
-    drawn ``whole``. ``clear``: read that word and leave background in it. At most one of the two.
+    ``draw``: depth-test the pixels of ``mask`` of the word at ``address``. ``clear``: read that
+    word and leave background in it. ``load``: copy a word there, whatever it is; with further
+    planes, in two requests, the second one for ``further`` planes. At most one of the three.
     """
 
     def __init__(self, config: EngineConfig):
@@ -23,7 +24,8 @@ class BankRequestLayout(data.StructLayout):
             {
                 "draw": 1,
                 "clear": 1,
-                "whole": 1,
+                "load": 1,
+                "further": 1,
                 "mask": config.pixels_per_word,
                 "address": bank_address_bits(config),
             }
@@ -39,21 +41,27 @@ class Bank(wiring.Component):
     cycle's end. A request for a word in the two cycles after one of the same word would read stale
     pixels, and is never made.
 
-    **Latency**: 2 cycles to ``old``, 3 to the memory. **Throughput**: one request a cycle, but the
-    same word in every third cycle at most.
+    A word is loaded through the port that reads, which has no other use for that cycle: so it takes
+    no multiplexer, and the other port may write at the same time, but not the same word.
+
+    **Latency**: 2 cycles to ``old``, 3 to the memory, 1 for a load. **Throughput**: one request a
+    cycle, but the same word in every third cycle at most.
 
     Members
     -------
     enable : In(1)
         Low: everything stands still, and ``request`` is not taken.
     request : In(BankRequestLayout)
-        What to do. Not the word of one of the two requests before.
+        What to do. Not the word of one of the two requests before, if they draw or clear.
     new : In(WordLayout)
         Depth and colour to draw, one a pixel, two cycles after the request.
+    loaded : In(WordLayout)
+        The word to load, in the cycle of the request.
     old : Out(WordLayout)
         The word as it was before the request that was taken two cycles before.
     drawn : Out(1)
-        Pixels were requested to be drawn one cycle before, into the word at ``drawn_address``.
+        Pixels were requested to be drawn one cycle before, or loaded, into the word at
+        ``drawn_address``.
     drawn_address : Out(bank_address_bits)
         Which word that is.
     """
@@ -65,6 +73,7 @@ class Bank(wiring.Component):
                 "enable": In(1),
                 "request": In(BankRequestLayout(config)),
                 "new": In(WordLayout(config)),
+                "loaded": In(WordLayout(config)),
                 "old": Out(WordLayout(config)),
                 "drawn": Out(1),
                 "drawn_address": Out(bank_address_bits(config)),
@@ -83,28 +92,34 @@ class Bank(wiring.Component):
                 shape=pixels * width,
                 depth=1 << bank_address_bits(config),
                 init=[],
-                attrs={"ram_style": "block"},
+                # Nobody counts on a word that is read while it is written.
+                attrs={"ram_style": "block", "no_rw_check": 1},
             )
             m.submodules[f"{name}_ram"] = ram
-            ports[name] = ram.read_port(), ram.write_port()
+            ports[name] = ram.read_port(), ram.write_port(), ram.write_port()
 
         taken = Signal(BankRequestLayout(config))
         merging = Signal(BankRequestLayout(config))
+        fresh = Signal()  # it came just now: while all stands still it is written once
         word = Signal(WordLayout(config), reset_less=True)
+        m.d.sync += fresh.eq(self.enable)
         with m.If(self.enable):
             m.d.sync += [taken.eq(self.request), merging.eq(taken)]
         m.d.comb += [
-            self.drawn.eq(taken.draw),
+            self.drawn.eq(taken.draw | taken.load),
             self.drawn_address.eq(taken.address),
             self.old.eq(word),
         ]
-        for name, (read, write) in ports.items():
+        for name, (read, load, write) in ports.items():
             m.d.comb += [
                 read.addr.eq(self.request.address),
                 read.en.eq(self.enable),
+                # Of the same address and enable, so that the two are one port of the block RAM.
+                load.addr.eq(self.request.address),
+                load.en.eq(self.enable & self.request.load),
+                load.data.eq(self.loaded[name]),
                 write.addr.eq(merging.address),
-                # Written every cycle while standing still, the word comes out the same each time.
-                write.en.eq(merging.draw | merging.clear),
+                write.en.eq((merging.draw | merging.clear) & fresh),
             ]
             with m.If(self.enable):
                 m.d.sync += word[name].as_value().eq(read.data)
@@ -114,7 +129,7 @@ class Bank(wiring.Component):
             passes = Signal(name=f"passes_{pixel}")
             m.d.comb += [
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
-                passes.eq(Cat(new_depth, 1) < Cat(old_depth, merging.mask[pixel] | merging.whole)),
+                passes.eq(Cat(new_depth, 1) < Cat(old_depth, merging.mask[pixel])),
                 merged.depth[pixel].eq(
                     Mux(passes, new_depth, old_depth) | merging.clear.replicate(config.depth_bits)
                 ),
@@ -124,7 +139,7 @@ class Bank(wiring.Component):
                 ),
             ]
         m.d.comb += [
-            ports["depth"][1].data.eq(merged.depth),
-            ports["colour"][1].data.eq(merged.colour),
+            ports["depth"][-1].data.eq(merged.depth),
+            ports["colour"][-1].data.eq(merged.colour),
         ]
         return m

@@ -8,7 +8,7 @@ from .bank import BankRequestLayout
 from .bank_layout import bank_address_bits, residue_bits, turned
 from .choose import pick
 from .format import EngineConfig
-from .layouts import DealLayout, FlushLayout, LoadLayout, PlaceLayout
+from .layouts import DealLayout, FlushLayout, LoadLayout
 
 __all__ = ["BankArbiter"]
 
@@ -16,15 +16,17 @@ __all__ = ["BankArbiter"]
 class BankArbiter(wiring.Component):
     """Gives each bank an address a cycle: of the initial raster, of an element, or of a flush.
 
-    The initial raster goes first, then the element, and the flush takes what banks are left; unless
-    six or seven lines wait for it, with sixteen banks two or more, then it goes before the element.
-    No word is asked for that is still to be written: :class:`Scatter` sees to that among elements,
-    all else is seen to here.
+    The element goes first, and a flush or a word of the initial raster takes what banks are left,
+    by turns where they are not. If six or seven lines wait to be flushed, with sixteen banks two or
+    more, then the flush goes before the element; and the word, where it is ``behind``. No word is
+    asked for that is still to be written: :class:`Scatter` sees to that among elements, all else is
+    seen to here.
 
     After reset all words are cleared, which takes as many cycles as a bank has words.
 
-    **Latency**: 0, combinational. **Throughput**: an element a cycle or a word of the initial
-    raster, and a flush beside it while its banks are free.
+    **Latency**: 0, combinational. **Throughput**: an element a cycle, and beside it a flush or a
+    word of the initial raster while its banks are free; with further planes such a word takes two
+    cycles.
 
     Members
     -------
@@ -39,11 +41,11 @@ class BankArbiter(wiring.Component):
     drawing : Out(1)
         The element's turn has come, though not all its banks need be free.
     load : In(stream of LoadLayout)
-        A word of the initial raster.
-    may_load : In(1)
-        There is room for its pixels.
-    loaded : In(1)
-        The initial raster of all lines in the window is there: elements may be drawn.
+        A word of the initial raster, of a line that no element is offered for.
+    behind : In(1)
+        That word goes before the element.
+    further : Out(1)
+        Of a word with further planes these are loaded; its depths and plane 0 were.
     flush : In(stream of FlushLayout)
         Words that are to leave; of a line that nothing more is drawn into, in which nothing is on
         its way. While none are offered the line counts, which is the next one that leaves.
@@ -69,8 +71,8 @@ class BankArbiter(wiring.Component):
                 "taken": Out(config.banks),
                 "drawing": Out(1),
                 "load": In(stream.Signature(LoadLayout(config))),
-                "may_load": In(1),
-                "loaded": In(1),
+                "behind": In(1),
+                "further": Out(1),
                 "flush": In(stream.Signature(FlushLayout(config))),
                 "may_flush": In(1),
                 "ahead": In(signed(config.line_bits + 2)),
@@ -94,20 +96,27 @@ class BankArbiter(wiring.Component):
         swept = Signal(2, init=3)  # one and two cycles before: words are still to be written
         m.d.sync += swept.eq(Cat(sweeping, swept))
 
-        # What is served besides the element: the initial raster's word, else those that leave.
+        # What is served besides the element: the initial raster's word, or those that leave.
         word, line = self.load.payload.word, self.load.payload.line
+        serving = Signal()  # the former
+        refused = Signal()  # it was in vain, in the cycle before
+        # It is behind and was refused: then it goes, and no element. Known a cycle ahead, as all
+        # before an element waits for it.
+        pressing = Signal()
+        m.d.comb += serving.eq(self.load.valid & (pressing | ~(self.flush.valid & refused)))
+        upper = word[0] ^ turned(self.config, line)
+        halves = Cat(~upper, upper)
         service = Signal(FlushLayout(self.config))
         address = Signal.like(sweep)
         m.d.comb += [
             service.eq(leaving),
             address.eq(Cat(service.pair, service.line[bits : self.config.slot_bits])),
         ]
-        with m.If(self.load.valid):
-            upper = word[0] ^ turned(self.config, line)
+        with m.If(serving):
             m.d.comb += [
                 service.pair.eq(word[1:]),
                 service.line.eq(line),
-                service.halves.eq(Cat(~upper, upper)),
+                service.halves.eq(halves),
             ]
         with m.If(sweeping):
             m.d.comb += address.eq(sweep)
@@ -123,18 +132,15 @@ class BankArbiter(wiring.Component):
         m.d.sync += waiting.eq(~self.ahead[-1] & several)
 
         loading, flushing = Signal(), Signal()
-        arrived = Signal(2)  # loaded one and two cycles before: that word is still to be written
         # Of each half of the banks, the one in which the line lies that leaves: whether it is kept
         # for that, and whether the element wants it. Chosen by the line first: to ask all banks
         # what each of them does would be the longest way of the engine.
         kept, sought = Signal(2), Signal(2)
-        blocked = Signal(2)  # the one that is to serve does something else
-        served = Signal()
+        # The one that is to serve does something else.
+        blocked, full = Signal(2), Signal(2)
         m.d.comb += [
             self.wiping.eq(swept[0]),
-            self.drawing.eq(
-                self.draw.valid & ~Cat(swept, arrived).any() & ~self.load.valid & self.loaded
-            ),
+            self.drawing.eq(self.draw.valid & ~swept.any() & ~pressing),
             kept.eq((leaving.halves | ~self.flush.valid.replicate(2)) & urgent.replicate(2)),
             sought.eq(self._of_halves(deal.want, leaving.line)),
             self.draw.ready.eq(
@@ -143,12 +149,14 @@ class BankArbiter(wiring.Component):
                 & ~(sought & kept).any()
                 & ~(deal.want & (self.stale | self.busy)).any()
             ),
-            # While a load is served nothing is drawn.
             blocked.eq(
                 (sought & ~kept & self.drawing.replicate(2))
-                | self._of_halves(self.busy, service.line)
+                | self._of_halves(self.busy, leaving.line)
             ),
-            served.eq(~(service.halves & blocked).any()),
+            full.eq(
+                (self._of_halves(deal.want, line) & self.drawing.replicate(2))
+                | self._of_halves(self.busy, line)
+            ),
         ]
         for index in range(banks):
             share, request = deal.shares[index], self.requests[index]
@@ -166,39 +174,45 @@ class BankArbiter(wiring.Component):
                 mine.eq(has_line & service.halves[half] & ~wanted),
                 request.address.eq(Mux(wanted, share.address, address)),
                 request.mask.eq(share.mask),
-                request.whole.eq(self.load.valid),
-                request.draw.eq(self.taken[index] | (loading & mine)),
+                request.draw.eq(self.taken[index]),
+                request.load.eq(loading & mine),
+                request.further.eq(self.further),
                 request.clear.eq((flushing & mine) | sweeping),
             ]
 
-        # A load meets neither the word that was loaded just now nor one that was given up just now.
-        last = Signal(PlaceLayout(self.config), reset_less=True)  # which one was loaded
-        left = Signal(2)  # one and two cycles before: words that left are still to be cleared
+        # A word of the line whose place it takes may have left just now, and is still cleared:
+        # there the port that writes would meet the one that loads.
+        left = Signal(2)  # one and two cycles before
         places = [  # of which lines
             Signal(self.config.slot_bits, name=f"place_left_{n}", reset_less=True) for n in range(2)
         ]
         again = Signal()
         m.d.comb += [
             again.eq(
-                (arrived[1] & (Cat(last.word, last.line) == Cat(word, line)))
-                | Cat(
-                    left[n] & (place == line[: len(place)]) for n, place in enumerate(places)
-                ).any()
+                Cat(left[n] & (place == line[: len(place)]) for n, place in enumerate(places)).any()
             ),
-            self.load.ready.eq(
-                self.running & ~sweeping & ~swept.any() & ~again & self.may_load & served
+            loading.eq(
+                serving & self.running & ~sweeping & ~swept.any() & ~again & ~(halves & full).any()
             ),
             self.flush.ready.eq(
-                self.running & ~sweeping & ~self.load.valid & self.may_flush & served
+                self.running
+                & ~sweeping
+                & ~serving
+                & self.may_flush
+                & ~(leaving.halves & blocked).any()
             ),
-            loading.eq(self.load.valid & self.load.ready),
             flushing.eq(self.flush.valid & self.flush.ready),
         ]
+        m.d.sync += [refused.eq(serving & ~loading), pressing.eq(serving & ~loading & self.behind)]
+        if self.config.colour_planes == 1:
+            m.d.comb += self.load.ready.eq(loading)
+        else:
+            m.d.comb += self.load.ready.eq(loading & self.further)
+            with m.If(loading):
+                m.d.sync += self.further.eq(~self.further)
         with m.If(self.running):
-            m.d.sync += [arrived.eq(Cat(loading, arrived)), left.eq(Cat(flushing, left))]
+            m.d.sync += left.eq(Cat(flushing, left))
             m.d.sync += [places[0].eq(leaving.line), places[1].eq(places[0])]
-        with m.If(loading):
-            m.d.sync += [last.word.eq(word), last.line.eq(line)]
         return m
 
     def _of_halves(self, banks, line):

@@ -40,11 +40,11 @@ class BankWalker(wiring.Component):
     -------
     top : In(signed(line_bits + 2))
         Lines above this one are complete. Never falls during a frame.
-    loaded : In(1)
-        Every line that is complete has received all of the initial raster that is meant for it, if
-        it is ``oldest`` or the one after.
+    limit : In(signed(line_bits + 2))
+        Lines above this one have received all of the initial raster that is meant for them.
     jump : In(1)
-        No initial raster will come for any line: ``oldest`` may move by many lines at a time.
+        No initial raster will come for any line, and ``limit`` means nothing: lines that nothing
+        was drawn into may be stepped over all at once.
     last_word : In(word_bits)
         Number of the last word of a line.
     reaching : In(1)
@@ -78,7 +78,7 @@ class BankWalker(wiring.Component):
         super().__init__(
             {
                 "top": In(signed(config.line_bits + 2)),
-                "loaded": In(1),
+                "limit": In(signed(config.line_bits + 2)),
                 "jump": In(1),
                 "last_word": In(config.word_bits),
                 "reaching": In(1),
@@ -121,7 +121,6 @@ class BankWalker(wiring.Component):
         second_valid = Signal()  # two words, or pairs, are asked for
 
         # Reading: on through the stretches, past those without marks, until one has some.
-        loaded = Signal()
         leaving = Signal()
         here = Signal()
         reading = Signal()
@@ -130,9 +129,10 @@ class BankWalker(wiring.Component):
         passed = Signal()
         ended = Signal()
         m.d.comb += [
-            # An initial raster may be on its way to all lines but the first ones.
-            loaded.eq(self.loaded & (self.jump | (line[0] == self.oldest[0]))),
-            leaving.eq((((line < self.top) & loaded) | closing) & ~changeover.halted),
+            leaving.eq(
+                (((line < self.top) & (self.jump | (line < self.limit))) | closing)
+                & ~changeover.halted
+            ),
             here.eq(written.bit_select(line[:4], 1)),
             reading.eq(leaving & here & ~marks.busy),
             # What was read moves on at once if it is nothing: one that has some never waits for it.

@@ -76,7 +76,7 @@ class Decoder(wiring.Component):
     o : Out(stream of FootprintLayout)
         What the window draws. An end token and an element outside the image have no words.
     oldest : In(signed(line_bits + 2))
-        First line in the window.
+        First line of the window as far as it was loaded.
     running : In(1)
         Low: the window stands still, and what has left may not have been cleared as yet.
     last_column : In(x_bits)

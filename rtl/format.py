@@ -10,18 +10,19 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from .fields import Field
+
 __all__ = [
     "BANKS",
     "BAYER",
     "BLOCK",
     "COMPACT",
+    "MOST_BEAT_BITS",
     "PAPER",
     "PRESETS",
     "ROWS",
     "SHAPES",
     "EngineConfig",
-    "Field",
-    "Register",
     "get_preset",
 ]
 
@@ -40,37 +41,14 @@ BANKS = (8, 16)
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs there are, and the largest size that each holds."""
 
-
-@dataclass(frozen=True)
-class Field:
-    """A run of bits: ``(word >> lsb) & mask``."""
-
-    lsb: int
-    width: int
-
-    @property
-    def mask(self) -> int:
-        """Largest value that the field holds."""
-        return (1 << self.width) - 1
-
-    @property
-    def end(self) -> int:
-        """First bit above the field."""
-        return self.lsb + self.width
+MOST_BEAT_BITS = 512
+"""Of a beat of the raster: 64 bytes is the widest stream of common DMA cores, and all that CONFIG_1
+can say."""
 
 
-class Register:
-    """Offsets of the frame registers, counted from ``EngineConfig.register_base``."""
-
-    AMBIENT_RED = 0
-    AMBIENT_GREEN = 1
-    AMBIENT_BLUE = 2
-    LAST_COLUMN = 3
-    LAST_LINE = 4
-    CONTROL = 5
-
-    CONTROL_LOAD = 0
-    """Bit of CONTROL: the frame starts from the raster on the ``initial`` port."""
+def _is_among(value: object, choices: tuple[int, ...]) -> bool:
+    """Return whether a parameter is an integer, and one of the choices."""
+    return isinstance(value, int) and value in choices
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +112,8 @@ class EngineConfig:
     Raises
     ------
     ValueError
-        If a value is out of its range or the code word does not come out at 64 bits.
+        If a value is out of its range, the code word does not come out at 64 bits, or a beat of the
+        raster has more than 512.
     """
 
     name: str = "custom"
@@ -177,7 +156,8 @@ class EngineConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or not low <= value <= high:
                 raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
-        if self.banks not in (BANKS[:1] if self.lanes else BANKS):
+        # Of these too none but an integer: 8.0 is in (4, 8).
+        if not _is_among(self.banks, BANKS[:1] if self.lanes else BANKS):
             raise ValueError(f"banks must be 8, or 16 without lanes, not {self.banks!r}")
         window = "lanes" if self.lanes else f"{self.banks} banks"
         for name, choices in (
@@ -188,7 +168,7 @@ class EngineConfig:
             ),
         ):
             value = getattr(self, name)
-            if value not in choices:
+            if not _is_among(value, choices):
                 *most, last = map(str, choices)
                 allowed = f"{', '.join(most)} or {last}" if most else last
                 raise ValueError(f"{name} must be {allowed} with {window}, not {value!r}")
@@ -197,11 +177,11 @@ class EngineConfig:
                 f"x_bits must be at least {self.pixel_bits + 2}"
                 f" for {self.pixels_per_word} pixels a word, not {self.x_bits}"
             )
-        if self.raster_words not in (1, 2):
+        if not _is_among(self.raster_words, (1, 2)):
             raise ValueError(f"raster_words must be 1 or 2, not {self.raster_words!r}")
         if self.raster_words > 1 and (self.lanes or self.colour_planes > 1):
             raise ValueError("raster_words must be 1 with lanes or with further colour planes")
-        if self.mark_words not in (1, 2, 4, 8):
+        if not _is_among(self.mark_words, (1, 2, 4, 8)):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither or self.mark_words > 1):
             raise ValueError("lanes have no further colour planes, dithering or shared marks")
@@ -209,6 +189,11 @@ class EngineConfig:
             raise ValueError(f"shapes must be {', '.join(SHAPES)}, not {self.shapes!r}")
         if self.z.end != 64:
             raise ValueError(f"the code word must have 64 bits, not {self.z.end}")
+        if self.raster_end.end > MOST_BEAT_BITS:
+            raise ValueError(
+                f"a beat of the raster must have at most {MOST_BEAT_BITS} bits,"
+                f" not {self.raster_end.end}"
+            )
 
     def replace(self, **changes: object) -> EngineConfig:
         """Return a copy with some parameters changed; the name becomes ``custom`` unless given."""
@@ -388,8 +373,11 @@ class EngineConfig:
 
     @property
     def block_words(self) -> int:
-        """Most words of a line that a block can touch."""
-        return (BLOCK + 2 * self.pixels_per_word - 2) // self.pixels_per_word
+        """Most words of a line that an element can touch.
+
+        Of nine columns, as at a half place turned rows lie one further right.
+        """
+        return (BLOCK + self.pixels_per_word - 1) // self.pixels_per_word + 1
 
     @property
     def raster_pixels(self) -> int:
@@ -442,7 +430,8 @@ WIDE = BANKED.replace(name="wide", raster_words=2)
 """More silicon, and fewer cycles for elements over 4 pixels and for sparse scenes."""
 
 SWIFT = WIDE.replace(name="swift", banks=16, pixels_per_word=8)
-"""A code word a cycle, whatever its size: the fewest cycles, of sparse scenes too."""
+"""A code word a cycle, whatever its size, but where it waits for a word of memory: the fewest
+cycles, of sparse scenes too."""
 
 PRESETS = {
     config.name: config

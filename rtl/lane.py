@@ -24,12 +24,13 @@ def lane_address_bits(config: EngineConfig) -> int:
 class LaneRequestLayout(data.StructLayout):
     """What a lane is asked to do in a cycle.
 
-    ``draw``: depth-test the pixel at ``address``. ``clear``: read it and leave background there. At
-    most one of the two.
+    ``draw``: depth-test the pixel at ``address``. ``clear``: read it and leave background there.
+    ``load``: copy a pixel there, whatever it is. At most one of the three.
     """
 
     def __init__(self, config: EngineConfig):
-        super().__init__({"draw": 1, "clear": 1, "address": lane_address_bits(config)})
+        address = lane_address_bits(config)
+        super().__init__({"draw": 1, "clear": 1, "load": 1, "address": address})
 
 
 class Lane(wiring.Component):
@@ -45,7 +46,11 @@ class Lane(wiring.Component):
 
     Of a cleared pixel the depth is set to the background's; its colour then means nothing.
 
-    **Latency**: 1 cycle to ``old``, 2 to the memory. **Throughput**: one request a cycle.
+    A pixel is loaded through the port that reads, which has no other use for that cycle: so it
+    takes no multiplexer, and the other port may write at the same time, but not the same pixel.
+
+    **Latency**: 1 cycle to ``old``, 2 to the memory, 1 for a load. **Throughput**: one request a
+    cycle.
 
     Members
     -------
@@ -55,6 +60,8 @@ class Lane(wiring.Component):
         What to do.
     new : In(PixelLayout)
         What to draw, in the cycle after the request.
+    loaded : In(PixelLayout)
+        What to load, in the cycle of the request.
     old : Out(PixelLayout)
         The pixel as it was before the last request taken.
     """
@@ -66,6 +73,7 @@ class Lane(wiring.Component):
                 "enable": In(1),
                 "request": In(LaneRequestLayout(config)),
                 "new": In(PixelLayout(config)),
+                "loaded": In(PixelLayout(config)),
                 "old": Out(PixelLayout(config)),
             }
         )
@@ -82,7 +90,7 @@ class Lane(wiring.Component):
             # Nobody uses a pixel that was read while it was being written.
             attrs={"ram_style": "block", "no_rw_check": 1},
         )
-        read, write = ram.read_port(), ram.write_port()
+        read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
         taken = Signal(LaneRequestLayout(config))
         difference = Signal(config.depth_bits + 3)
         with m.If(self.enable):
@@ -90,6 +98,10 @@ class Lane(wiring.Component):
         m.d.comb += [
             read.addr.eq(self.request.address),
             read.en.eq(self.enable),
+            # Of the same address and enable, so that the two are one port of the block RAM.
+            load.addr.eq(self.request.address),
+            load.en.eq(self.enable & self.request.load),
+            load.data.eq(self.loaded),
             self.old.eq(read.data),
             # new < old, as the carry of old - new - 1; the request rides on the same chain, because
             # the way from the memory to its own write enable is the longest there is.

@@ -23,29 +23,32 @@ class LaneWindow(wiring.Component):
     The lane of a pixel is the residue of its line modulo 4 and of its column modulo a word's
     pixels, so that a tile has each lane once, wherever it lies. Three stages: *request* (an address
     a lane), *write* (the lanes write over what is behind; a flushed word stands on its lanes'
-    outputs) and *emit* (the word waits on ``raster``). In the request stage the initial raster goes
-    first. A tile and a word that is flushed go together if their rows of lanes differ; if not, the
-    tile goes first, or the word (see ``lagging``). A word that ``raster`` does not take stops all
-    three stages.
+    outputs) and *emit* (the word waits on ``raster``). A tile and a word that is flushed go
+    together if their rows of lanes differ; if not, the tile goes first, or the word (see
+    ``lagging``). In place of that word one of the initial raster goes, into lanes that the tile
+    leaves free, or alone (see ``pressing``). A word that ``raster`` does not take stops all three
+    stages.
 
     A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
     the lanes are cleared, which takes as many cycles as a lane has pixels.
 
     **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
     for that, for a cycle for each stretch of 32 words whose marks are taken (see :class:`Walker`),
-    and for words that go first; a word a cycle of the initial raster; a word a cycle of ``raster``,
-    of those that were written, but for what the walker takes and for tiles that go first.
+    and for words that go first; a word in two cycles of the initial raster, and a word a cycle of
+    ``raster``, of those that were written, but for what the walker takes, for tiles that go first
+    and for each other.
 
     Members
     -------
     i : In(stream of TileLayout)
-        Tiles in the order of their lines, which are in the window and were so a cycle before. An
-        ``end`` token is taken once nothing more comes of its frame's initial raster, and the frame
-        before is out; then tiles of the next frame may follow.
+        Tiles in the order of their lines, which are in the window that begins at ``oldest`` and
+        were so a cycle before. An ``end`` token is taken once nothing more comes of its frame's
+        initial raster, and the frame before is out; then tiles of the next frame may follow.
     shade : In(colour_bits)
         Colour of the tile that is offered on ``i``.
     oldest : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn: negative while one leaves.
+        First line of the window as far as it was loaded, of the frame that is drawn: negative while
+        one leaves.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
@@ -114,7 +117,6 @@ class LaneWindow(wiring.Component):
             loader.last_word.eq(self.last_column[config.pixel_bits :]),
             loader.oldest.eq(walker.front),
             loader.restart.eq(close),
-            loader.moves.eq(self.finished),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(ending),
             self.finished.eq(emitter.finished),
@@ -126,8 +128,9 @@ class LaneWindow(wiring.Component):
 
         # What is served beside the tile: a word of the initial raster, or one that leaves.
         service = Signal(PlaceLayout(config))
+        serving = Signal()  # the former
         m.d.comb += service.eq(walker.flush.payload)
-        with m.If(loader.o.valid):
+        with m.If(serving):
             m.d.comb += [
                 service.word.eq(loader.o.payload.word),
                 service.line.eq(loader.o.payload.line),
@@ -135,33 +138,26 @@ class LaneWindow(wiring.Component):
         line = Signal(SIDE)  # the row of lanes that it lies in
         m.d.comb += line.eq(1 << service.line[:2])
 
-        # Request: the initial raster, else the tile and the flush, in rows of lanes that differ.
+        # Request: the tile, and a load or a flush, in rows of lanes that differ.
         offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
         wanted = Signal(SIDE)  # rows of lanes that the tile draws into
         first, meeting, lagging = Signal(), Signal(), Signal()
-        drawn, loaded, cleared = Signal(), Signal(), Signal()  # in the cycle before
+        pressing = Signal()  # a word of the initial raster goes, and no tile
+        drawn = Signal()  # in the cycle before
+        refused = Signal()  # a word of the initial raster, in the cycle before
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
         m.d.comb += [
             walker.top.eq(tile.top),
-            self.oldest.eq(walker.front),
-            walker.loaded.eq(loader.loaded),
+            self.oldest.eq(loader.front),
+            walker.limit.eq(loader.limit),
             walker.jump.eq(loader.finished),
             walker.enable.eq(~sweeping),
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),
-            # A tile that waits for the initial raster keeps no word from leaving.
-            offered.eq(self.i.valid & ~tile.end & ~loader.o.valid & loader.loaded),
-            going.eq(
-                offered
-                & running
-                & ~swept
-                & ~walker.taking
-                & ~loaded
-                & ~conflict
-                & ~(first & meeting)
-            ),
+            offered.eq(self.i.valid & ~tile.end & ~pressing),
+            going.eq(offered & running & ~swept & ~walker.taking & ~conflict & ~(first & meeting)),
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of it or of a word that left if all stood still since.
             conflict.eq((drawn & tile.meets) | stopped),
@@ -171,17 +167,25 @@ class LaneWindow(wiring.Component):
             # Whether the tile goes is known late; its lanes are kept for it in any case.
             wanted.eq(Cat(row.any() for row in tile.mask)),
             busy.eq(wanted & offered.replicate(SIDE) & ~(line & first.replicate(SIDE))),
-            # A word does not follow at once on what may still write it.
+            # In turn with words that leave, where one of the two is refused.
+            serving.eq(loader.o.valid & (pressing | ~(walker.flush.valid & (refused | lagging)))),
+            # The line whose place it takes may have left since all stood still, while its last word
+            # is still cleared: there the port that writes would meet the one that loads.
             loading.eq(
-                loader.o.valid & running & ~sweeping & ~walker.taking & ~drawn & ~cleared & ~loaded
+                serving
+                & running
+                & ~sweeping
+                & ~swept
+                & ~stopped
+                & ~walker.taking
+                & ~(offered & wanted.bit_select(loader.o.payload.line[:2], 1))
             ),
-            # Taken once it is written: so it need not be stored.
-            loader.o.ready.eq(loaded & running),
+            loader.o.ready.eq(loading),
             flushing.eq(walker.flush.valid & walker.flush.ready),
             walker.flush.ready.eq(
                 running
                 & ~sweeping
-                & ~loader.o.valid
+                & ~serving
                 & (first | ~(offered & meeting))
                 # The line of a tile that stood still may leave since, while it is still written.
                 & ~(stopped & drawn)
@@ -194,24 +198,25 @@ class LaneWindow(wiring.Component):
         # beside them. So the line three above goes first, modulo 4, and that one itself where
         # larger elements want its row. Were all to go first, there would be none left to leave
         # beside the elements, and each would hold up those of the line that completes it.
-        m.d.sync += [stopped.eq(~running), lagging.eq((tile.top[:2] - walker.oldest[:2])[1])]
+        # Of what is loaded the line ten below ``top`` goes beside them, in that same row of lanes.
+        # The two before it go first, so that it comes to that; and the two before those, which
+        # tiles may wait for.
+        distance = Signal(3)
+        m.d.comb += distance.eq(loader.o.payload.line[:3] - tile.top[:3])
+        m.d.sync += [
+            stopped.eq(~running),
+            lagging.eq((tile.top[:2] - walker.oldest[:2])[1]),
+            # Known a cycle ahead, as all before a tile waits for it.
+            pressing.eq(serving & ~loading & ((distance < 2) | (distance > 5))),
+        ]
         with m.If(running):
-            m.d.sync += [
-                drawn.eq(going),
-                loaded.eq(loading),
-                cleared.eq(flushing | sweeping),
-            ]
+            m.d.sync += drawn.eq(going)
+        m.d.sync += refused.eq(serving & ~loading)
 
         drawing = Signal(PixelLayout(config), reset_less=True)
         with m.If(running):
             m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.shade)]
-        new = [Signal(PixelLayout(config), name=f"new_{j}") for j in columns]
-        for j in columns:
-            pixels = loader.o.payload.pixels
-            m.d.comb += [
-                new[j].depth.eq(Mux(loaded, pixels.depth[j], drawing.depth)),
-                new[j].colour.eq(Mux(loaded, pixels.colour[j], drawing.colour)),
-            ]
+        pixels = loader.o.payload.pixels
         word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in columns]
         group = service.line[2 : config.slot_bits]
         for i, row in enumerate(lanes):
@@ -227,30 +232,36 @@ class LaneWindow(wiring.Component):
                     ),
                     lane.enable.eq(running),
                     lane.request.address.eq(Mux(sweeping, sweep, address)),
-                    lane.request.draw.eq((going & tile.mask[i][j]) | (loading & line[i])),
+                    lane.request.draw.eq(going & tile.mask[i][j]),
+                    lane.request.load.eq(loading & line[i]),
                     lane.request.clear.eq((flushing & line[i]) | sweeping),
-                    lane.new.eq(new[j]),
+                    lane.new.eq(drawing),
+                    lane.loaded.depth.eq(pixels.depth[j]),
+                    lane.loaded.colour.eq(pixels.colour[j]),
                     emitter.lanes[i][j].eq(lane.old),
                 ]
-        self._touch(m, walker, loader.o, going, loading, line)
+        self._touch(m, walker, going)
+        m.d.comb += [
+            walker.load.eq(line & loading.replicate(SIDE)),
+            walker.load_word.eq(loader.o.payload.word),
+        ]
+        # Where no tile draws, what would be loaded is what would be marked.
+        m.d.comb += walker.lone.eq(~(wanted & offered.replicate(SIDE)))
+        for i in range(SIDE):
+            with m.If(walker.lone[i]):
+                m.d.comb += walker.group[i].eq(loader.o.payload.line[2 : config.slot_bits])
         return m
 
-    def _touch(self, m, walker, load, going, loading, line):
-        """Tell the walker which words are written."""
+    def _touch(self, m, walker, going):
+        """Tell the walker which words the tile writes."""
         tile = self.i.payload
         m.d.comb += [
             walker.words.eq(tile.words),
             walker.group.eq(tile.group),
-            walker.reaching.eq((self.i.valid & ~tile.end) | load.valid),
+            walker.reaching.eq(self.i.valid & ~tile.end),
         ]
-        with m.If(load.valid):  # then no tile goes
-            m.d.comb += walker.words[0].eq(load.payload.word)
         for i in range(SIDE):
-            with m.If(load.valid):
-                m.d.comb += walker.group[i].eq(load.payload.line[2 : self.config.slot_bits])
             m.d.comb += [
-                walker.touch[i][0].eq(
-                    (going & (tile.mask[i] & ~tile.next).any()) | (loading & line[i])
-                ),
+                walker.touch[i][0].eq(going & (tile.mask[i] & ~tile.next).any()),
                 walker.touch[i][1].eq(going & (tile.mask[i] & tile.next).any()),
             ]

@@ -1,10 +1,10 @@
 """Loading the initial raster: the previous engine's picture, or none."""
 
-from amaranth.hdl import Module, Signal, signed
+from amaranth.hdl import Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .format import EngineConfig
+from .format import BLOCK, EngineConfig
 from .layouts import LoadLayout
 
 __all__ = ["Loader"]
@@ -13,10 +13,10 @@ __all__ = ["Loader"]
 class Loader(wiring.Component):
     """Offers the initial raster's words as their lines enter the window.
 
-    A word goes to memory like an element of its pixels with their own depths and colours: the
-    window is background where nothing was loaded, so the depth test lets all but background pass.
-    Words outside the image are dropped, and words of lines that have left or that lie above the
-    line of the word before: once a line was waited for, those before it may be on their way out.
+    A word is copied into memory while its line is still background, beside whatever is drawn and
+    leaves elsewhere: an element waits until its lines have come, and a line until it has come
+    before it leaves. Words outside the image are dropped, and words of lines above that of the word
+    before: once a line was waited for, those before it may be on their way out.
 
     **Latency**: 1 cycle. **Throughput**: one word in two cycles, the first of which tells whether
     its line is in the window; or one a cycle that is dropped.
@@ -36,22 +36,24 @@ class Loader(wiring.Component):
     last_word : In(word_bits)
         Number of the last word of a line.
     oldest : In(signed(line_bits + 2))
-        First line in the window.
+        First line in the window, of the frame that is drawn.
     restart : In(1)
         The frame is complete: what comes is of the next one.
-    moves : In(1)
-        The window may move on by many lines in this cycle.
     finished : Out(1)
         No initial raster will come any more in this frame.
-    loaded : Out(1)
-        Nothing more will come for any line of the window as it was one cycle ago. Since then the
-        window may have moved on by one line, but no further unless ``finished``; so nothing will
-        come for its lines but the last. Low after a cycle in which it ``moves``, unless
+    limit : Out(signed(line_bits + 2))
+        The lines above this one have received all of the initial raster that is meant for them.
+        Never falls during a frame, but among lines above the image. Means nothing once
         ``finished``.
+    front : Out(signed(line_bits + 2))
+        First line of the window as far as it was loaded, or ``oldest`` once ``finished``:
+        ``window_lines`` above ``limit``, or one less where they are more than eight, as nothing is
+        drawn into the last of them.
     """
 
     def __init__(self, config: EngineConfig):
         self.config = config
+        line = signed(config.line_bits + 2)
         super().__init__(
             {
                 "i": In(stream.Signature(LoadLayout(config))),
@@ -60,11 +62,11 @@ class Loader(wiring.Component):
                 "active": In(1),
                 "last_line": In(config.line_bits),
                 "last_word": In(config.word_bits),
-                "oldest": In(signed(config.line_bits + 2)),
+                "oldest": In(line),
                 "restart": In(1),
-                "moves": In(1),
                 "finished": Out(1),
-                "loaded": Out(1),
+                "limit": Out(line),
+                "front": Out(line),
             }
         )
 
@@ -72,24 +74,26 @@ class Loader(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
+        # Nothing is drawn into the window's last line, whose place was left just now; but a window
+        # of eight lines has no other for the last row of a block.
+        lines = config.window_lines - (config.window_lines > BLOCK)
         beat = self.i.payload
         ended = Signal()
         waiting = Signal()
         drop = Signal()
         in_window = Signal()
         offered = Signal()
-        beyond = Signal()  # one cycle ago a word waited whose line is yet to come
         ahead = Signal(signed(config.line_bits + 2))
-        before = Signal(config.line_bits)  # line of the last word that went in
+        loaded = Signal.like(self.front, init=-lines)
+        limit = Signal.like(self.limit)  # so many lines below: an addition less on a long way
         m.d.comb += [
             waiting.eq(self.i.valid & self.enable & self.active & ~ended),
             ahead.eq(beat.line - self.oldest),
-            # Less than the window's lines.
-            in_window.eq(ahead[-1] | ~ahead[config.slot_bits : -1].any()),
+            # Not before the window: a line leaves when it lies above ``limit``.
+            in_window.eq(~ahead[config.slot_bits :].any()),
             drop.eq(
                 beat.end
-                | (ahead < 0)
-                | (beat.line < before)
+                | (beat.line < self.limit)
                 | (beat.line > self.last_line)
                 | (beat.word > self.last_word)
             ),
@@ -97,16 +101,18 @@ class Loader(wiring.Component):
             self.o.payload.eq(beat),
             self.i.ready.eq((waiting & drop) | (self.o.valid & self.o.ready)),
             self.finished.eq(~self.enable | ended),
-            self.loaded.eq(self.finished | beyond),
+            self.limit.eq(limit),
+            self.front.eq(Mux(self.finished, self.oldest, loaded)),
         ]
-        m.d.sync += [
-            offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready)),
-            beyond.eq(waiting & ~drop & ~in_window & ~self.moves),
-        ]
+        m.d.sync += offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready))
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
-        with m.If(self.o.valid & self.o.ready):
-            m.d.sync += before.eq(beat.line)
+        with m.If(waiting & ~drop):
+            # One that waits below the window says that all lines of the window have come.
+            m.d.sync += [
+                loaded.eq(Mux(in_window, beat.line - lines, self.oldest)),
+                limit.eq(Mux(in_window, beat.line, self.oldest + lines)),
+            ]
         with m.If(self.restart):
-            m.d.sync += [ended.eq(0), before.eq(0)]
+            m.d.sync += [ended.eq(0), loaded.eq(loaded.init), limit.eq(0)]
         return m

@@ -41,6 +41,13 @@ class Marks(wiring.Component):
         Places in the window of those lines, but for the two lowest bits.
     words : In(2 x word_bits)
         The two words, the second one more than the first.
+    load : In(4)
+        By residue of the line: ``load_word`` is written.
+    load_word : In(word_bits)
+        A third word, of one line alone.
+    lone : In(4)
+        By residue of the line: neither of the two is written, but ``load_word`` may be. Known
+        sooner than that it is, as the marks that are taken wait for their address.
     take : In(1)
         Give and clear a stretch; nothing is touched in that cycle.
     line : In(slot_bits)
@@ -60,6 +67,9 @@ class Marks(wiring.Component):
                 "touch": In(data.ArrayLayout(2, RESIDUES)),
                 "group": In(data.ArrayLayout(config.group_bits, RESIDUES)),
                 "words": In(data.ArrayLayout(config.word_bits, 2)),
+                "load": In(RESIDUES),
+                "load_word": In(config.word_bits),
+                "lone": In(RESIDUES),
                 "take": In(1),
                 "line": In(config.slot_bits),
                 "stretch": In(range(stretches(config))),
@@ -76,6 +86,9 @@ class Marks(wiring.Component):
         pairs = [word[1:] for word in self.words]
         # An odd first word has its neighbour in the next pair.
         apart = self.words[0][0]
+        other = self.load_word[1:]
+        other_bit = Signal(1 << low_bits)
+        m.d.comb += other_bit.eq(1 << other[1 : 1 + low_bits])
 
         kept = [Signal(2 << low_bits, name=f"kept_{q}") for q in range(RESIDUES)]
         for parity in range(2):
@@ -88,7 +101,7 @@ class Marks(wiring.Component):
                 own.eq(pairs[0][0] == parity),
                 pair.eq(Mux(own, pairs[0], pairs[1])),
                 bit.eq(1 << pair[1 : 1 + low_bits]),
-                stretch.eq(Mux(self.take, self.stretch, pair[1 + low_bits :])),
+                stretch.eq(pair[1 + low_bits :]),
             ]
             for residue in range(RESIDUES):
                 name = f"marks_{residue}_{parity}"
@@ -102,13 +115,19 @@ class Marks(wiring.Component):
                 read, write = ram.read_port(domain="comb"), ram.write_port()
                 first, second = self.touch[residue][0], self.touch[residue][1]
                 touched = Mux(own, first | (second & ~apart), second & apart)
+                lone = self.lone[residue]
+                touched |= self.load[residue] & (other[0] == parity)
                 mine = self.wipe | (self.line[:2] == residue)
-                address = Cat(stretch, Mux(self.take, self.line[2:], self.group[residue]))
+                address = Mux(
+                    self.take,
+                    Cat(self.stretch, self.line[2:]),
+                    Cat(Mux(lone, other[1 + low_bits :], stretch), self.group[residue]),
+                )
                 m.d.comb += [
                     read.addr.eq(address),
                     write.addr.eq(address),
                     write.en.eq(Mux(self.take, mine, touched)),
-                    write.data.eq(Mux(self.take, 0, read.data | bit)),
+                    write.data.eq(Mux(self.take, 0, read.data | Mux(lone, other_bit, bit))),
                     Cat(kept[residue][parity::2]).eq(read.data),
                 ]
         m.d.comb += self.taken.eq(

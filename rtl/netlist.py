@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 from .format import PAPER, EngineConfig
 from .pins import generate_pins
-from .synth import COMMAND, RUN_YOSYS
+from .synth import COMMAND
+from .tools import run_yosys
 
-__all__ = ["pin_netlist", "run_tool"]
+__all__ = ["pin_netlist"]
 
 WRITE_EDIF = "write_edif -pvector bra"
 
@@ -39,7 +38,7 @@ def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[
 
     Raises
     ------
-    RuntimeError
+    ToolError
         If Yosys fails.
     """
     text, _ = generate_pins(config, name)
@@ -50,21 +49,6 @@ def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[
             f"read_verilog top.v; {COMMAND} -flatten -top {name}; "
             f"{WRITE_EDIF} top.edif; write_json top.json"
         )
-        run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
+        run_yosys(script, folder)
         module = json.loads((folder / "top.json").read_text())["modules"][name]
         return (folder / "top.edif").read_text(), module
-
-
-def run_tool(tool: str, program: str, arguments: list[str], folder: Path) -> str:
-    """Run a Python program in a folder and return its log, or raise ``RuntimeError`` with it."""
-    done = subprocess.run(
-        [sys.executable, "-c", program, *arguments],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    if done.returncode:
-        raise RuntimeError(f"{tool} failed:\n{done.stdout[-2000:]}")
-    return done.stdout

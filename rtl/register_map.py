@@ -9,7 +9,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from .format import BANKS, SHAPES, EngineConfig, Field, Register
+from .fields import Field, Register
+from .format import BANKS, SHAPES, EngineConfig
 from .registers import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
 __all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from .format import EngineConfig, Field
+from .fields import Field
+from .format import EngineConfig
 
 __all__ = [
     "REGISTER_BYTES",

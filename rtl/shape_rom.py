@@ -6,7 +6,8 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value
 from amaranth.lib import data, memory, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .format import BLOCK, COMPACT, ROWS, EngineConfig, Field
+from .fields import Field
+from .format import BLOCK, COMPACT, ROWS, EngineConfig
 from .layouts import CodeWordLayout
 from .shape_contents import SMALLEST, TINY, shape_contents
 

@@ -17,7 +17,7 @@ class Share:
     bank
         Its number.
     pixels
-        Of a word.
+        Pixels of a word, 4 or 8.
     elements
         The stream of footprints.
     half_words
@@ -28,7 +28,7 @@ class Share:
     want
         The bank has a word in this deal.
     several
-        It has words left after that.
+        It has words left after that; never with words of eight pixels, of which it has one.
     address
         The word's address in the bank.
     mask
@@ -163,7 +163,7 @@ class ShareOfPair(Share):
     """The left or the right one of a line's two words of eight pixels."""
 
     def find(self, m, _):
-        """Add the circuit to ``m``; every element has one deal."""
+        """Add the circuit to ``m``; the other argument is not used: every element has one deal."""
         footprint = self.elements.payload
         member, line = divmod(self.bank, 8)
         residue = line % 4

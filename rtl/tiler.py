@@ -41,7 +41,8 @@ class Tiler(wiring.Component):
     moves : Out(1)
         What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
     oldest : In(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn: which is the next one as soon as an
+        First line of the window as far as it was loaded, of the frame that is drawn: which is the
+        next one as soon as an
         ``end`` token was taken from ``o``.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.

@@ -1,13 +1,14 @@
 """Engines beside the presets: one for each choice of a window, and some of them together.
 
-They are what the tests simulate and what ``splatline bench configurations`` compares.
+They are what the tests simulate and, but for ``ALL_OF_EIGHT``, what ``splatline bench
+configurations`` compares.
 """
 
 from __future__ import annotations
 
-from .format import PAPER, SWIFT, EngineConfig
+from .format import PAPER, PRESETS, SWIFT, EngineConfig
 
-__all__ = ["SHAPED", "SWIFT_OF_FOUR", "VARIANTS"]
+__all__ = ["ALL_OF_EIGHT", "SHAPED", "SWIFT_OF_FOUR", "VARIANTS"]
 
 
 def _large(name: str, **changes: object) -> EngineConfig:
@@ -33,7 +34,7 @@ _DEEP: dict[str, object] = {
 """16 bits of depth, given up by intensities and materials."""
 
 SWIFT_OF_FOUR = SWIFT.replace(name="swift-word4", pixels_per_word=4)
-"""Half the block RAMs of ``swift``, and two thirds of its LUTs."""
+"""Half the block RAMs of ``swift``."""
 
 VARIANTS = (
     PAPER.replace(name="lines8", window_lines=8),
@@ -57,3 +58,13 @@ lanes; and sixteen banks of words of four pixels."""
 SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
 """Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,
 ``paper-rom-full`` those up to 16."""
+
+ALL_OF_EIGHT = (
+    PRESETS["rgb24"].replace(
+        name="planes-word8", banks=16, pixels_per_word=8, dither=True, mark_words=2
+    ),
+    SWIFT.replace(name="dither-word8", dither=True, mark_words=4, shapes="small"),
+    SWIFT.replace(name="single-word8", raster_words=1),
+    SWIFT.replace(name="narrow-word8", x_bits=5, depth_bits=13),
+)
+"""Sixteen banks of words of eight with all that may be combined with them."""

@@ -33,10 +33,11 @@ class Walker(wiring.Component):
         Lines above this one are complete. Never falls during a frame.
     close : In(1)
         The frame at hand is complete; not while ``closing``.
-    loaded : In(1)
-        Line ``oldest`` has received all of the initial raster that is meant for it.
+    limit : In(signed(line_bits + 2))
+        Lines above this one have received all of the initial raster that is meant for them.
     jump : In(1)
-        No initial raster will come for any line: lines may leave many at a time.
+        No initial raster will come for any line, and ``limit`` means nothing: lines may leave many
+        at a time.
     enable : In(1)
         Low: no marks are taken in the next cycle.
     touch : In(4 x 2)
@@ -48,6 +49,13 @@ class Walker(wiring.Component):
         The two words.
     reaching : In(1)
         Something may be written in this cycle into ``words``; at least if ``touch``.
+    load : In(4)
+        By residue of the line, ``load_word`` is written in this cycle, and neither of ``words``;
+        none while ``taking``.
+    load_word : In(word_bits)
+        A word of the initial raster.
+    lone : In(4)
+        By residue of the line, it may be that word that is written, and not ``words``.
     wipe : In(1)
         Clear the marks of all lines' stretches at ``wipe_row``.
     wipe_row : In
@@ -73,13 +81,16 @@ class Walker(wiring.Component):
         super().__init__(
             {
                 "top": In(signed(config.line_bits + 2)),
-                "loaded": In(1),
+                "limit": In(signed(config.line_bits + 2)),
                 "jump": In(1),
                 "enable": In(1),
                 "touch": In(data.ArrayLayout(2, RESIDUES)),
                 "group": In(data.ArrayLayout(config.group_bits, RESIDUES)),
                 "words": In(data.ArrayLayout(config.word_bits, 2)),
                 "reaching": In(1),
+                "load": In(RESIDUES),
+                "load_word": In(config.word_bits),
+                "lone": In(RESIDUES),
                 "wipe": In(1),
                 "wipe_row": In((stretches(config) - 1).bit_length() + config.group_bits),
                 "restart": In(1),
@@ -108,7 +119,11 @@ class Walker(wiring.Component):
         m.submodules.changeover = changeover = Changeover(config)
         m.d.comb += [
             leaving.eq(
-                (changeover.closing | ((self.oldest < self.top) & self.loaded)) & ~changeover.halted
+                (
+                    changeover.closing
+                    | ((self.oldest < self.top) & (self.jump | (self.oldest < self.limit)))
+                )
+                & ~changeover.halted
             ),
             here.eq(written.bit_select(place, 1)),
             clean.eq(~written.any()),
@@ -161,6 +176,9 @@ class Walker(wiring.Component):
             marks.touch.eq(self.touch),
             marks.group.eq(self.group),
             marks.words.eq(self.words),
+            marks.load.eq(self.load),
+            marks.load_word.eq(self.load_word),
+            marks.lone.eq(self.lone),
             left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any()),
         ]
         # Known a cycle ahead, because whatever is drawn waits for it.
@@ -182,7 +200,7 @@ class Walker(wiring.Component):
             m.d.sync += ahead.eq(-1)
 
         for slot in range(config.window_lines):
-            touched = self.touch[slot % 4].any() & (self.group[slot % 4] == slot // 4)
+            touched = self._written(slot % 4) & (self.group[slot % 4] == slot // 4)
             gone = left & (place == slot)
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
         with m.If(leaving & self.jump & clean & ~changeover.closing):
@@ -196,7 +214,11 @@ class Walker(wiring.Component):
     def _wraps(self, residue):
         """Return whether a line is written whose place is before that of ``oldest``."""
         place = Cat(Const(residue, 2), self.group[residue])
-        return self.touch[residue].any() & (place < self.oldest[: self.config.slot_bits])
+        return self._written(residue) & (place < self.oldest[: self.config.slot_bits])
+
+    def _written(self, residue):
+        """Return whether something is written into a line of this residue."""
+        return self.touch[residue].any() | self.load[residue]
 
     def _reached(self, m, clean):
         """Return which stretches may have marks, for all lines of the window together.
@@ -210,8 +232,11 @@ class Walker(wiring.Component):
         turn, turned = Signal(), Signal()
         m.d.comb += turned.eq(self.oldest[config.slot_bits] != turn)
         own = [1 << word[1 + mark_bits(config) :] for word in self.words]
-        with m.If(self.reaching):
-            m.d.comb += reach.eq(own[0] | own[1])
+        loaded = 1 << self.load_word[1 + mark_bits(config) :]
+        m.d.comb += reach.eq(
+            ((own[0] | own[1]) & self.reaching.replicate(len(reach)))
+            | (loaded & self.load.any().replicate(len(reach)))
+        )
         m.d.sync += [
             turn.eq(self.oldest[config.slot_bits]),
             now.eq(Mux(clean | turned, 0, now) | reach),

@@ -1,7 +1,7 @@
 """The sliding window of banks: what elements pass through on their way to the raster."""
 
 from amaranth.hdl import Module, Mux, Signal, signed
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .bank import Bank
@@ -10,9 +10,9 @@ from .bank_walker import BankWalker
 from .emitter import Emitter
 from .format import ROWS, EngineConfig
 from .halver import Halver
-from .layouts import FootprintLayout, RasterLayout
+from .layouts import FootprintLayout, PlaneLayout, RasterLayout, WordLayout
 from .loader import Loader
-from .paint import Paint
+from .paint import Paint, cut
 from .planar_bank import PlanarBank
 from .scatter import Scatter
 
@@ -34,11 +34,11 @@ class Window(wiring.Component):
 
     **Latency**: 7 cycles from a retired line to its first beat, 9 with further planes.
     **Throughput**: 1 to 3 cycles an element, with sixteen banks 1 or 2, or always 1 (see
-    :class:`Scatter`), one more where it follows into the word that its predecessor wrote last; a
-    word a cycle of the initial raster, and a beat of ``raster`` while its banks are free. With
-    further planes each word with a pixel that passes the depth test takes its bank for a second
-    cycle, so that an element takes 6 at most and one more;
-    two words in four cycles of the initial raster, and of ``raster`` unless they are background.
+    :class:`Scatter`), two more, or one with further planes, where it follows into the word that its
+    predecessor wrote last; a beat of ``raster``, or a word in two cycles of the initial raster,
+    while its banks are free. With further planes each word with a pixel that passes the depth test
+    takes its bank for a second cycle, so that an element takes 6 at most and one more; so does a
+    word of the initial raster, and of ``raster`` unless it is background.
 
     Members
     -------
@@ -51,7 +51,7 @@ class Window(wiring.Component):
     shade : In
         Colour of the element that last moved on.
     oldest : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn.
+        First line of the window as far as it was loaded, of the frame that is drawn.
     running : Out(1)
         Low: the window stands still. An element may be offered after a cycle in which it does not
         and has all lines of the element.
@@ -115,7 +115,7 @@ class Window(wiring.Component):
         last_word = self.last_column[config.pixel_bits :]
         m.d.comb += [
             walker.last_word.eq(last_word),
-            walker.loaded.eq(loader.loaded),
+            walker.limit.eq(loader.limit),
             walker.jump.eq(loader.finished),
             walker.restart.eq(self.finished),
             loader.enable.eq(self.load),
@@ -124,10 +124,8 @@ class Window(wiring.Component):
             loader.last_word.eq(last_word),
             loader.oldest.eq(walker.front),
             loader.restart.eq(close),
-            # Of a frame that was closed, lines without words are passed over many at a time.
-            loader.moves.eq(self.finished | walker.closing),
             walker.close.eq(close),
-            self.oldest.eq(walker.front),
+            self.oldest.eq(loader.front),
             self.running.eq(running),
             self.closing.eq(walker.closing),
         ]
@@ -166,8 +164,6 @@ class Window(wiring.Component):
         m.d.comb += [
             arbiter.running.eq(running),
             arbiter.stale.eq(scatter.stale),
-            arbiter.may_load.eq(paint.may_load),
-            arbiter.loaded.eq(loader.loaded),
             arbiter.may_flush.eq(emitter.ready),
             arbiter.ahead.eq(top - walker.front),
             scatter.taken.eq(arbiter.taken),
@@ -176,27 +172,33 @@ class Window(wiring.Component):
             walker.reach.eq(deal.reach),
         ]
 
+        if config.banks == 8:
+            # Splats of three lines leave the banks of the line ten below ``top`` free, of all lines
+            # that are a multiple of four apart: what is nearer goes first, so that it comes to
+            # that. With sixteen no line of the window below them is in their way for long.
+            distance = Signal(3)
+            m.d.comb += distance.eq(loader.o.payload.line[:3] - top[:3])
+            m.d.comb += arbiter.behind.eq((distance < 2) | (distance > 5))
+
         # Merge: what the banks draw, and the way out of what they give up.
         connect(m, emitter.raster, flipped(self.raster))
-        half = loader.o.payload.word[: config.raster_words - 1]  # of a beat of two words
         m.d.comb += [
             paint.enable.eq(running),
             paint.z.eq(deal.z),
             paint.shade.eq(self.shade),
-            paint.load.eq(loader.o.valid << half),
-            paint.loaded.eq(loader.o.payload.pixels),
-            paint.drawing.eq(arbiter.drawing),
             emitter.flush.eq(walker.flush.valid & walker.flush.ready),
             emitter.request.eq(walker.flush.payload),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(walker.over),
             self.finished.eq(emitter.finished),
         ]
+        loaded = self._loaded(m, loader.o.payload, arbiter.further)
         for index, bank in enumerate(banks):
             m.d.comb += [
                 bank.enable.eq(running),
                 bank.request.eq(arbiter.requests[index]),
                 bank.new.eq(paint.new[index % len(paint.new)]),
+                bank.loaded.eq(loaded),
                 emitter.words[index].eq(bank.old),
                 walker.drawn[index].eq(bank.drawn),
                 walker.addresses[index].eq(bank.drawn_address),
@@ -206,3 +208,22 @@ class Window(wiring.Component):
             if config.colour_planes > 1:
                 m.d.comb += arbiter.busy[index].eq(bank.busy)
         return m
+
+    def _loaded(self, m, load, further):
+        """Return the word of the initial raster as the banks take it, or its further planes."""
+        config = self.config
+        count = config.pixels_per_word
+        word = Signal(WordLayout(config), name="loaded_word")
+        right = load.word[0] if config.raster_words == 2 else 0
+        for name in ("depth", "colour"):
+            pixels = load.pixels[name]
+            for pixel in range(count):
+                m.d.comb += word[name][pixel].eq(
+                    Mux(right, pixels[pixel + count * (config.raster_words - 1)], pixels[pixel])
+                )
+        if config.colour_planes == 1:
+            return word
+        parts = Signal(data.ArrayLayout(PlaneLayout(config), 2), name="loaded_parts")
+        for pixel in range(count):
+            m.d.comb += cut(config, parts, pixel, word.depth[pixel], word.colour[pixel])
+        return Mux(further, parts[1], parts[0])

@@ -170,7 +170,8 @@ def step_walk(
     chosen = 0
     while wanted and not wanted >> chosen & 1:
         chosen += 1
-    walk[CHOSEN], walk[LAST] = chosen, wanted >> chosen <= 1
+    # Of 64 stretches the last one is the sign, which a shift would spread.
+    walk[CHOSEN], walk[LAST] = chosen, wanted & (wanted - 1) == 0
 
 
 @nb.njit(cache=True)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, EngineConfig, Field
+from ..rtl.fields import Field
+from ..rtl.format import PAPER, EngineConfig
 from .raster import Raster
 
 __all__ = ["from_beats", "put_field", "to_beats"]

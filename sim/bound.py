@@ -30,7 +30,9 @@ LAYOUTS = {
     "interleaved": "bank = (line + 4 (word mod 2)) mod 8, as an engine of eight banks has it",
     "sixteen": "bank = line mod 8 + 8 (word mod 2), as an engine of sixteen has it",
 }
-"""The layouts compared: three with the same sixteen block RAMs, one with twice as many."""
+"""The layouts compared. Words of four pixels have the same sixteen block RAMs in the first three,
+and twice as many in the last, which is that of words of eight as well: those have twice as many
+again."""
 
 
 def bound_cycles(frame: Frame) -> int:
@@ -138,6 +140,7 @@ def _costs(touched: npt.NDArray[np.bool_]) -> dict[str, _Ints]:
     outer_upper = upper[..., 0] + upper[..., 2] + lower[..., 1]
     outer_lower = lower[..., 0] + lower[..., 2] + upper[..., 1]
     banks = np.maximum(outer_upper, outer_lower).max(axis=1)
+    # Of sixteen: the outer two or the middle one; of words of eight, one of two.
     lines = np.maximum(words[..., 0] + words[..., 2], words[..., 1]).max(axis=1)
     cycles = dict(zip(LAYOUTS, (columns, rows, banks, lines), strict=True))
     return {name: np.maximum(taken, 1) for name, taken in cycles.items()}
@@ -156,7 +159,10 @@ def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
 
 
 def _words_inside(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> npt.NDArray[np.bool_]:
-    """Return which of those words lie in the image: the others are never dealt."""
+    """Return which of the three words of ``_touched_words`` lie in the image.
+
+    The others are never dealt.
+    """
     lines = (line - BLOCK // 2)[:, np.newaxis] + np.arange(BLOCK)
     pixels = frame.config.pixels_per_word
     words = (fields["x"].astype(np.int64) // pixels)[:, np.newaxis] + np.arange(3)
@@ -165,7 +171,15 @@ def _words_inside(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> npt.ND
 
 
 def _touched_words(fields: npt.NDArray[Any], pixels: int) -> npt.NDArray[np.bool_]:
-    """Return which of three neighbouring words each row touches: shape (elements, 8, 3)."""
+    """Return which of three neighbouring words each row touches: shape (elements, 8, 3).
+
+    Parameters
+    ----------
+    fields
+        The elements, as ``decode`` returns them.
+    pixels
+        Of a word. With words of eight the third is never touched.
+    """
     first, last = block_rows(fields)
     offset = (fields["x"].astype(np.int64) % pixels)[:, np.newaxis]
     begin, end = (first + offset) // pixels, (last + offset) // pixels

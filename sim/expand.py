@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from ..host.frame import Frame
 from ..host.shapes import EMPTY_SCANS, shape_table
-from ..rtl.format import BLOCK, COMPACT, ROWS, EngineConfig, Field
+from ..rtl.fields import Field
+from ..rtl.format import BLOCK, COMPACT, ROWS, EngineConfig
 
 __all__ = ["Expansion", "expand", "expand_frame", "slots"]
 

@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from ..host.errors import InputError
 from ..host.frame import Frame, check_tables
-from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig, Field
+from ..rtl.fields import Field
+from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig
 from .expand import expand_frame
 from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
 from .raster import Raster

@@ -80,7 +80,7 @@ class Machine(NamedTuple):
     pixels
         Pixels in a word of the window's memory.
     block_words
-        Words of a line that a block touches at most.
+        Words of a line that an element touches at most.
     raster_words
         Of them in a beat of the raster.
     half_banks

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ...host.frame import Frame, Tables
-from ...rtl.format import EngineConfig, Register
+from ...rtl.fields import Register
+from ...rtl.format import EngineConfig
 from .. import golden
 from ..beats import put_field
 from ..raster import Raster

@@ -7,6 +7,7 @@ from PIL import Image
 
 from splatline.rtl import budgets
 from splatline.rtl.format import PAPER
+from splatline.rtl.tools import ToolError
 
 REPORT = {
     "preset": "paper",
@@ -170,7 +171,7 @@ def test_synth_without_yosys_says_what_to_install(run, folder, synthesis, monkey
 
 def test_a_yosys_that_fails_shows_its_log_without_a_traceback(run, folder, synthesis, monkeypatch):
     def fail(config, *, top):
-        raise RuntimeError("Yosys failed:\nits log")
+        raise ToolError("Yosys failed:\nits log")
 
     monkeypatch.setattr(sys.modules["splatline.rtl.synth"], "synthesise", fail)
     result = run("synth", "--json", "report.json")

@@ -1,5 +1,7 @@
+import os
 import subprocess
 import sys
+import time
 from importlib import metadata
 
 import pytest
@@ -8,6 +10,7 @@ from splatline.cli import render as render_module
 from splatline.cli.errors import ToolFailure
 from splatline.cli.main import main
 from splatline.host.errors import InputError
+from splatline.rtl.tools import ToolError
 
 HEAVY = ("numpy", "numba", "scipy", "PIL", "matplotlib", "skimage", "amaranth", "cocotb", "rich")
 
@@ -85,6 +88,7 @@ def test_a_wrong_command_line_gets_one_line_and_code_2(run, folder, arguments, m
         ),
         (OSError(28, "No space left on device"), 2, "splatline: No space left on device\n"),
         (ToolFailure("it stopped\nthe log"), 1, "splatline: it stopped\nthe log\n"),
+        (ToolError("Yosys failed:\nthe log"), 1, "splatline: Yosys failed:\nthe log\n"),
         (KeyboardInterrupt(), 130, "\n"),
     ],
 )
@@ -104,3 +108,40 @@ def test_a_bug_is_not_dressed_up_as_bad_input(run, monkeypatch):
 
     monkeypatch.setattr(render_module, "prepare", fail)
     assert isinstance(run("render").exception, ZeroDivisionError)
+
+
+SLOW_SYNTHESIS = """
+import sys, tempfile
+from pathlib import Path
+from splatline.cli.main import main
+from splatline.rtl import synth, tools
+
+TOOL = "import os, sys, time; os.symlink(str(os.getpid()), sys.argv[1]); time.sleep(300)"
+
+told = sys.argv[1]
+
+def synthesise(config, *, top):
+    with tempfile.TemporaryDirectory() as scratch:
+        tools._run("Yosys", TOOL, [told], Path(scratch))
+
+synth.synthesise = synthesise
+sys.argv = ["splatline", "synth"]
+main()
+"""
+
+
+def test_a_run_that_is_terminated_takes_its_tools_and_files_along(tmp_path):
+    """The tool here says what its process is, in a link's name, and would take five minutes."""
+    scratch, told = tmp_path / "scratch", tmp_path / "process"
+    scratch.mkdir()
+    environment = {**os.environ, "TMPDIR": str(scratch)}
+    command = [sys.executable, "-c", SLOW_SYNTHESIS, str(told)]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, env=environment) as process:
+        while process.poll() is None and not told.is_symlink():
+            time.sleep(0.02)
+        assert list(scratch.iterdir())
+        process.terminate()
+        assert process.wait(60) == 143
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(told.readlink().name), 0)
+    assert not list(scratch.iterdir())

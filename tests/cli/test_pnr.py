@@ -5,6 +5,7 @@ import types
 import pytest
 
 from splatline.rtl.format import PAPER
+from splatline.rtl.tools import ToolError
 
 REPORT = {
     "preset": "paper",
@@ -95,7 +96,7 @@ def test_what_cannot_be_done_is_refused_at_once(run, folder, routing, arguments)
 
 def test_a_tool_that_fails_shows_its_log(run, folder, routing, monkeypatch):
     def fail(config, **options):
-        raise RuntimeError("nextpnr failed:\nits log")
+        raise ToolError("nextpnr failed:\nits log")
 
     monkeypatch.setattr(routing[0], "place_and_route", fail)
     result = run("pnr", "--json", "a.json")

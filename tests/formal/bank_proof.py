@@ -1,6 +1,6 @@
 """A bank keeps the nearest pixels, whatever follows whatever."""
 
-from amaranth.hdl import Const, Mux, Signal
+from amaranth.hdl import Cat, Const, Mux, Signal
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
@@ -14,10 +14,10 @@ __all__ = ["PROOFS"]
 
 
 class BankProperties(Properties):
-    """Any pixel of any word, followed by the definition from the first time it is cleared.
+    """Any pixel of any word, followed from the first time that it is cleared or loaded.
 
     An access has two stages: its request has been taken (the word is read), and its word stands on
-    ``old`` and is written.
+    ``old`` and is written. A load has none: its word is written as it is requested.
     """
 
     def __init__(self, config):
@@ -50,9 +50,10 @@ class BankProperties(Properties):
             m.d.sync += [taken.eq(dut.request), asked.eq(taken)]
         m.d.sync += [before.eq(dut.new), stood.eq(~dut.enable)]
         request = dut.request
-        self.given(m, "one_of_two", ~(request.draw & request.clear))
+        wishes = Cat(request.draw, request.clear, request.load)
+        self.given(m, "one_of_three", (wishes & (wishes - 1)) == 0)
         for stage, name in zip((taken, asked), STAGES, strict=True):
-            same = (request.draw | request.clear) & (stage.draw | stage.clear)
+            same = wishes.any() & (stage.draw | stage.clear)
             same = same & (request.address == stage.address)
             self.given(m, f"waits_for_{name}", ~(dut.enable & same))
         self.given(m, "new_steady", ~stood | (before == dut.new))
@@ -62,7 +63,7 @@ class BankProperties(Properties):
         pixel, after = Signal(PixelLayout(config)), Signal(PixelLayout(config))
         new, old = pick(dut.new), pick(dut.old)
         background = Const({"depth": config.background_depth}, PixelLayout(config))
-        covered = asked.whole | asked.mask.bit_select(number, 1)
+        covered = asked.mask.bit_select(number, 1)
         m.d.comb += [mine.eq(asked.address == address), after.eq(pixel)]
         with m.If(mine & asked.draw & covered & (new.depth < pixel.depth)):
             m.d.comb += after.eq(new)
@@ -70,13 +71,16 @@ class BankProperties(Properties):
             m.d.comb += after.eq(background)
         with m.If(dut.enable):
             m.d.sync += [pixel.eq(after), known.eq(known | (mine & asked.clear))]
+            with m.If(request.load & (request.address == address)):
+                m.d.sync += [pixel.eq(pick(dut.loaded)), known.eq(1)]
 
         used = known & mine & (asked.draw | asked.clear)
         self.always(m, "read", ~used | (old == pixel))
         self.always(
             m,
             "drawn",
-            (dut.drawn == taken.draw) & (~dut.drawn | (dut.drawn_address == taken.address)),
+            (dut.drawn == (taken.draw | taken.load))
+            & (~dut.drawn | (dut.drawn_address == taken.address)),
         )
         # What makes the induction close: the memory has the pixel, or already what comes of it; so
         # has its port, if the pixel was read last.
@@ -91,10 +95,14 @@ class BankProperties(Properties):
             ]
             return kept
 
-        due = PixelLayout(config)(Mux(used & stood, after, pixel))
-        self.lemma(m, "kept", ~known | (cut(depths, colours) == due))
+        cleared = mine & asked.clear & stood  # as it was in the cycle before
+        due = PixelLayout(config)(Mux((used & stood) | cleared, after, pixel))
+        self.lemma(m, "kept", ~(known | cleared) | (cut(depths, colours) == due))
         self.lemma(m, "stages", (dut.taken == taken) & (dut.merging == asked))
-        read = cut(*(read.data for read, _ in dut.ports.values()))
+        # It is written in the first cycle in which it stands there, and no more.
+        asks = asked.draw | asked.clear
+        self.lemma(m, "fresh", ~(dut.fresh & stood) & (dut.fresh | stood | ~asks))
+        read = cut(*(read.data for read, *_ in dut.ports.values()))
         uses = known & (taken.address == address) & (taken.draw | taken.clear)
         self.lemma(m, "port", ~uses | (read == pixel))
         both = (taken.draw | taken.clear) & (asked.draw | asked.clear)
@@ -105,14 +113,14 @@ STAGES = ("taken", "merging")
 
 SEEN = tuple(
     Fault(f"lemmas look at {name}", Bank, rf"\b{name} = ", f"{name} = self.{name} = ")
-    for name in (*STAGES, "ports")
+    for name in (*STAGES, "fresh", "ports")
 )
 
 
 PROOFS = [
     Proof(
         name="bank: pixel",
-        shows="a pixel is what was drawn nearest since it was cleared, with any stalls",
+        shows="a pixel is what was drawn nearest since it was loaded or cleared, with any stalls",
         build=lambda: BankProperties(PRESETS["wide"]),
         depth=3,
         endless=True,
@@ -131,7 +139,14 @@ PROOFS = [
             ),
             Fault("the colour stays", Bank, r"& ~merging\.clear\.replicate\(.*\)", ""),
             Fault("all pixels", Bank, r"merging\.mask\[pixel\]", "1"),
-            Fault("never all pixels", Bank, r" \| merging\.whole", ""),
+            Fault(
+                "loaded while it stands still", Bank, r"self\.enable & (self\.request\.load)", r"\1"
+            ),
+            Fault("loaded too late", Bank, r"load\.addr\.eq\(self\.request", "load.addr.eq(taken"),
+            Fault("a load unmarked", Bank, r" \| taken\.load", ""),
+            Fault(
+                "written over what is loaded", Bank, r"(merging\.draw) \|", r"\1 | merging.load |"
+            ),
         ),
     )
 ]

@@ -53,7 +53,9 @@ class DecoderProperties(Properties):
             waited.eq(dut.o.valid & ~dut.o.ready),
         ]
         near = ran & (element.top - oldest < config.window_lines - BLOCK)
-        self.given(m, "oldest", ended | (dut.oldest >= oldest))
+        # And back as well before the frame, where no line of it is in the window.
+        before_all = oldest <= 1 - config.window_lines
+        self.given(m, "oldest", ended | (dut.oldest >= oldest) | before_all)
         self.always(m, "offered", ~dut.o.valid | (here & (element.end | waited | (near & ~ended))))
         self.always(m, "not_late", ~here | dut.o.valid | ended | ~(near | element.end))
         self.always(m, "taken", dut.i.ready == (~here | leaves))

@@ -1,6 +1,6 @@
 """A lane keeps the nearest pixel, whatever follows whatever."""
 
-from amaranth.hdl import Mux, Signal
+from amaranth.hdl import Cat, Mux, Signal
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
@@ -11,7 +11,7 @@ __all__ = ["PROOFS"]
 
 
 class LaneProperties(Properties):
-    """Any one pixel, followed by the definition from the first time that it is cleared."""
+    """Any one pixel, followed from the first time that it is cleared or loaded."""
 
     def __init__(self, config):
         self.config = config
@@ -32,10 +32,11 @@ class LaneProperties(Properties):
         with m.If(dut.enable):
             m.d.sync += asked.eq(dut.request)
         m.d.sync += [new.eq(dut.new), stood.eq(~dut.enable)]
-        wanted = dut.request.draw | dut.request.clear
-        writing = (asked.draw | asked.clear) & (asked.address == dut.request.address)
-        self.given(m, "one_of_two", ~(dut.request.draw & dut.request.clear))
-        self.given(m, "waits", ~(wanted & writing))
+        request = dut.request
+        wanted = Cat(request.draw, request.clear, request.load)
+        writing = (asked.draw | asked.clear) & (asked.address == request.address)
+        self.given(m, "one_of_three", (wanted & (wanted - 1)) == 0)
+        self.given(m, "waits", ~(wanted.any() & writing))
         self.given(m, "new_steady", ~stood | (new == dut.new))
 
         # The definition.
@@ -51,6 +52,8 @@ class LaneProperties(Properties):
             m.d.comb += after.depth.eq(background)
         with m.If(dut.enable):
             m.d.sync += [pixel.eq(after), known.eq(known | (mine & asked.clear))]
+            with m.If(request.load & (request.address == address)):
+                m.d.sync += [pixel.eq(dut.loaded), known.eq(1)]
 
         def same(one, other):
             """A pixel of the background may have any colour."""
@@ -70,7 +73,7 @@ class LaneProperties(Properties):
 PROOFS = [
     Proof(
         name="lane: pixel",
-        shows="a pixel is what was drawn nearest since it was cleared, with any stalls",
+        shows="a pixel is what was drawn nearest since it was loaded or cleared, with any stalls",
         build=lambda: LaneProperties(PAPER),
         depth=8,
         endless=True,
@@ -79,6 +82,13 @@ PROOFS = [
             Fault("ties drawn", Lane, r"\+ ~Cat\(", "+ 1 + ~Cat("),
             Fault("does not stand still", Lane, r"m\.If\(self\.enable\)", "m.If(1)"),
             Fault("read while it stands still", Lane, r"en\.eq\(self\.enable\)", "en.eq(1)"),
+            Fault(
+                "loaded while it stands still", Lane, r"self\.enable & (self\.request\.load)", r"\1"
+            ),
+            Fault("loaded too late", Lane, r"load\.addr\.eq\(self\.request", "load.addr.eq(taken"),
+            Fault(
+                "drawn over while loaded", Lane, r"taken\.clear\) \+", "taken.clear | taken.load) +"
+            ),
             Fault("not cleared", Lane, r" \| taken\.clear\.replicate\(config\.depth_bits\)", ""),
         ),
     )

@@ -6,10 +6,11 @@ from properties import OneWord, Properties, any_constant, parts
 from prove import Fault, Proof
 
 from splatline.rtl.changeover import Changeover
-from splatline.rtl.format import EngineConfig
+from splatline.rtl.format import BLOCK, EngineConfig
 from splatline.rtl.lane import Lane
 from splatline.rtl.lane_window import LaneWindow
 from splatline.rtl.loader import Loader
+from splatline.rtl.marks import Marks
 from splatline.rtl.walker import Walker
 
 __all__ = ["PROOFS", "LaneWindowProperties", "Narrow"]
@@ -76,7 +77,9 @@ class LaneWindowProperties(Properties):
             shade=dut.i.payload.z,
         )
         (walker,) = parts(fragment, Walker)
-        self._own(m, walker.oldest, dut.oldest)
+        self._own(m, walker.oldest, walker.front)
+        # The walker takes for granted that nothing is loaded while it takes marks.
+        self.always(m, "markable", ~(walker.taking & walker.load.any()))
         drawn = self._tiles(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
@@ -105,6 +108,14 @@ class LaneWindowProperties(Properties):
         ]
         m.d.sync += self.frame.eq(self.frame ^ self.close)
         self.always(m, "front", (front == oldest) | (dut.closing & (front < 0)))
+        # What elements are let in by: with an initial raster the window as far as it was loaded,
+        # which has at most the window's lines, and goes back only before the frame.
+        before, ended = Signal.like(dut.oldest, name="oldest_once"), Signal(init=1)
+        # None of its lines were loaded if it lies here, or above.
+        none = (config.window_lines > BLOCK) - config.window_lines
+        m.d.sync += [before.eq(dut.oldest), ended.eq(self.close)]
+        self.always(m, "loaded_lines", (dut.oldest <= front) | (dut.oldest <= none))
+        self.always(m, "goes_on", ended | (before <= dut.oldest) | (before <= none))
 
     def _tiles(self, m):
         """Assume of the tiles what they are; return whether one draws the pixel now."""
@@ -131,21 +142,23 @@ class LaneWindowProperties(Properties):
             place = Signal(config.slot_bits, name=f"place_{row}")
             line = Signal(signed(config.line_bits + 3), name=f"line_{row}")
             m.d.comb += [
-                place.eq(Cat(tile.group[row], 0) * 4 + row - dut.oldest),
-                line.eq(dut.oldest + place),
+                place.eq(Cat(Const(row, 2), tile.group[row]) - tile.top),
+                line.eq(tile.top + place),
             ]
             masked = dut.i.valid & tile.mask[row].any()
             own = (line >= tile.top) & (line < tile.top + 8)
             inside = (line >= 0) & (line <= self.last_line)
             self.given(m, f"row_{row}", ~masked | (own & inside & ~tile.end))
-            # And was there a cycle before.
-            self.given(m, f"settled_{row}", ~masked | (line < oldest + config.window_lines))
+            # And was there a cycle before; of a higher window that is loaded, not as the last one.
+            lines = config.window_lines - self.load * (config.window_lines > BLOCK)
+            self.given(m, f"settled_{row}", ~masked | (line < oldest + lines))
         for column in range(config.pixels_per_word):
             masked = dut.i.valid & Cat(tile.mask[row][column] for row in range(4)).any()
             word = Mux(tile.next[column], tile.words[1], tile.words[0])
             self.given(m, f"column_{column}", ~masked | (word <= self.last_word))
         # So the window may not move past a tile that waits.
-        self.always(m, "waits", ~dut.i.valid | tile.end | (tile.top < 0) | (dut.oldest <= tile.top))
+        waits = ~dut.i.valid | tile.end | (tile.top < 0)
+        self.always(m, "waits", waits | ((dut.oldest <= tile.top) & (self.front <= tile.top)))
 
         def mine(row):
             """Return whether the tile draws the pixel, if that is in a row of lanes."""
@@ -171,8 +184,9 @@ class LaneWindowProperties(Properties):
         beat_bits = config.raster_pixels.bit_length() - 1
         self.given(m, "initial_steady", self.steady(m, initial, "initial"))
         for n in range(config.raster_pixels):
-            colour = beat.pixels.colour[n]
-            self.given(m, f"colour_{n}", colour == beat.pixels.depth[n])
+            depth, colour = beat.pixels.depth[n], beat.pixels.colour[n]
+            blank = depth == config.background_depth
+            self.given(m, f"colour_{n}", colour == Mux(blank, 0, depth))
         if self.ordered:
             place, last = Signal(config.line_bits + config.word_bits + 1), Signal(16)
             m.d.comb += place.eq(Cat(beat.word, beat.line) + 1)
@@ -241,6 +255,8 @@ class LaneWindowProperties(Properties):
             m.d.sync += due_before.eq(new)
         if self.ordered:
             self.always(m, "not_drawn_after", ~(gone & (drawn | loaded)))
+            # A load keeps nothing of what was there.
+            self.always(m, "loaded_first", ~(loaded & inside) | (due == background))
         else:
             with m.If(gone & loaded & inside & (new != background)):
                 m.d.comb += again.eq(1)
@@ -376,10 +392,35 @@ PROOFS = [
         "the same for frames that start from an initial raster",
         1,
         14,
-        Fault("a load taken too early", LaneWindow, r"ready\.eq\(loaded", "ready.eq(loading"),
         Fault(
             "loaded beyond the window", Loader, r"waiting & ~drop & in_window", "waiting & ~drop"
         ),
-        Fault("a line left unloaded", Walker, r" & self\.loaded\)", ")"),
+        Fault("a line left unloaded", Walker, r"self\.jump \| (\(self\.oldest < )", r"1 | \1"),
+        Fault("a line left while it is loaded", Walker, r"< self\.limit", "<= self.limit"),
+        Fault(
+            "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
+        ),
+        Fault("front a line too far", Loader, r"oldest, loaded\)", "oldest, loaded + 1)"),
+        Fault("a line drawn into too early", Loader, r"\(config\.window_lines > BLOCK\)", "1"),
+        Fault(
+            "loaded where a word is cleared", LaneWindow, r"& ~stopped(\s+& ~walker\.taking)", r"\1"
+        ),
+        Fault(
+            "loaded while marks are taken", LaneWindow, r"(& ~stopped\s+)& ~walker\.taking", r"\1"
+        ),
+        Fault(
+            "loaded in a tile's row",
+            LaneWindow,
+            r"& ~\(offered & wanted\.bit_select\(loader.*\)\)",
+            "",
+        ),
+        Fault("a load marked in a tile's place", LaneWindow, r"If\(walker\.lone\[i\]\)", "If(0)"),
+        Fault("a tile in a load's", LaneWindow, r"lone\.eq\(.*\)", "lone.eq(-1)"),
+        Fault(
+            "another pair marked",
+            Marks,
+            r"load\[residue\] & \((other\[0\]) ==",
+            r"load[residue] & (\1 !=",
+        ),
     ),
 ]

@@ -1,6 +1,6 @@
 """A bank with colours in planes keeps the nearest pixels, all of their planes with them."""
 
-from amaranth.hdl import Mux, Signal
+from amaranth.hdl import Cat, Mux, Signal
 from amaranth.lib import data
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
@@ -14,12 +14,15 @@ __all__ = ["PROOFS"]
 
 
 class PlanarBankProperties(Properties):
-    """Any pixel of any word, followed by the definition from the first time it is cleared.
+    """Any pixel of any word, followed from the first time that it is cleared or loaded.
 
     An access has three stages: its request has been taken (depth and plane 0 stand on ``old``), the
     further planes are read, they stand on ``old`` and are written. A pixel of the background may
-    have any colour. So may what is given up by a clear before anything was drawn: then clears need
-    not heed what is drawn and read.
+    have any colour. So may what is given up by a clear before anything was drawn or loaded: then
+    clears need not heed what is drawn and read.
+
+    A load has no stages. It comes in two halves, the further planes behind the other one, and
+    between them nobody asks for that word.
     """
 
     def __init__(self, config):
@@ -48,20 +51,33 @@ class PlanarBankProperties(Properties):
         before = Signal(PaintLayout(config))
         stood, begun = Signal(), Signal()
         with m.If(dut.enable):
-            m.d.sync += [asked.eq(dut.request), begun.eq(begun | dut.request.draw)]
+            m.d.sync += [
+                asked.eq(dut.request),
+                begun.eq(begun | dut.request.draw | dut.request.load),
+            ]
         m.d.sync += [before.eq(dut.new), stood.eq(~dut.enable)]
         request, new = dut.request, dut.new
-        self.given(m, "one_of_two", ~(request.draw & request.clear))
+        wishes = Cat(request.draw, request.clear, request.load)
+        self.given(m, "one_of_three", (wishes & (wishes - 1)) == 0)
         same = (asked.draw | asked.clear) & (request.address == asked.address)
         waits = (dut.busy | same) & dut.enable
-        self.given(m, "waits", ~waits | ~(request.draw | (request.clear & begun)))
+        urgent = request.draw | request.load | (request.clear & begun)
+        self.given(m, "waits", ~waits | ~urgent)
         self.given(m, "new_steady", ~stood | (before == new))
-        early, loaded, late = (
-            self._pixel(m, new[name], name) for name in ("early", "loaded", "late")
-        )
+        early, late = (self._pixel(m, new[name], name) for name in ("early", "late"))
+        loaded = self._pixel(m, dut.loaded, "loaded")
         depth = Signal(config.depth_bits)
-        m.d.comb += depth.eq(new.depth[self.number])
-        self.given(m, "one_depth", ~asked.draw | (depth == (early.depth | loaded.depth)))
+        m.d.comb += depth.eq(early.depth)
+        wanted = Signal()  # this word is
+        fills, completes = Signal(), Signal()  # loads its depths and plane 0, and the others
+        half = Signal()  # the others are still to come
+        m.d.comb += [
+            wanted.eq(wishes.any() & (request.address == address) & dut.enable),
+            fills.eq(wanted & request.load & ~request.further),
+            completes.eq(wanted & request.load & request.further),
+        ]
+        m.d.sync += half.eq((half | fills) & ~completes)
+        self.given(m, "in_halves", ~wanted | (completes == half))
 
         # The definition: depth and plane 0, then the planes that follow two steps later.
         background = config.background_depth
@@ -69,12 +85,12 @@ class PlanarBankProperties(Properties):
         pixel, after = Signal(self.near), Signal(self.near)
         m.d.comb += [
             mine.eq(asked.address == address),
-            covered.eq(asked.whole | asked.mask.bit_select(self.number, 1)),
+            covered.eq(asked.mask.bit_select(self.number, 1)),
             passes.eq(mine & asked.draw & covered & (depth < pixel.depth)),
             after.eq(pixel),
         ]
         with m.If(passes):
-            m.d.comb += [after.depth.eq(depth), after.colour.eq(early.colour | loaded.colour)]
+            m.d.comb += [after.depth.eq(depth), after.colour.eq(early.colour)]
         with m.If(mine & asked.clear):
             m.d.comb += after.depth.eq(background)
         planes, planes_after = Signal(self.far), Signal(self.far)
@@ -82,10 +98,7 @@ class PlanarBankProperties(Properties):
         passed, gone, cleared = Signal(2), Signal(2), Signal(2)  # in the two stages that follow
         m.d.comb += [planes_after.eq(planes), lit_after.eq((lit | passed[1]) & ~cleared[1])]
         with m.If(passed[1]):
-            m.d.comb += [
-                planes_after.depth.eq(late.depth | loaded.depth),
-                planes_after.colour.eq(late.colour | loaded.colour),
-            ]
+            m.d.comb += [planes_after.depth.eq(late.depth), planes_after.colour.eq(late.colour)]
         clears = known & mine & asked.clear
         with m.If(dut.enable):
             m.d.sync += [
@@ -96,6 +109,13 @@ class PlanarBankProperties(Properties):
                 passed.eq((known & passes) | (passed << 1)),
                 cleared.eq((mine & asked.clear) | (cleared << 1)),
                 gone.eq((clears & (pixel.depth != background)) | (gone << 1)),
+            ]
+        with m.If(fills):
+            m.d.sync += [pixel.eq(self._near(m, loaded, "loaded")), known.eq(1), lit.eq(0)]
+        with m.If(completes):
+            m.d.sync += [
+                planes.eq(self._far(m, loaded, "loaded")),
+                lit.eq(known & (pixel.depth != background)),
             ]
 
         def same(one, other):
@@ -112,7 +132,8 @@ class PlanarBankProperties(Properties):
         self.always(m, "read", ~(used & heeded) | same(old_near, pixel))
         self.always(m, "planes", ~gone[1] | (old_far == planes))
         wrote = dut.drawn_address == asked.address
-        self.always(m, "drawn", (dut.drawn == asked.draw) & (~dut.drawn | wrote))
+        draws = asked.draw | asked.load
+        self.always(m, "drawn", (dut.drawn == draws) & (~dut.drawn | wrote))
 
         # What makes the induction close: the memories have it, or already what comes of it.
         depths, colours = self.memories.words
@@ -126,7 +147,11 @@ class PlanarBankProperties(Properties):
         self.lemma(
             m,
             "lit",
-            ~known | (((lit & ~cleared.any()) | passed.any()) == (pixel.depth != background)),
+            ~known
+            | (
+                ((lit & ~cleared.any()) | passed.any() | (half & (pixel.depth != background)))
+                == (pixel.depth != background)
+            ),
         )
         # Accesses to this pixel: which stage has which, and that none meets another.
         self.lemma(m, "gone", ((gone & ~cleared) == 0) & (~gone.any() | (lit & known)))
@@ -141,6 +166,9 @@ class PlanarBankProperties(Properties):
             self.lemma(m, f"{name}_passed", ~known | (passed[stage] == writes))
             self.lemma(m, f"{name}_gone", ~gone[stage] | (here & late_access.read))
             self.lemma(m, f"{name}_both", ~late_access.write | late_access.read)
+            self.lemma(m, f"{name}_half", ~(half & here & late_access.write))
+        accessed = (mine & (asked.draw | asked.clear)) | passed.any() | cleared[0]
+        self.lemma(m, "half", ~half | (known & ~lit & ~accessed))
         # Accesses to any word, as far as they are kept apart.
         writes = asked.draw | dut.reading.write | dut.writing.write
         self.lemma(m, "begun", begun | ~(writes | lit))
@@ -195,10 +223,16 @@ FAULTS = (
     Fault("planes of all pixels", PlanarBank, r"writing\.mask, passes", "-1, passes"),
     Fault("planes not written", PlanarBank, r"clear \| late_write", "clear"),
     Fault(
+        "further planes loaded over the others",
+        PlanarBank,
+        r"late_read \| \(further & late\[name\]\)",
+        "late_read",
+    ),
+    Fault(
         "no depth test",
         PlanarBank,
-        r"Cat\(self\.new\.depth\[pixel\], 1\)",
-        "Cat(self.new.depth[pixel] & 0, 1)",
+        r"Cat\((self\.new\.early\.depth\[pixel\].*), 1\)",
+        r"Cat(\1 & 0, 1)",
     ),
     Fault("ties drawn", PlanarBank, r"< Cat\(self\.old", "<= Cat(self.old"),
     Fault("the port not kept for planes", PlanarBank, r"busy\.eq\(reading\.read\)", "busy.eq(0)"),
@@ -210,12 +244,19 @@ FAULTS = (
     ),
     Fault("planes given up unread", PlanarBank, r"given_up \| drawn", "drawn"),
     Fault("does not stand still", PlanarBank, r"m\.If\(self\.enable\)", "m.If(1)"),
+    Fault(
+        "loaded while it stands still",
+        PlanarBank,
+        r"self\.enable & (self\.request\.load & \()",
+        r"\1",
+    ),
+    Fault("a load unmarked", PlanarBank, r" \| taken\.load", ""),
 )
 
 PROOFS = [
     Proof(
         name=f"planar bank: pixel, {config.colour_planes} planes",
-        shows="a pixel is what was drawn nearest since it was cleared, in all planes, "
+        shows="a pixel is what was drawn nearest since it was loaded or cleared, in all planes, "
         "with any stalls",
         build=lambda config=config: PlanarBankProperties(config),
         depth=4,
@@ -224,8 +265,8 @@ PROOFS = [
         slow=config.colour_planes > 2,
         endless=True,
         changes=SEEN,
-        # The first two are of the planes; the others are in the same lines for any number of them.
-        faults=FAULTS if config.colour_planes == 2 else FAULTS[:2],
+        # The first three are of the planes; the others lie in the same lines for any number.
+        faults=FAULTS if config.colour_planes == 2 else FAULTS[:3],
     )
     for config in (PRESETS["rgb18"], PRESETS["rgb24"])
 ]

@@ -81,6 +81,9 @@ class OneWord:
     So does a word that is read in the cycle in which it is written, as a block RAM may do. It has
     at the start what it likes. What holds with such memories holds with those of any size.
 
+    Of two ports that write, never both write the same word in a cycle, which is asserted: a block
+    RAM leaves undefined what it has then.
+
     This is a platform: :class:`amaranth.lib.memory.Memory` asks ``get_memory`` for what it is.
     Memories of LUTs stay what they are.
 
@@ -94,6 +97,9 @@ class OneWord:
         anything unless it is given.
     styles
         Which memories are modelled, by their ``ram_style``; ``None`` is what has none.
+    apart
+        If not, it is not asserted that two ports write different words, for what is proven holds
+        whatever they have.
 
     Attributes
     ----------
@@ -101,14 +107,15 @@ class OneWord:
         The words that are kept, of each memory in the order in which they were built.
     """
 
-    def __init__(self, address, init=None, styles=("block",)):
+    def __init__(self, address, init=None, styles=("block",), apart=True):
         self.address = address
         self.init = init
         self.styles = styles
+        self.apart = apart
         self.words = []
 
     def get_memory(self, memory):
-        """Build the model of a memory with one port to read and one to write, or none."""
+        """Build the model of a memory with one port to read and up to two to write."""
         if memory.attrs.get("ram_style") not in self.styles:
             return memory.elaborate(None)
         (read,) = memory.read_ports
@@ -121,7 +128,7 @@ class OneWord:
             m.d.sync += data.eq(garbage)
         if not memory.write_ports:
             return m  # whatever a memory that is only read may hold
-        (write,) = memory.write_ports
+        two = len(memory.write_ports) == 2
         init = self.init[len(self.words)] if isinstance(self.init, tuple) else self.init
         words = [
             Signal(width, name=f"word_{part}", init=init or 0, reset_less=init is None)
@@ -130,12 +137,19 @@ class OneWord:
         self.words.append(words)
         for part, word in enumerate(words):
             mine = Cat(self.address, Const(part, len(read.addr) - low))
-            written = Signal(name=f"written_{part}")
-            m.d.comb += written.eq(write.en & (write.addr == mine))
-            with m.If(written):
-                m.d.sync += word.eq(Value.cast(write.data))
-            with m.If(read.en & (read.addr == mine) & ~written):
+            written = Signal(len(memory.write_ports), name=f"written_{part}")
+            for number, write in enumerate(memory.write_ports):
+                m.d.comb += written[number].eq(write.en & (write.addr == mine))
+                with m.If(written[number]):
+                    m.d.sync += word.eq(Value.cast(write.data))
+            if two:
+                with m.If(written.all()):
+                    m.d.sync += word.eq(garbage)
+            with m.If(read.en & (read.addr == mine) & ~written.any()):
                 m.d.sync += data.eq(word)
+            if two and self.apart:
+                met = Signal(name=f"both_write_{part}")
+                m.d.comb += [met.eq(written.all()), Assert(~met | ResetSignal())]
         return m
 
 

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from amaranth.hdl import Cat, Const, Signal
+from amaranth.hdl import Cat, Const, Mux, Signal, signed
 from amaranth.lib.wiring import Out
 from properties import OneWord, Properties, any_constant, parts
 from prove import Fault, Proof
@@ -15,7 +15,7 @@ from splatline.rtl.codeword_check import end_word, is_end
 from splatline.rtl.colour import ColourUnit
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.format import BLOCK, PAPER, PRESETS
 from splatline.rtl.halver import Halver
 from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.layouts import CodeWordLayout
@@ -73,14 +73,14 @@ class StreamProperties(Properties):
 
     def describe(self, m):
         """Add the component and the rules."""
-        self.memories = OneWord(Signal(1))
+        self.memories = OneWord(Signal(1), apart=False)
         dut = self.component()
         self.fragment = self.add(m, dut)
         steady = ("last_column", "last_line", "last_word", "load", "enable")
         constants = {
             name: any_constant(m, dut.signature.members[name].shape, name)
             for name in steady
-            if name in dut.signature.members
+            if name in dut.signature.members and not isinstance(dut, Walker)
         }
         self.free(m, dut, **constants)
         taken, driven = streams(dut)
@@ -101,15 +101,39 @@ def admitted(properties, m, dut):
 
 
 def window_stays(properties, m, dut):
-    """The window does not move past a word that is offered, and its frame goes on."""
-    oldest = Signal.like(dut.oldest)
-    m.d.sync += oldest.eq(dut.oldest)
-    properties.given(
-        m,
-        "oldest",
-        ~dut.o.valid | ((oldest <= dut.oldest) & (dut.oldest <= dut.i.payload.line)),
-    )
+    """The window does not move past a word that is offered, and its frame goes on.
+
+    It does not move back during a frame. So nothing comes for the lines above ``limit``, which then
+    does not fall but among lines that lie before the frame.
+    """
+    oldest, limit = Signal.like(dut.oldest), Signal.like(dut.limit)
+    began, finished = Signal(init=1), Signal()
+    m.d.sync += [oldest.eq(dut.oldest), began.eq(dut.restart)]
+    m.d.sync += [limit.eq(dut.limit), finished.eq(dut.finished)]
+    beat, lowest = dut.o.payload, -2 * dut.config.window_lines
+    lines = dut.config.window_lines - (dut.config.window_lines > BLOCK)  # that are drawn into
+    reaches = Signal(signed(len(dut.oldest) + 1))
+    m.d.comb += reaches.eq(dut.oldest + lines)
+    properties.given(m, "oldest", began | (oldest <= dut.oldest))
+    inside = (dut.oldest >= lowest) & (dut.oldest <= 1 << dut.config.line_bits)
+    properties.given(m, "inside", dut.finished | inside)
+    properties.given(m, "begins", ~began | (dut.oldest <= 0))
+    properties.given(m, "closes", ~dut.restart | dut.finished)
+    properties.given(m, "stays", ~dut.o.valid | (dut.oldest <= dut.i.payload.line))
     properties.given(m, "active", ~dut.o.valid | (dut.active & ~dut.restart))
+    properties.always(m, "limit", began | (limit <= dut.limit) | (limit <= 0))
+    properties.always(
+        m, "comes", ~dut.o.valid | ((beat.line == dut.limit) & (beat.line <= reaches))
+    )
+    kept = ~beat.end & (beat.line <= dut.last_line) & (beat.word <= dut.last_word)
+    taken = dut.i.valid & dut.i.ready & kept & (beat.line >= dut.limit)
+    properties.always(m, "kept", ~taken | dut.o.valid)
+    properties.always(
+        m,
+        "front",
+        dut.front == Mux(dut.finished, dut.oldest, dut.limit - lines),
+    )
+    properties.always(m, "reach", (dut.limit <= 0) | (dut.limit <= reaches))
 
 
 def not_over(properties, m, dut):
@@ -122,14 +146,18 @@ def within_reach(properties, m, dut):
     """And what is written may be, and lies on lines that do not leave."""
     not_over(properties, m, dut)
     properties.given(m, "reach", ~dut.touch.as_value().any() | (dut.reaching & ~dut.taking))
-    lines = dut.config.window_lines
+    properties.given(m, "load", ~dut.load.any() | (~dut.taking & ~dut.jump))
+    properties.given(m, "one_load", (dut.load & (dut.load - 1)) == 0)
     for row in range(RESIDUES):
         ahead = Signal(dut.config.slot_bits, name=f"ahead_{row}")
         m.d.comb += ahead.eq(Cat(Const(row, 2), dut.group[row]) - dut.front)
-        late = ~dut.loaded | (~dut.jump & (ahead == lines - 1))  # of an initial raster
         line = dut.front + ahead
-        stays = (line >= 0) & ((line >= dut.top) | late)
-        properties.given(m, f"touch_{row}", ~dut.touch[row].any() | stays)
+        touched, loaded = dut.touch[row].any(), dut.load[row]
+        properties.given(m, f"inside_{row}", ~(touched | loaded) | (line >= 0))
+        properties.given(m, f"touch_{row}", ~touched | (line >= dut.top))
+        properties.given(m, f"load_{row}", ~loaded | (line >= dut.limit))
+        lone = dut.lone[row]  # as a load may need it, and a touch must not have it
+        properties.given(m, f"apart_{row}", ~(touched & lone) & (lone | ~loaded))
 
 
 def while_running(properties, m, dut):
@@ -189,6 +217,23 @@ PROOFS = [
         "loader",
         lambda: Loader(PAPER),
         Fault("offered every other cycle", Loader, r"offered\.eq\(", "offered.eq(~offered & "),
+        Fault(
+            "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
+        ),
+        Fault(
+            "a line too far below the window",
+            Loader,
+            r"lines, self\.oldest",
+            "lines, self.oldest + 1",
+        ),
+        Fault("above the line before", Loader, r"beat\.line < self\.limit", "0"),
+        Fault("front a line too far", Loader, r"oldest, loaded\)", "oldest, loaded + 1)"),
+        given=window_stays,
+    ),
+    plan(
+        "loader, eight lines",
+        lambda: Loader(PAPER.replace(window_lines=8)),
+        Fault("a line drawn into too early", Loader, r"\(config\.window_lines > BLOCK\)", "1"),
         given=window_stays,
     ),
     plan(

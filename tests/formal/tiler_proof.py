@@ -4,7 +4,7 @@ from amaranth.hdl import Cat, Const, Mux, Signal
 from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import BLOCK, PAPER
 from splatline.rtl.tiler import Tiler
 
 __all__ = ["PROOFS"]
@@ -46,7 +46,11 @@ class TilerProperties(Properties):
         # The window moves on, no further than the elements, and lies before the frame when the one
         # before has ended.
         anew = (dut.oldest <= 0) & (dut.oldest >= -2 * config.window_lines)
-        self.given(m, "oldest", Mux(ended, anew, dut.oldest >= oldest))
+        # Before the frame, where no line of it is in the window, it may lie anywhere.
+        lines = config.window_lines - (config.window_lines > BLOCK)  # that are drawn into
+        back = (oldest <= -lines) & (dut.oldest >= -2 * config.window_lines)
+        goes_on = (dut.oldest >= oldest) | back
+        self.given(m, "oldest", Mux(ended, anew, goes_on))
         self.given(m, "not_past", (dut.oldest <= 0) | (dut.oldest <= tile.top))
 
         # The line of the element's block that has the place, if there is one.
@@ -117,6 +121,8 @@ class TilerProperties(Properties):
             before.eq(oldest + place_before - tile.top),
         ]
         self.always(m, "settled", ~draws | ((before >= 0) & (before < 8)))
+        # Nor in the last line of a window of more than eight, of which words may still be loaded.
+        self.always(m, "not_the_last", ~draws | (before + tile.top < oldest + lines))
         drew = Signal()
         m.d.sync += drew.eq(drawn)
         self.always(m, "meets", ~(drew & draws) | tile.meets)
@@ -134,6 +140,7 @@ FAULTS = (
     Fault("not shifted", Tiler, r"lower & shifted", "0"),
     Fault("the middle drawn twice", Tiler, r"Mux\(raised, 0, other\)", "other", "_turn"),
     Fault("not yet the next frame's window", Tiler, r" \| \(valid & given\.end\)", ""),
+    Fault("in the window's last line", Tiler, r"low > 2 \* SIDE", "low >= 2 * SIDE"),
     Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & "),
 )
 

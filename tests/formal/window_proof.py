@@ -86,9 +86,12 @@ class WindowProperties(LaneWindowProperties):
     def _keep_apart(self, m, index, bank):
         """Assert what a bank takes for granted: no word is asked for before it was written."""
         request = bank.request
-        asked = Signal(name=f"asked_{index}")
-        m.d.comb += asked.eq(request.draw | request.clear)
-        before, address = asked, request.address
+        asked, alters = Signal(name=f"asked_{index}"), Signal(name=f"alters_{index}")
+        m.d.comb += [
+            alters.eq(request.draw | request.clear),
+            asked.eq(alters | request.load),  # which is written at once
+        ]
+        before, address = alters, request.address
         for distance in (1, 2):
             name = f"{index}_{distance}"
             then, there = Signal(name=f"asked_{name}"), Signal.like(address, name=f"there_{name}")
@@ -136,7 +139,8 @@ class WindowProperties(LaneWindowProperties):
         self.given(m, "settled", ~dut.i.valid | footprint.end | waited | settled)
         # So the window may not move past an element that waits.
         waits = dut.i.valid & ~footprint.end & (footprint.top >= 0)
-        self.always(m, "waits", ~waits | (dut.oldest <= footprint.top))
+        there = (dut.oldest <= footprint.top) & (self.front <= footprint.top)
+        self.always(m, "waits", ~waits | there)
         self.given(m, "end_top", ~dut.i.valid | ~footprint.end | (footprint.top == lowest))
         self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
 
@@ -283,7 +287,7 @@ PROOFS = [
         "the same from the sweep's last cycle on",
         0,
         9,
-        Fault("drawn while it is swept", BankArbiter, r"Cat\(swept, arrived\)", "arrived"),
+        Fault("drawn while it is swept", BankArbiter, r"(draw\.valid) & ~swept\.any\(\)", r"\1"),
         changes=SWEEPING,
     ),
     plan(
@@ -303,13 +307,16 @@ PROOFS = [
         "the same for frames that start from an initial raster",
         1,
         13,
-        Fault(
-            "loaded like an element", BankArbiter, r"whole\.eq\(self\.load\.valid\)", "whole.eq(0)"
-        ),
-        Fault("drawn where it is loaded", BankArbiter, r"Cat\(swept, arrived\)", "swept"),
-        Fault("loaded where one leaves", BankArbiter, r"\| Cat\(\s+left\[n\] .*\s+\)\.any\(\)", ""),
+        Fault("loaded where one leaves", BankArbiter, r"& ~again\b", ""),
+        Fault("loaded where one draws", BankArbiter, r"deal\.want, line\)", "deal.want & 0, line)"),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
-        Fault("left before it was loaded", Loader, r" & ~self\.moves", ""),
+        Fault(
+            "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
+        ),
+        Fault("front a line too far", Loader, r"oldest, loaded\)", "oldest, loaded + 1)"),
+        Fault("left before it was loaded", BankWalker, r"self\.jump \| (\(line < )", r"1 | \1"),
+        Fault("left while it is loaded", BankWalker, r"line < self\.limit", "line <= self.limit"),
+        Fault("a load unmarked", Bank, r" \| taken\.load", ""),
     ),
     plan(
         "window of banks, initial raster of two words",
@@ -317,6 +324,7 @@ PROOFS = [
         1,
         12,
         Fault("the right word is lost", Halver, r"last\.eq\(right", "last.eq(1"),
+        Fault("the left word for the right", Window, r"= load\.word\[0\]", "= 0", "_loaded"),
         Fault(
             "the line that left before that one",
             BankArbiter,

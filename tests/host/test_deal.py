@@ -107,7 +107,7 @@ def test_lines_stay_together():
             assert owners.setdefault(line, n) == n
 
 
-@pytest.mark.parametrize(("preset", "turns"), [("paper", 2), ("wide", 3)])
+@pytest.mark.parametrize(("preset", "turns"), [("paper", 2), ("wide", 3), ("swift", 3)])
 def test_strips_of_columns_lie_side_by_side_and_their_parts_take_turns(preset, turns):
     frame = random_frame(6, 4000, PRESETS[preset])
     last = {}

@@ -73,11 +73,14 @@ class Bench:
 
     def open(self, frame, initial=None):
         """Offer a frame; ``initial`` are other beats than those of its start."""
-        tiles = Tiles(
-            frame.tiles,
-            lambda: int(self.dut.oldest.value),
-            lambda: self.source.sent != self.sent,
-        )
+        begin = self.bench.cycles
+
+        def oldest():
+            """Whether it is of a frame with an initial raster is known from the next cycle on."""
+            known = self.bench.cycles > begin or frame.start is None
+            return self.dut.oldest.value.to_signed() if known else -PAPER.window_lines
+
+        tiles = Tiles(frame.tiles, oldest, lambda: self.source.sent != self.sent)
         self.frame, self.shown = frame, 0
         self.source.payloads, self.source.sent, self.sent = tiles, 0, 0
         if frame.start is not None:

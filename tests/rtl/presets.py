@@ -5,14 +5,14 @@ from pathlib import Path
 from unittest import mock
 
 from splatline.rtl.format import PAPER, PRESETS
-from splatline.rtl.variants import VARIANTS
+from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
 from splatline.sim.cosim import blocks, simulator
 
 __all__ = ["CONFIG", "OTHERS", "run_bench", "run_built"]
 
 VARIABLE = "SPLATLINE_TEST_PRESET"
 
-CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS)}[
+CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, *ALL_OF_EIGHT)}[
     os.environ.get(VARIABLE, PAPER.name)
 ]
 """The engine of this process: ``paper`` unless ``run_bench`` started it."""

@@ -9,8 +9,8 @@ from axi_cases import HEIGHT, WIDTH, clean, draw_scene, fresh, right, setup
 from random_frames import random_raster
 
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import PAPER, PRESETS
-from splatline.rtl.register_map import register_map
+from splatline.rtl.format import PAPER, PRESETS, SWIFT
+from splatline.rtl.register_map import raster_stream_bytes, register_map
 from splatline.sim import golden
 from splatline.sim.beats import from_beats
 from splatline.sim.cosim import simulator
@@ -67,16 +67,26 @@ def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
     assert engine.counters()["frames"] == 3
 
 
-def test_an_engine_with_wider_beats_and_longer_materials():
-    """Beats of 32 bytes, and materials of three words; its driver knows no preset like it."""
-    config = PAPER.replace(pixels_per_word=8, coefficient_bits=12, colour_shift=15)
+@pytest.mark.parametrize(
+    ("config", "beat_bytes", "words"),
+    [
+        # The driver knows no preset like the first.
+        (PAPER.replace(pixels_per_word=8, coefficient_bits=12, colour_shift=15), 32, 3),
+        (SWIFT, 64, 2),
+    ],
+    ids=["lanes", "swift"],
+)
+def test_an_engine_with_wider_beats_and_materials(config, beat_bytes, words):
+    """Beats of 32 and 64 bytes, and materials of three and two words."""
+    assert raster_stream_bytes(config) == beat_bytes
     frame = clean(config, 1, 30)
     start = random_raster(np.random.default_rng(1), WIDTH, HEIGHT, 0.02, config)
-    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    # Icarus builds faster, but is slow with banks.
+    quickest = "icarus" if config.lanes and simulator.available("icarus") else "verilator"
     with SimulatedDevice(config, built=build_axi(config, quickest)) as device:
         engine = Engine(device)
         assert engine.config == config
-        assert engine.registers.materials.words == 3
+        assert engine.registers.materials.words == words
         picture = draw_scene(engine, frame, start)
         assert picture.mismatches(golden.render(frame, start)) == 0
         assert device.command("rules") == []

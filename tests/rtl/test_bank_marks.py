@@ -9,6 +9,7 @@ from presets import CONFIG, run_bench
 from splatline.rtl.bank_layout import bank_address_bits, column_bits, stretch_bits
 from splatline.rtl.bank_marks import BankMarks
 from splatline.rtl.format import SWIFT, WIDE
+from splatline.rtl.variants import ALL_OF_EIGHT
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.streams import StreamBench
 
@@ -115,5 +116,13 @@ def test_marks_are_what_was_drawn(share, test):
     blocks.run_bench(BankMarks(WIDE.replace(mark_words=share)), __file__, test=test)
 
 
-def test_marks_of_sixteen_banks():
-    run_bench(SWIFT, BankMarks, __file__, test="a_mark_a_word")
+SHARED = next(config for config in ALL_OF_EIGHT if config.mark_words == 4)
+
+
+@pytest.mark.parametrize(
+    ("config", "test"),
+    [(SWIFT, "a_mark_a_word"), (SHARED, "a_mark_for_four")],
+    ids=["own", "shared"],
+)
+def test_marks_of_sixteen_banks(config, test):
+    run_bench(config, BankMarks, __file__, test=test)

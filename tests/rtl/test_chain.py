@@ -132,6 +132,7 @@ def test_every_picture_is_golden_s_under_stalls_on_every_link(link):
 
 LANES = SMALL.replace(pixels_per_word=4, window_lines=16)
 BANKS = LANES.replace(lanes=False, raster_words=2)
+EIGHT = BANKS.replace(banks=16, pixels_per_word=8)
 
 
 @pytest.mark.parametrize(("config", "most"), [(LANES, 4), (BANKS, 1)], ids=["lanes", "banks"])
@@ -223,10 +224,10 @@ def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
     assert description["latency"]["codeword_to_memory_cycles"] == 4
 
 
+@pytest.mark.parametrize("config", [BANKS, EIGHT], ids=["four", "eight"])
 @pytest.mark.parametrize("link", LINKS)
-def test_engines_whose_beats_have_two_words(link):
-    """They are joined as others are, and cut in two where they are loaded."""
-    config = BANKS
+def test_engines_whose_beats_have_two_words(link, config):
+    """Of four or of eight pixels: joined as others are, and cut in two where they are loaded."""
     rng = np.random.default_rng(12)
     jobs = [
         ChainJob.dealt(

@@ -10,7 +10,7 @@ from splatline.host.device import DeviceTimeoutError
 from splatline.host.driver import EngineError, read_config
 from splatline.host.errors import InputError
 from splatline.host.xdma import XdmaDevice
-from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.format import PAPER, PRESETS, SWIFT
 from splatline.rtl.register_map import register_map
 from splatline.rtl.variants import SHAPED, VARIANTS
 from splatline.sim import golden
@@ -26,7 +26,9 @@ def board(tmp_path, request):
     fake.close()
 
 
-@pytest.mark.parametrize("board", [PAPER, PRESETS["rgb24"]], indirect=True, ids=lambda c: c.name)
+@pytest.mark.parametrize(
+    "board", [PAPER, PRESETS["rgb24"], SWIFT], indirect=True, ids=lambda c: c.name
+)
 def test_the_code_of_a_simulation_draws_on_a_board(board):
     rng = np.random.default_rng(1)
     with XdmaDevice(board.card) as device:

@@ -38,10 +38,17 @@ from splatline.sim.cosim.simulator import SimulationError
 
 WAITS = "an_element_waits_for_the_window"
 MARKS = "a_mark_a_word"
+COMPLETE = "$signed({1'h0, line}) < $signed(top)"
+UNLOADED = f"(({COMPLETE}) | closing) & ~halted"
+"""A walker's lines leave whether they were loaded or not."""
+ARRIVING = "jump | ($signed({1'h0, line}) <= $signed(limit))"
+LOADING = f"((({COMPLETE}) & ({ARRIVING})) | closing) & ~halted"
+"""Or while they are loaded."""
 UNASKED = "nothing_leaves_unasked"
 ASKS = "drawn_words_are_asked_for_once_and_in_order"
 PART_FAULTS = [
     ("paper", Bank, test_bank, "random_requests", "passes_2", "1'h1", "no depth test"),
+    ("paper", Bank, test_bank, "random_requests", "drawn", "taken[0]", "a load marks nothing"),
     ("paper", Sequencer, test_sequencer, "random_words", "control", "1'h0", "no control words"),
     ("paper", Decoder, test_decoder, "all_columns", "words_left", "8'h7f", "right border"),
     ("paper", Decoder, test_decoder, WAITS, "settled", "1'h1", "beyond the window"),
@@ -59,6 +66,8 @@ PART_FAULTS = [
     ("wide", BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
     ("wide", BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "two stretches at most"),
     ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", "1'h1", "lines leave early"),
+    ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", UNLOADED, "not loaded as yet"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "leaving", UNLOADED, "nor between loads"),
     ("wide", BankWalker, test_bank_walker, ASKS, "marks.clear_2", "1'h0", "asked for twice"),
 ]
 
@@ -74,20 +83,31 @@ def test_a_fault_in_a_part_is_noticed(preset, component, bench, test, signal, va
         run_preset(PRESETS[preset], component, bench.__file__, test=test, edit=edit)
 
 
+SHORT = "in_short"
 WINDOW_FAULTS = {
-    "lines leave the window early": ("wide", "dut.walker", "leaving", "1'h1"),
-    "the end comes early": ("wide", "dut.walker", "clean", "1'h1"),
-    "a bank marks nothing": ("wide", "dut.bank_3", "drawn", "1'h0"),
-    "background is sent": ("wide", "dut.emitter", "raster__valid", "emit_valid"),
-    "load late": ("wide", "dut.loader", "loaded", "1'h1"),
-    "loaded after a draw": ("rgb18", "dut.paint", "may_load", "1'h1"),
-    "flushed words meet": ("rgb18", "dut.emitter", "ready", "1'h1"),
+    "lines leave the window early": ("wide", SHORT, "dut.walker", "leaving", "1'h1"),
+    "the end comes early": ("wide", SHORT, "dut.walker", "clean", "1'h1"),
+    "a bank marks nothing": ("wide", SHORT, "dut.bank_3", "drawn", "1'h0"),
+    "background is sent": ("wide", SHORT, "dut.emitter", "raster__valid", "emit_valid"),
+    # By one line: noticed where no element keeps it.
+    "load late": ("wide", "without_stalls", "dut.walker", "leaving", LOADING),
+    "drawn before the load": ("wide", SHORT, "dut.loader", "front", "oldest"),
+    # Noticed where the very word that left is loaded next, as in a narrow image.
+    "loaded before the clear": (
+        *("wide", "words_right_behind_what_leaves"),
+        *("dut.arbiter", "again", "1'h0"),
+    ),
+    "loaded beside an element": ("wide", SHORT, "dut.arbiter", "full", "2'h0"),
+    # Behind an element, whose further planes keep its banks busy.
+    "loaded beside planes": ("rgb18", SHORT, "dut.arbiter", "full", "{2{drawing}}"),
+    "no further planes are loaded": ("rgb18", SHORT, "dut", "loaded", "loaded_parts[71:0]"),
+    "flushed words meet": ("rgb18", SHORT, "dut.emitter", "ready", "1'h1"),
 }
 
 
 def planted(preset):
     """The faults of a preset's window, which are in one build: the longest part of a test."""
-    return [planted[1:] for planted in WINDOW_FAULTS.values() if planted[0] == preset]
+    return [planted[2:] for planted in WINDOW_FAULTS.values() if planted[0] == preset]
 
 
 @cache
@@ -96,21 +116,23 @@ def window(preset):
     return simulator.build({"dut.v": switched("dut", planted(preset))(text)}, "dut")
 
 
-def run_window(preset, number):
-    run_built(PRESETS[preset], window(preset), test_window.__file__, "in_short", number)
+def run_window(preset, test, number):
+    run_built(PRESETS[preset], window(preset), test_window.__file__, test, number)
 
 
 @pytest.mark.parametrize("broken", WINDOW_FAULTS.values(), ids=WINDOW_FAULTS)
 def test_a_fault_in_the_window_of_banks_is_noticed(broken):
     """Of planes: two words meet in what planes share."""
-    preset, *edit = broken
+    preset, test, *edit = broken
     with pytest.raises(SimulationError, match="FAIL=1"):
-        run_window(preset, planted(preset).index(tuple(edit)) + 1)
+        run_window(preset, test, planted(preset).index(tuple(edit)) + 1)
 
 
-@pytest.mark.parametrize("preset", ["wide", "rgb18"])
-def test_without_a_fault_nothing_is_noticed_in_the_window(preset):
-    run_window(preset, 0)
+@pytest.mark.parametrize(
+    ("preset", "test"), dict.fromkeys(planted[:2] for planted in WINDOW_FAULTS.values())
+)
+def test_without_a_fault_nothing_is_noticed_in_the_window(preset, test):
+    run_window(preset, test, 0)
 
 
 STRETCH_FAULTS = {
@@ -148,6 +170,37 @@ def test_a_fault_in_the_planes_is_noticed(preset, signal, value):
             test="random_requests",
             edit=fault("dut", signal, value),
         )
+
+
+LOAD_FAULTS = {
+    "loaded while all stands still": (
+        Bank,
+        test_bank,
+        r"load\.en\.eq\(self\.enable & ",
+        "load.en.eq(",
+    ),
+    "further planes in the wrong place": (
+        PlanarBank,
+        test_planar_bank,
+        r"late_read \| \(further & late\[name\]\)",
+        "late_read",
+    ),
+    "further planes over the depths": (
+        PlanarBank,
+        test_planar_bank,
+        r" & \(~further \| late\[name\]\)",
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("broken", LOAD_FAULTS.values(), ids=LOAD_FAULTS)
+def test_a_fault_in_the_load_of_a_bank_is_noticed(monkeypatch, broken):
+    part, bench, pattern, replacement = broken
+    rewrite(monkeypatch, part, "elaborate", pattern, replacement)
+    preset = "paper" if part is Bank else "rgb18"
+    with pytest.raises(SimulationError):
+        run_preset(PRESETS[preset], part, bench.__file__, test="random_requests")
 
 
 def test_a_wrong_threshold_is_noticed(monkeypatch):

@@ -2,7 +2,7 @@ import pytest
 
 from splatline.rtl.format import BLOCK, PAPER, PRESETS, EngineConfig, get_preset
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
-from splatline.rtl.variants import SHAPED, VARIANTS
+from splatline.rtl.variants import ALL_OF_EIGHT, SHAPED, VARIANTS
 
 
 def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
@@ -24,7 +24,7 @@ def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
 
 
 @pytest.mark.parametrize(
-    "config", [*PRESETS.values(), *SHAPED, *VARIANTS], ids=lambda config: config.name
+    "config", [*PRESETS.values(), *SHAPED, *VARIANTS, *ALL_OF_EIGHT], ids=lambda config: config.name
 )
 def test_the_hardware_s_layouts_lie_where_the_format_says(config):
     word = CodeWordLayout(config)
@@ -79,7 +79,19 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
             "x_bits must be at least 5 for 8 pixels a word, not 4",
         ),
         ({"shapes": "round"}, "shapes must be none, small, full, not 'round'"),
+        ({"banks": 16.0}, "banks must be 8, or 16 without lanes, not 16.0"),
+        ({"pixels_per_word": 4.0}, "pixels_per_word must be 4 with 8 banks, not 4.0"),
+        (
+            {"pixels_per_word": 8.0, "banks": 16},
+            "pixels_per_word must be 4 or 8 with 16 banks, not 8.0",
+        ),
+        ({"raster_words": 2.0}, "raster_words must be 1 or 2, not 2.0"),
+        ({"mark_words": 2.0}, "mark_words must be 1, 2, 4 or 8, not 2.0"),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
+        (
+            {"banks": 16, "pixels_per_word": 8, "raster_words": 2, "channel_bits": 8},
+            "a beat of the raster must have at most 512 bits, not 544",
+        ),
     ],
 )
 def test_bad_parameters_are_named(change, message):
@@ -105,9 +117,10 @@ def test_planes_hold_a_whole_colour():
     }
 
 
-def test_a_block_touches_so_many_words():
+def test_an_element_touches_so_many_words():
+    """Of nine columns: at a half place, turned rows reach the one beside the block."""
     for pixels in (2, 4, 8):
-        most = max((offset + BLOCK - 1) // pixels + 1 for offset in range(pixels))
+        most = max((offset + BLOCK) // pixels + 1 for offset in range(pixels))
         assert PAPER.replace(pixels_per_word=pixels).block_words == most
 
 

@@ -16,7 +16,10 @@ CLEAR = None
 
 
 class Operator:
-    """Sends requests a cycle at a time and keeps the pixels as they ought to be."""
+    """Sends requests a cycle at a time and keeps the pixels as they ought to be.
+
+    Beside a request that is in flight another pixel may be loaded, which is there at once.
+    """
 
     def __init__(self, dut, seed):
         self.dut = dut
@@ -26,19 +29,20 @@ class Operator:
 
     async def reset(self):
         self.dut.enable.value = 1
-        self.dut.request.value = self.dut.new.value = 0
+        self.dut.request.value = self.dut.new.value = self.dut.loaded.value = 0
         await self.bench.reset()
         for address in range(PIXELS):
             await self.cycle((address, CLEAR))
         await self.cycle()
 
-    async def cycle(self, request=None, enable=1):
+    async def cycle(self, request=None, enable=1, load=False):
         """One cycle: a request (address, pixel or CLEAR) is taken if the lane is enabled."""
         # As the lane demands, its user leaves a pixel alone that is being written.
         assert request is None or self.in_flight is None or request[0] != self.in_flight[0]
         address, pixel = request or (self.bench.random.randrange(PIXELS), CLEAR)
         draw, clear = request is not None and pixel is not CLEAR, request is not None and not pixel
-        bits = pack(REQUEST, draw=draw, clear=clear, address=address)
+        bits = pack(REQUEST, draw=draw and not load, clear=clear, load=load, address=address)
+        loaded = pixel if load else (self.bench.random.randrange(512), 0x2A)
         flying = self.in_flight
         drawn = flying[1] if flying and flying[1] else (self.bench.random.randrange(512), 0x155)
 
@@ -46,6 +50,7 @@ class Operator:
             self.dut.enable.value = enable
             self.dut.request.value = bits
             self.dut.new.value = pack(PIXEL, depth=drawn[0], colour=drawn[1])
+            self.dut.loaded.value = pack(PIXEL, depth=loaded[0], colour=loaded[1])
 
         def observe():
             if flying and flying[0] in self.pixels:
@@ -54,7 +59,9 @@ class Operator:
         await self.bench.step(drive, observe)
         if enable:
             self._finish()
-            self.in_flight = request
+            self.in_flight = None if load else request
+            if load:
+                self.pixels[address] = pixel
 
     def compare(self, expected):
         """Look at the pixel as it stood before the last request."""
@@ -87,7 +94,7 @@ async def random_requests(dut):
         rng = random.Random(seed)
         await operator.reset()
         for _ in range(500):
-            request = None
+            request, load = None, False
             if rng.random() < 0.9:
                 # Spread over the whole memory: neighbours, and places far apart.
                 place = rng.randrange(spread) * (PIXELS // spread) % PIXELS
@@ -95,7 +102,8 @@ async def random_requests(dut):
                 pixel = CLEAR if rng.random() < 0.05 else (depth, rng.randrange(512))
                 if operator.in_flight is None or operator.in_flight[0] != place:
                     request = (place, pixel)
-            await operator.cycle(request, enable=rng.random() < rate)
+                    load = pixel is not CLEAR and rng.random() < 0.2
+            await operator.cycle(request, enable=rng.random() < rate, load=load)
         await operator.cycle()
         places = range(0, PIXELS, PIXELS // min(spread, 64))
         for place, expected in [(place, operator.pixels[place]) for place in places]:
@@ -118,6 +126,22 @@ async def nearer_wins_and_equal_stays(dut):
             await operator.cycle()
         await operator.read(address, expected)
         await operator.read(address, BACKGROUND)
+
+
+@cocotb.test()
+async def what_is_loaded_is_there_whatever_was(dut):
+    """Behind or before the old pixel, or background; while the pixel before it is written."""
+    operator = Operator(dut, 11)
+    await operator.reset()
+    for pixel in ((100, 1), (200, 2), (50, 3), (511, 4)):
+        await operator.cycle((12, (300, 5)))
+        await operator.cycle((13, pixel), load=True)
+        await operator.cycle((13, (400, 6)))
+        await operator.cycle()
+        await operator.read(13, pixel if pixel[0] < 400 else (400, 6))
+        await operator.read(12, (300, 5))
+    await operator.cycle((13, (7, 7)), enable=0, load=True)
+    await operator.read(13, BACKGROUND)
 
 
 @cocotb.test()

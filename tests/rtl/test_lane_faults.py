@@ -74,7 +74,6 @@ def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signa
         run_preset(PAPER, component, bench.__file__, test=test, edit=edit)
 
 
-LOADING = r" & ~drawn & ~cleared & ~loaded"  # nothing tells whether a load waits for what is drawn
 REWRITTEN = {
     "no conflict": (LaneWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     "drawn while marks are taken": (
@@ -85,33 +84,15 @@ REWRITTEN = {
     ),
     "loaded while marks are taken": (
         LaneWindow,
-        r"~sweeping & ~walker\.taking",
-        "~sweeping",
+        r"~stopped\s+& ~walker\.taking",
+        "~stopped",
         "words_right_behind_what_leaves",
-    ),
-    "no wait after a load": (
-        LaneWindow,
-        LOADING,
-        " & ~drawn & ~cleared",
-        "nonsense_in_the_initial_raster",
     ),
     "no wait after the sweep": (
         LaneWindow,
         r"running\s+& ~swept",
         "running",
         "reset_in_the_middle",
-    ),
-    "nor for a load": (
-        LaneWindow,
-        r"cleared\.eq\(flushing \| sweeping",
-        "cleared.eq(flushing",
-        "words_right_behind_the_sweep",
-    ),
-    "a load taken too early": (
-        LaneWindow,
-        r"loader\.o\.ready\.eq\(loaded",
-        "loader.o.ready.eq(loading",
-        "with_stalls",
     ),
     "a load offered again": (
         Loader,
@@ -124,6 +105,54 @@ REWRITTEN = {
         r"waiting & ~drop & in_window",
         "waiting & ~drop",
         "words_right_behind_what_leaves",
+    ),
+    "loaded into a tile's lanes": (
+        LaneWindow,
+        r"& ~\(offered & wanted\.bit_select\(loader\.o\.payload\.line\[:2\], 1\)\)",
+        "",
+        "with_stalls",
+    ),
+    "a tile goes where a load goes first": (
+        LaneWindow,
+        r"~tile\.end & ~pressing\)",
+        "~tile.end)",
+        "with_stalls",
+    ),
+    "marked in the line of a load that waits": (
+        LaneWindow,
+        r"If\(walker\.lone\[i\]\)",
+        "If(serving & line[i])",
+        "with_stalls",
+    ),
+    "drawn before its lines have come": (
+        Loader,
+        r"self\.oldest, loaded\)\)",
+        "self.oldest, loaded + 5))",
+        "with_stalls",
+    ),
+    "said to have come too early": (
+        Loader,
+        r"limit\.eq\(Mux\(in_window, beat\.line,",
+        "limit.eq(Mux(in_window, beat.line + 1,",
+        "with_stalls",
+    ),
+    "not marked where it is loaded": (
+        Marks,
+        r"touched \|= self\.load\[residue\] & \(other\[0\] == parity\)",
+        "touched |= self.load[residue] & (parity == 0)",
+        "random_touches",
+    ),
+    "marked in the tile's place": (
+        Marks,
+        r"Mux\(lone, other\[1 \+ low_bits :\], stretch\)",
+        "stretch",
+        "random_touches",
+    ),
+    "left before it has come": (
+        Walker,
+        r"\(self\.oldest < self\.limit\)",
+        "1",
+        "nothing_leaves_unasked",
     ),
     "background holds all up": (
         LaneEmitter,
@@ -167,11 +196,11 @@ REWRITTEN = {
         "_reached",
     ),
     "reached by tiles alone": (
-        LaneWindow,
-        r" \| load\.valid\)",
-        ")",
-        "words_right_behind_the_sweep",
-        "_touch",
+        Walker,
+        r"\(loaded & self\.load\.any\(\)\.replicate\(len\(reach\)\)\)",
+        "0",
+        "loaded_words_too",
+        "_reached",
     ),
     "a tile goes where a word does": (
         LaneWindow,
@@ -266,9 +295,14 @@ REWRITTEN = {
 }
 REWRITTEN_COLLISIONS = {
     "a load meets what is cleared": (
-        LOADING,
-        " & ~drawn & ~loaded",
+        r"~swept\s+& ~stopped\s",
+        "~swept ",
         "words_right_behind_what_leaves",
+    ),
+    "a load meets what the sweep clears": (
+        r"& ~swept\s+& ~stopped",
+        "& ~stopped",
+        "words_right_behind_the_sweep",
     ),
     "a tile meets one that stood still": (
         r" \| stopped\)",
@@ -284,6 +318,7 @@ REWRITTEN_COLLISIONS = {
 BENCHES = {
     Tiler: (Tiler, test_tiler),
     Walker: (Walker, test_walker),
+    Marks: (Marks, test_marks),
     ColourUnit: (test_colour.Painter, test_colour),
 }
 

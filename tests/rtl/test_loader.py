@@ -13,6 +13,7 @@ from splatline.sim.cosim.streams import StreamBench
 RASTER = RasterLayout(PAPER)
 END = 1 << PAPER.raster_end.lsb
 LAST_LINE, LAST_WORD = 99, 9
+LINES = PAPER.window_lines
 
 
 def beat(line, word):
@@ -23,12 +24,22 @@ def beat(line, word):
 def setup(dut, enable=1, active=1):
     dut.enable.value, dut.active.value = enable, active
     dut.last_line.value, dut.last_word.value = LAST_LINE, LAST_WORD
-    dut.oldest.value, dut.restart.value, dut.moves.value = 0, 0, 0
+    dut.oldest.value, dut.restart.value = 0, 0
+
+
+def told(dut):
+    """What it says: whether nothing more comes, and from where on lines wait and are drawn."""
+    limit, front = (signal.value.to_signed() for signal in (dut.limit, dut.front))
+    return {"finished": int(dut.finished.value), "limit": limit, "front": front}
 
 
 @cocotb.test()
 async def words_enter_with_their_lines(dut):
-    """The window slides past random beats: each within it goes in, nonsense goes nowhere."""
+    """The window slides past random beats: each within it goes in, nonsense goes nowhere.
+
+    As the window does, it lets no line leave that may still receive a word; and at no time is a
+    line said to be complete of which a word is still to go in.
+    """
     for seed, rates in enumerate([(1.0, 1.0), (0.5, 0.6), (1.0, 0.2)]):
         rng = random.Random(seed)
         places = [(rng.randrange(120), rng.randrange(14)) for _ in range(400)]
@@ -38,22 +49,24 @@ async def words_enter_with_their_lines(dut):
         sink = bench.sink("o", rates[1])
         setup(dut)
         await bench.reset()
-        oldest = 0
+        inside = [p for p in places if p[0] <= LAST_LINE and p[1] <= LAST_WORD]
+        oldest, limit = 0, 0
         for _ in range(6000):
             seen = {}
-
-            def observe(seen=seen):
-                seen["finished"] = int(dut.finished.value)
-                seen["loaded"] = int(dut.loaded.value)
-
-            await bench.step(lambda oldest=oldest: setattr(dut.oldest, "value", oldest), observe)
+            complete = inside[len(sink.received)][0] if len(sink.received) < len(inside) else 1000
+            await bench.step(
+                lambda oldest=oldest: setattr(dut.oldest, "value", oldest),
+                lambda seen=seen: seen.update(told(dut)),
+            )
             if seen["finished"]:
+                assert seen["front"] == oldest
                 break
-            # As the ring does: a line leaves only when nothing more can come for it.
-            if seen["loaded"] and rng.random() < 0.5:
+            assert limit <= seen["limit"] <= min(complete, oldest + LINES)
+            limit = seen["limit"]
+            assert seen["front"] == limit - LINES + 1, "the window's last line is not drawn into"
+            if oldest < limit and rng.random() < 0.5:
                 oldest += 1
         assert source.sent == len(source.payloads)
-        inside = [p for p in places if p[0] <= LAST_LINE and p[1] <= LAST_WORD]
         assert sink.received == [beat(*place) for place in inside]
 
 
@@ -78,7 +91,7 @@ async def a_line_above_the_one_before_is_dropped(dut):
 
 @cocotb.test()
 async def a_word_waits_for_its_line_and_says_so(dut):
-    """Beyond the window a beat stays, and the window counts as loaded; before it, it is dropped."""
+    """Beyond the window a beat stays, and the window counts as loaded; above it, it is dropped."""
     bench = StreamBench(dut, 5)
     source = bench.source("i", [beat(20, 0), beat(3, 0), END])
     sink = bench.sink("o")
@@ -87,19 +100,19 @@ async def a_word_waits_for_its_line_and_says_so(dut):
     seen = {}
 
     def observe():
-        seen.update(window=int(dut.loaded.value), finished=int(dut.finished.value))
+        seen.update(told(dut))
 
     for _ in range(4):
         await bench.step(observe=observe)
-    assert (source.sent, seen) == (0, {"window": 1, "finished": 0})
+    assert (source.sent, seen) == (0, {"finished": 0, "limit": LINES - 1, "front": 0})
     await bench.step(lambda: setattr(dut.oldest, "value", 5))
     for _ in range(4):
         await bench.step(observe=observe)
-    assert (source.sent, seen["finished"]) == (3, 1)
+    assert (source.sent, seen["finished"], seen["front"]) == (3, 1, 5)
     assert sink.received == [beat(20, 0)], "line 3 had left"
     await bench.step(lambda: setattr(dut.restart, "value", 1))
     await bench.step(lambda: setattr(dut.restart, "value", 0), observe)
-    assert seen["finished"] == 0
+    assert seen == {"finished": 0, "limit": 0, "front": 1 - LINES}, "no line has come"
 
 
 @cocotb.test()

@@ -33,20 +33,30 @@ class Touch:
         touched = [(rng.randrange(2), rng.randrange(2)) for _ in range(RESIDUES)]
         return cls(word, touched, groups)
 
-    def marks(self):
-        """The pairs that it writes, {(place of the line, pair)}."""
-        return {
+    def marks(self, load=None):
+        """The pairs that it and ``load`` (word, line) write, {(place of the line, pair)}."""
+        pairs = {
             (4 * group + residue, word // 2)
             for residue, (group, flags) in enumerate(zip(self.groups, self.touched, strict=True))
             for word, flag in zip(self.words, flags, strict=True)
             if flag
         }
+        return pairs if load is None else pairs | {(load[1] % LINES, load[0] // 2)}
 
-    def drive(self, dut, idle=False):
+    def drive(self, dut, idle=False, load=None):
+        """``load``: a word and its line, which nothing else is written into."""
+        groups, loads = list(self.groups), 0
+        # Where the tile writes nothing, it may be the word that is loaded.
+        lone = sum((not any(flags)) << q for q, flags in enumerate(self.touched))
+        dut.lone.value = lone
+        if load is not None:
+            assert lone >> load[1] % 4 & 1
+            groups[load[1] % 4], loads = load[1] % LINES // 4, 1 << load[1] % 4
+            dut.load_word.value = load[0]
         dut.words.value = self.words[0] | self.words[1] << CONFIG.word_bits
-        dut.group.value = sum(group << 2 * q for q, group in enumerate(self.groups))
+        dut.group.value = sum(group << 2 * q for q, group in enumerate(groups))
         flags = sum((a | b << 1) << 2 * q for q, (a, b) in enumerate(self.touched))
-        dut.touch.value = 0 if idle else flags
+        dut.touch.value, dut.load.value = (0, 0) if idle else (flags, loads)
 
 
 def stretch_of(pairs, line, stretch):
@@ -75,7 +85,18 @@ async def take(dut, bench, rng, line, stretch, wipe=0):
 async def start(dut, seed):
     """A bench whose marks have all been wiped, as after a reset."""
     rng, bench = random.Random(seed), StreamBench(dut, seed)
-    for name in ("touch", "group", "words", "take", "line", "stretch", "wipe"):
+    for name in (
+        "touch",
+        "group",
+        "words",
+        "load",
+        "load_word",
+        "lone",
+        "take",
+        "line",
+        "stretch",
+        "wipe",
+    ):
         getattr(dut, name).value = 0
     await bench.reset()
     for group in range(4):
@@ -86,7 +107,10 @@ async def start(dut, seed):
 
 @cocotb.test()
 async def random_touches(dut):
-    """Tiles anywhere or close together, stretches taken among them; in the end, nothing is left."""
+    """Tiles anywhere or close together, words loaded beside them, stretches taken among them.
+
+    In the end, nothing is left.
+    """
     for seed, (words, share) in enumerate([(WORDS, 0.05), (WORDS, 0.4), (6, 0.1), (34, 0.3)]):
         rng, bench = await start(dut, seed)
         marked = set()
@@ -99,8 +123,11 @@ async def random_touches(dut):
                 marked -= expected
             else:
                 touch = Touch.random(rng, (first + rng.randrange(words)) % WORDS)
-                await bench.step(lambda touch=touch: touch.drive(dut))
-                marked |= touch.marks()
+                load = rng.randrange(WORDS), rng.randrange(LINES)
+                if rng.random() < 0.3 or any(touch.touched[load[1] % 4]):
+                    load = None
+                await bench.step(lambda touch=touch, load=load: touch.drive(dut, load=load))
+                marked |= touch.marks(load)
         for line in range(LINES):
             for stretch in range(STRETCHES):
                 expected = stretch_of(marked, line, stretch)

@@ -177,7 +177,7 @@ def test_a_preset_whose_table_writes_are_longer_than_code_words():
 
 @pytest.mark.parametrize("preset", ["paper", "rgb24", "swift"])
 def test_presets_have_the_same_few_pins(preset):
-    """Whatever their words and beats; these two have the widest."""
+    """Whatever their words and beats; the last two have the widest table writes and beats."""
     text, description = generate_pins(PRESETS[preset], "top")
     assert "module top(" in text
     assert sum(port["width"] for port in description["ports"]) == 61 < IO_PINS // 2

@@ -5,6 +5,7 @@ import pytest
 from splatline.rtl.format import PAPER
 from splatline.rtl.pins import generate_pins
 from splatline.rtl.pnr import CONSTRAINTS, RESOURCES, read_report, smallest
+from splatline.rtl.tools import ToolError
 
 
 def step(kind, delay, cell, net=None):
@@ -51,7 +52,7 @@ def test_a_missed_rate_has_negative_slack():
 @pytest.mark.parametrize("count", [0, 2])
 def test_a_report_without_the_one_clock_is_refused(count):
     rate = {"achieved": 1.0, "constraint": 1.0}
-    with pytest.raises(RuntimeError, match=f"{count} clocks"):
+    with pytest.raises(ToolError, match=f"{count} clocks"):
         read_report(report(fmax={str(n): rate for n in range(count)}))
 
 
@@ -62,6 +63,14 @@ def test_a_report_without_the_one_clock_is_refused(count):
 def test_the_smallest_device_with_the_block_rams_is_taken(block_rams, name):
     """What even the largest has too few of, nextpnr says."""
     assert smallest(block_rams).name == f"LFE5U-{name}-6BG381"
+
+
+def test_sixteen_banks_have_a_larger_device_than_their_block_rams_need():
+    assert [smallest(count, banks=16).name for count in (33, 65, 109)] == [
+        "LFE5U-45F-6BG381",
+        "LFE5U-45F-6BG381",
+        "LFE5U-85F-6BG381",
+    ]
 
 
 def test_the_constraints_name_every_pin_and_no_other():

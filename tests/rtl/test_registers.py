@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from amaranth.sim import Simulator
 
-from splatline.rtl.format import PAPER, PRESETS, EngineConfig
+from splatline.rtl.format import MOST_BEAT_BITS, PAPER, PRESETS, SWIFT, EngineConfig
 from splatline.rtl.register_map import PARAMETERS, raster_stream_bytes, register_map
 from splatline.rtl.register_texts import c_header, json_map, markdown
 from splatline.rtl.registers import Access
@@ -19,6 +19,9 @@ WIDEST = EngineConfig(
     name="widest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
     channel_bits=8, coefficient_bits=12, colour_shift=13,
 )  # fmt: skip
+WIDEST_BEAT = SWIFT.replace(
+    name="widest-beat", depth_bits=13, intensity_bits=6, material_bits=5, channel_bits=6
+)
 
 
 @pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST], ids=lambda config: config.name)
@@ -37,7 +40,9 @@ def test_the_size_after_a_reset_is_the_engine_s(config):
     assert said == [min(512, most) - 1 for most in (config.max_width, config.max_height)]
 
 
-@pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST], ids=lambda config: config.name)
+@pytest.mark.parametrize(
+    "config", [*CONFIGS.values(), WIDEST, WIDEST_BEAT], ids=lambda config: config.name
+)
 def test_nothing_overlaps_and_all_lies_within(config):
     registers = register_map(config)
     taken = set()
@@ -62,7 +67,16 @@ def test_nothing_overlaps_and_all_lies_within(config):
     ]
 
 
-@pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
+def test_the_widest_beat_there_is_fits_its_stream():
+    """One bit more of a channel, of the depth or of a line's number, and it is refused."""
+    stream = register_map(WIDEST_BEAT)["CONFIG_1"]["BEAT_BYTES"].reset
+    assert (WIDEST_BEAT.raster_end.end, stream) == (MOST_BEAT_BITS, 64)
+    for wider in ({"channel_bits": 7}, {"depth_bits": 14, "material_bits": 4}, {"line_bits": 11}):
+        with pytest.raises(ValueError, match="at most 512 bits"):
+            WIDEST_BEAT.replace(**wider)
+
+
+@pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST_BEAT], ids=lambda c: c.name)
 def test_a_beat_is_whole_limbs(config):
     size = raster_stream_bytes(config)
     assert size & (size - 1) == 0

@@ -9,11 +9,12 @@ from rom_words import build_rom, every_entry, play_words
 
 from splatline.host.shapes import EMPTY_SCANS, shape_table
 from splatline.rtl.memory_files import move_contents
-from splatline.rtl.netlist import WRITE_EDIF, run_tool
+from splatline.rtl.netlist import WRITE_EDIF
 from splatline.rtl.shape_contents import shape_contents
 from splatline.rtl.shape_rom import ShapeRom
 from splatline.rtl.shape_table import EMPTY, folded_shapes
-from splatline.rtl.synth import COMMAND, KINDS, RUN_YOSYS
+from splatline.rtl.synth import COMMAND, KINDS
+from splatline.rtl.tools import run_yosys
 from splatline.rtl.variants import SHAPED
 from splatline.rtl.verilog import convert
 from splatline.sim.cosim import simulator
@@ -83,7 +84,7 @@ def test_yosys_keeps_the_contents_in_four_block_rams(verilog, tmp_path):
     (tmp_path / "rom.v").write_text(written(verilog, tmp_path, "."))
     script = f"read_verilog rom.v; {COMMAND} -flatten -top dut; {WRITE_EDIF} rom.edif; "
     script += "write_json rom.json"
-    run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], tmp_path)
+    run_yosys(script, tmp_path)
     cells = json.loads((tmp_path / "rom.json").read_text())["modules"]["dut"]["cells"]
     rams = {name: cell for name, cell in cells.items() if cell["type"] in KINDS["bram"]}
     assert sorted(rams) == ["numbers.0.0", "numbers.0.1", "numbers.0.2", "shapes.0.0"]

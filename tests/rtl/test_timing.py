@@ -5,9 +5,9 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from splatline.rtl.netlist import run_tool
-from splatline.rtl.synth import COMMAND, RUN_YOSYS
+from splatline.rtl.synth import COMMAND
 from splatline.rtl.timing import SOURCE, estimate_timing, net_delay
+from splatline.rtl.tools import run_yosys
 from splatline.rtl.verilog import convert
 
 OUTPUTS = {"FDRE": "Q", "FDSE": "Q", "MULT18X18": "P", "MULT18X18S": "P"}
@@ -230,16 +230,11 @@ class Invert(wiring.Component):
 def test_a_component_through_yosys(tmp_path):
     (tmp_path / "top.v").write_text(convert(Invert(), "top"))
     script = f"read_verilog top.v; {COMMAND} -flatten -top top; write_json top.json"
-    run_tool("Yosys", RUN_YOSYS, ["-q", "-p", script], tmp_path)
+    run_yosys(script, tmp_path)
     found = estimate_timing(json.loads((tmp_path / "top.json").read_text())["modules"]["top"])
     # Of the LUT's two inputs I0 is the later.
     expected = 0.568 + net_delay(1) + 0.286 + 0.439 + 0.370
     assert found["ns"] == pytest.approx(expected, abs=0.006)
-
-
-def test_a_tool_that_fails_shows_its_log(tmp_path):
-    with pytest.raises(RuntimeError, match=r"Yosys failed:\n(.|\n)*nowhere"):
-        run_tool("Yosys", RUN_YOSYS, ["-q", "-p", "read_verilog nowhere.v"], tmp_path)
 
 
 def test_a_memory_of_luts_is_read_at_once_and_written_at_the_edge():

@@ -8,11 +8,12 @@ import test_presets
 from engines import mismatches
 from faults import rewrite
 from random_frames import frame_of, nonsense, random_raster, shapes, word
+from test_shaped_engine import mixed
 
 from splatline.host.order import advance_word
 from splatline.rtl.format import PAPER
 from splatline.rtl.tiler import Tiler
-from splatline.rtl.variants import VARIANTS
+from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.frames import Job, play
@@ -90,6 +91,35 @@ def test_every_variant_draws_what_the_contract_says_in_the_cycles_it_is_said_to(
     timed = [n for n, name in enumerate(names) if name == "at_full_rate"]
     counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in timed]
     assert counted == [outcomes[n].cycles for n in timed]
+
+
+def of_words_of_eight(rng, config):
+    """Frames no wider than the engine takes; the first two are timed."""
+    widest = config.max_width
+    for width, advance in ((widest, 0.05), (min(61, widest - 3), 0.5)):
+        yield Job(frame=nonsense(rng, 500, width, 40, advance, config=config))
+    for seed, rates in enumerate(test_presets.RATES):
+        width = min(90, widest) - seed
+        yield Job(
+            frame=shapes(rng, 250, width, 37, config=config),
+            followed_by=[shapes(rng, 150, width // 2, 52, config=config)],
+            initial=random_raster(rng, width, 37, (0.4, 0.02, 1.0)[seed % 3], config),
+            rates={**rates, "table": 1.0},
+            seed=seed,
+        )
+    if config.shapes != "none":
+        yield Job(frame=mixed(rng, config))
+
+
+@pytest.mark.parametrize("config", ALL_OF_EIGHT, ids=lambda config: config.name)
+def test_words_of_eight_with_all_that_may_be_combined_with_them(config):
+    """Pictures, initial rasters and cycles, in one run of each engine."""
+    jobs = list(of_words_of_eight(np.random.default_rng(29), config))
+    outcomes = play(jobs)
+    wrong = map(mismatches, jobs, outcomes)
+    assert [(number, count) for number, count in enumerate(wrong) if count] == []
+    counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in range(2)]
+    assert counted == [outcome.cycles for outcome in outcomes[:2]]
 
 
 FAULTS = [

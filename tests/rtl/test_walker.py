@@ -27,25 +27,29 @@ class LaneSlide(Slide):
         self.enabled = 1  # in the cycle before
 
     async def start(self, jump=1):
-        self.dut.loaded.value, self.dut.jump.value = 0, jump
+        self.dut.jump.value = jump
         inputs = ("touch", "group", "words", "reaching", "restart", "close", "enable", "top")
+        inputs += ("load", "load_word", "lone", "limit")
         await self.reset(inputs, self.dut.wipe_row, range(4 * STRETCHES))
 
     def line_of(self, place, lowest):
         """The line from ``lowest`` on that stands in a place of the window."""
         return lowest + (place - lowest) % CONFIG.window_lines
 
-    async def cycle(self, top, touch=NOTHING, enable=1, loaded=1):
-        """One cycle; what is to be written waits if marks are taken. Return whether it was not."""
+    async def cycle(self, top, touch=NOTHING, enable=1, limit=LOWEST, load=None):
+        """One cycle; what is to be written waits if marks are taken. Return whether it was not.
+
+        ``load``: word and line of the initial raster, in a row that ``touch`` leaves free.
+        """
         dut = self.dut
-        dut.top.value = top % (1 << CONFIG.line_bits + 2)
-        dut.enable.value, dut.loaded.value = enable, loaded
+        dut.top.value, dut.limit.value = (n % (1 << CONFIG.line_bits + 2) for n in (top, limit))
+        dut.enable.value = enable
         await Timer(1, unit="ns")
         oldest = int(dut.oldest.value)
         taking = int(dut.taking.value)
         assert self.enabled or not taking
         assert not taking or oldest < top
-        touch.drive(dut, idle=taking)
+        touch.drive(dut, idle=taking, load=load)
         dut.reaching.value = int(bool(touch.marks()))
 
         def observe():
@@ -55,7 +59,7 @@ class LaneSlide(Slide):
         await self.bench.step(observe=observe)
         self.enabled = enable
         if not taking:
-            for place, pair in touch.marks():
+            for place, pair in touch.marks(load):
                 line = self.line_of(place, oldest)
                 self.expected |= {(line, 2 * pair), (line, 2 * pair + 1)}
         return not taking
@@ -107,21 +111,32 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
 
 @cocotb.test()
 async def loaded_words_too(dut):
-    """An initial raster: words of lines that enter, which wait for it; then nothing but those."""
-    for seed, (rate, per_line) in enumerate([(1.0, 2), (0.5, 0.2), (1.0, 0.05)]):
+    """An initial raster: a word beside a tile, which lies on lines that have come.
+
+    Lines leave behind both, and marks are taken meanwhile.
+    """
+    both = 0
+    for seed, (rate, per_line) in enumerate([(1.0, 9), (1.0, 2), (0.5, 2), (1.0, 0.05)]):
         rng, slide = random.Random(seed), LaneSlide(dut, seed, rate)
         await slide.start(jump=0)
-        complete = -1  # no more comes for lines up to this one
-        for _ in range(900):
-            oldest, touch = int(dut.oldest.value), NOTHING
-            newest = oldest + CONFIG.window_lines - 1
-            loaded = complete >= newest - 1
-            if not loaded and rng.random() < per_line / (1 + per_line):
-                touch = random_touch(rng, complete + 1, newest, rng.randrange(WORDS), single=True)
-            elif not loaded:
-                complete = newest
-            await slide.cycle(60, touch, enable=loaded, loaded=loaded)
+        top, limit = -4, 0  # no word comes for lines above ``limit``
+        for _ in range(4000):
+            oldest, touch, load = int(dut.oldest.value), NOTHING, None
+            if top >= 0 and top + 4 < limit and rng.random() < 0.5:
+                last = top + rng.randrange(3)
+                touch = random_touch(rng, top, last, rng.randrange(WORDS), single=False)
+            if limit < oldest + CONFIG.window_lines and rng.random() < per_line / (1 + per_line):
+                load = rng.randrange(WORDS), limit
+                if any(touch.touched[limit % 4]):
+                    load = None
+            elif limit < oldest + CONFIG.window_lines:
+                limit += 1
+            if top + 5 < limit and rng.random() < 0.3:
+                top += 1
+            both += load is not None and bool(touch.marks())
+            await slide.cycle(top, touch, rng.random() < 0.9, limit, load)
         await slide.finish(rng)
+    assert both > 50
 
 
 @cocotb.test()
@@ -200,14 +215,16 @@ async def untouched_lines_leave_at_once(dut):
 @cocotb.test()
 async def nothing_leaves_unasked(dut):
     """No line from ``top`` on, none that is not loaded, and no marks are taken without leave."""
-    for case, (top, enable, loaded) in enumerate([(3, 1, 1), (12, 0, 1), (12, 1, 0)]):
+    for case, (top, enable, limit, jump) in enumerate(
+        [(3, 1, 0, 1), (12, 0, 0, 1), (3, 1, 12, 0), (12, 1, 2, 0)]
+    ):
         rng, slide = random.Random(case), LaneSlide(dut, case)
-        await slide.start()
+        await slide.start(jump)
         assert await slide.cycle(0, random_touch(rng, 3, 3, 99, single=True))
         for _ in range(12):
-            assert await slide.cycle(top, enable=enable, loaded=loaded)
+            assert await slide.cycle(top, enable=enable, limit=limit)
         assert not slide.flush.received
-        assert int(dut.oldest.value) == (3 if loaded else 0)
+        assert int(dut.oldest.value) == (3 if jump else min(3, limit))
         await slide.finish(rng)
 
 

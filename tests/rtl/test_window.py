@@ -137,6 +137,8 @@ async def check(dut, frames, rates, seed):
         source.payloads = Footprints(elements)
         source.sent = 0
         if start is not None:
+            # Whether there is an initial raster is known to the window a cycle later.
+            source.payloads.oldest = -CONFIG.window_lines
             initial.payloads, initial.sent = beats_of(start, width, height), 0
         raster.received.clear()
         dut.last_column.value = width - 1
@@ -186,6 +188,14 @@ async def with_stalls(dut):
             (8, 40, 100, random_image(rng, 8, 40, 0.05)),
         ]
         await check(dut, frames, rates, seed)
+
+
+@cocotb.test()
+async def words_right_behind_what_leaves(dut):
+    """An initial raster of one word a line, each of which enters where another is just cleared."""
+    for seed, rate in enumerate((1.0, 0.6, 0.3)):
+        start = {(line, 0): (9, line) for line in range(200)}
+        await check(dut, [(1, 200, 0, start), (1, 200, 9, start)], (1.0, 1.0, rate), seed)
 
 
 @cocotb.test()

@@ -10,7 +10,7 @@ from scene_frames import scene_frame
 
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
-from splatline.rtl.format import PAPER, PRESETS, WIDE
+from splatline.rtl.format import PAPER, PRESETS, SWIFT, WIDE
 from splatline.rtl.variants import SHAPED, VARIANTS
 from splatline.sim.bound import bound_cycles, least_cycles
 from splatline.sim.cycles import count_cycles
@@ -69,6 +69,21 @@ def test_lines_leave_beside_elements():
 @pytest.mark.parametrize(("below", "waits"), [(15, 0), (16, 64)])
 def test_a_line_is_drawn_into_once_the_one_in_its_place_has_left(below, waits):
     assert bound_cycles(rows_at(0, below)) == 64 + max(64, waits + 64) + 64
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        ((9,), 64 + 32),
+        ((9, 10), 64 + 64 + 32),
+        ((0, 15), 64 + 64 + 32),
+        # Nothing of the second line is drawn while the first one leaves its place to it.
+        ((0, 16), 64 + 32 + 64 + 32),
+    ],
+)
+def test_words_of_eight_leave_in_half_the_beats(lines, expected):
+    """A line of 512 pixels is 64 words; each row is one of them, and two are a beat."""
+    assert bound_cycles(rows_at(*lines, config=SWIFT)) == expected
 
 
 def test_a_window_of_fewer_lines_holds_up_more():

@@ -10,7 +10,7 @@ from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import PAPER, WIDE, get_preset
+from splatline.rtl.format import PAPER, SWIFT, WIDE, get_preset
 from splatline.rtl.lane import lane_address_bits
 from splatline.sim.cosim.frames import Job, play
 from splatline.sim.cycles import clearing_cycles, count_cycles
@@ -155,7 +155,7 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
 
 
 @pytest.mark.parametrize(
-    "config", [PAPER, WIDE, get_preset("deep")], ids=lambda config: config.name
+    "config", [PAPER, WIDE, SWIFT, get_preset("deep")], ids=lambda config: config.name
 )
 def test_known_counts(config):
     """A cycle a code word, one more for its latency, and the end beat behind.
@@ -178,7 +178,7 @@ def test_known_counts(config):
     # dots in words of their own leave as so many beats, and on the same word each but the first
     # waits for it, two cycles. In lanes it is one, and a pair of words leaves anyway.
     for dots in (1, 2) if config.lanes else (1, 2, 4):
-        columns = [4 + 4 * n for n in range(dots)]
+        columns = [4 + config.pixels_per_word * n for n in range(dots)]
         apart = [dot(column) for column in columns]
         same = [dot(4)] * dots
         start = cw.advance(4, config)
@@ -187,6 +187,25 @@ def test_known_counts(config):
         )
         waits = (dots - 1) * (1 if config.lanes else 2)
         assert count([start, *same]) - count([start, *apart]) == waits - (beats - 1)
+
+
+@pytest.mark.parametrize(
+    ("mark_words", "expected"), [(1, [20] * 5), (4, [76, 76, 84, 85, 85])], ids=["own", "shared"]
+)
+def test_a_line_of_as_many_stretches_as_a_machine_word_has_bits(mark_words, expected):
+    """Dots at both ends of lines of 4096 pixels, in 64 stretches: as the Verilog takes for them.
+
+    The last of them is the sign of the words in which the count has a bit each.
+    """
+    config = WIDE.replace(x_bits=12, material_bits=4, mark_words=mark_words)
+
+    def count(x):
+        dots = [cw.encode(DOT, mode=1, x=column, config=config) for column in (0, x)]
+        words = [cw.advance(4, config), *dots, cw.end(config)]
+        frame = cw.make_frame(words, (config.max_width, 64), config=config)
+        return count_cycles(frame, after_reset=False)
+
+    assert [count(x) for x in (1000, 3000, 4000, 4040, 4080)] == expected
 
 
 def test_more_words_never_take_less():
@@ -206,14 +225,19 @@ def test_a_stream_without_an_end_is_cut_short(words):
         count_cycles(cw.make_frame(words, (8, 8)))
 
 
-@pytest.mark.parametrize("config", [PAPER, WIDE], ids=lambda config: config.name)
+@pytest.mark.parametrize(
+    ("config", "most"),
+    # A strip of 64 columns has but eight words of eight pixels, and each of its turns under three.
+    [(PAPER, 1.03), (WIDE, 1.03), (SWIFT, 1.05)],
+    ids=["paper", "wide", "swift"],
+)
 @pytest.mark.parametrize("engines", [1, 4])
-def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, engines):
+def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, most, engines):
     """An engine's part of a dense frame: elements that follow each other lie in other words."""
     frame = scene_frame("terrain", view={"size": (256, 256)}, config=config)
     for part in deal(frame, engines, "columns"):
         apart = count_cycles(part, after_reset=False, conflicts=False)
-        assert count_cycles(part, after_reset=False) < 1.03 * apart
+        assert count_cycles(part, after_reset=False) < most * apart
 
 
 def test_words_after_the_end_are_not_counted():
