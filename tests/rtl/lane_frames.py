@@ -67,7 +67,7 @@ class Bench:
         self.source = self.bench.source("i", [], self.rates[0])
         self.initial = self.bench.source("initial", [], self.rates[1])
         self.raster = self.bench.sink("raster", self.rates[2])
-        self.dut.active.value = 0
+        self.dut.active.value = self.dut.load.value = 0
         self.frame, self.shown = Painter(1, 1), 0
         await self.bench.reset()
 
