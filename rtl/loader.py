@@ -15,8 +15,9 @@ class Loader(wiring.Component):
 
     A word is copied into memory while its line is still background, beside whatever is drawn and
     leaves elsewhere: an element waits until its lines have come, and a line until it has come
-    before it leaves. Words outside the image are dropped, and words of lines above that of the word
-    before: once a line was waited for, those before it may be on their way out.
+    before it leaves. Beats outside the image are dropped, and words of lines above that of the word
+    before: once a line was waited for, those before it may be on their way out. Of a beat of two
+    words the right one is written even if it alone lies outside, where nothing ever leaves.
 
     **Latency**: 1 cycle. **Throughput**: one word in two cycles, the first of which tells whether
     its line is in the window; or one a cycle that is dropped.
@@ -78,6 +79,7 @@ class Loader(wiring.Component):
         # of eight lines has no other for the last row of a block.
         lines = config.window_lines - (config.window_lines > BLOCK)
         beat = self.i.payload
+        skip = config.raster_words - 1  # beats are compared: which of their words it is, comes late
         ended = Signal()
         waiting = Signal()
         drop = Signal()
@@ -95,7 +97,7 @@ class Loader(wiring.Component):
                 beat.end
                 | (beat.line < self.limit)
                 | (beat.line > self.last_line)
-                | (beat.word > self.last_word)
+                | (beat.word[skip:] > self.last_word[skip:])
             ),
             self.o.valid.eq(offered),
             self.o.payload.eq(beat),
@@ -104,6 +106,11 @@ class Loader(wiring.Component):
             self.limit.eq(limit),
             self.front.eq(Mux(self.finished, self.oldest, loaded)),
         ]
+        if config.raster_words == 2:
+            # Late, but the same while a word is offered as in the cycle before.
+            right = Signal(reset_less=True)
+            m.d.sync += right.eq(beat.word[0])
+            m.d.comb += self.o.payload.word[0].eq(right)
         m.d.sync += offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready))
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)

@@ -64,7 +64,6 @@ ALL_OF_EIGHT = (
         name="planes-word8", banks=16, pixels_per_word=8, dither=True, mark_words=2
     ),
     SWIFT.replace(name="dither-word8", dither=True, mark_words=4, shapes="small"),
-    SWIFT.replace(name="single-word8", raster_words=1),
-    SWIFT.replace(name="narrow-word8", x_bits=5, depth_bits=13),
+    SWIFT.replace(name="narrow-word8", raster_words=1, x_bits=5, depth_bits=13),
 )
 """Sixteen banks of words of eight with all that may be combined with them."""

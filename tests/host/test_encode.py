@@ -70,7 +70,7 @@ def ellipse_pixels(column, line, diameter, shape, width, height):
 def test_a_splat_covers_its_ellipse_anywhere_in_and_around_the_image(largest):
     rng = np.random.default_rng(largest)
     width, height = 61, 47
-    for _ in range(300):
+    for _ in range(150):
         diameter = np.float32(rng.uniform(0, largest))
         column = np.float32(rng.uniform(-10, width + 10))
         line = np.float32(rng.uniform(-10, height + 10))
@@ -136,7 +136,7 @@ def true_ellipse(column, line, diameter, slope, width, height):
 def test_an_exact_splat_covers_its_true_ellipse(largest):
     rng = np.random.default_rng(largest)
     width, height = 61, 47
-    for _ in range(300):
+    for _ in range(150):
         diameter = np.float32(rng.uniform(0.5, largest))
         column = np.float32(rng.uniform(-10, width + 10))
         line = np.float32(rng.uniform(-10, height + 10))
@@ -150,13 +150,13 @@ def test_an_exact_splat_covers_its_true_ellipse(largest):
             assert found.sum() <= 1 or near.any()
 
 
-@pytest.mark.parametrize("steepness", [10.0, 1e3, 1e5, 1e6])
+@pytest.mark.parametrize("steepness", [10.0, 1e3, 1e6])
 @pytest.mark.parametrize("focal", [400.0, 1e6])
 def test_a_splat_seen_edge_on_stays_within_its_own_radius(steepness, focal):
     """Where rounding would make its ellipse an endless line."""
     rng = np.random.default_rng(10)
     y, x = np.mgrid[:200, :200] + 0.5
-    for _ in range(200):
+    for _ in range(100):
         slope = steepness * rng.normal(size=2)
         diameter, column, line = rng.uniform(2, 20), *rng.uniform(30, 170, 2)
         splats = splats_of(column, line, diameter, 0, slope)

@@ -115,7 +115,7 @@ class Bench:
         self.open(frame, initial)
         cycles = await self.bench.run(
             lambda: bool(self.raster.received) and self.raster.received[-1] >= END,
-            most_cycles=50_000,
+            most_cycles=15_000,
             drive=self.drive,
             after=0,
         )

@@ -8,11 +8,14 @@ from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
 from splatline.sim.cosim import blocks, simulator
 
-__all__ = ["CONFIG", "OTHERS", "run_bench", "run_built"]
+__all__ = ["CONFIG", "OTHERS", "SINGLE", "run_bench", "run_built"]
 
 VARIABLE = "SPLATLINE_TEST_PRESET"
 
-CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, *ALL_OF_EIGHT)}[
+SINGLE = PRESETS["swift"].replace(name="single-word8", raster_words=1)
+"""Words of eight pixels that leave one by one, for benches of parts."""
+
+CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, *ALL_OF_EIGHT, SINGLE)}[
     os.environ.get(VARIABLE, PAPER.name)
 ]
 """The engine of this process: ``paper`` unless ``run_bench`` started it."""

@@ -5,7 +5,7 @@ import random
 import cocotb
 import pytest
 from footprints import place_of_word
-from presets import CONFIG, run_bench
+from presets import CONFIG, SINGLE, run_bench
 from slides import Slide
 from test_bank_marks import rows_of_marks
 
@@ -13,7 +13,6 @@ from splatline.rtl.bank_layout import bank_address_bits, stretch_bits
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.format import PRESETS, SWIFT
 from splatline.rtl.layouts import FlushLayout
-from splatline.rtl.variants import ALL_OF_EIGHT
 from splatline.sim.cosim.blocks import unpack
 
 PLACE, ADDRESS = FlushLayout(CONFIG), bank_address_bits(CONFIG)
@@ -197,9 +196,6 @@ async def nothing_leaves_unasked(dut):
         assert int(dut.oldest.value) <= 5, "lines entered the window before they were loaded"
     assert int(dut.oldest.value) == 5
     await slide.finish()
-
-
-SINGLE = next(config for config in ALL_OF_EIGHT if config.name == "single-word8")
 
 
 @pytest.mark.parametrize(

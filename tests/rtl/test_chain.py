@@ -224,10 +224,16 @@ def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
     assert description["latency"]["codeword_to_memory_cycles"] == 4
 
 
-@pytest.mark.parametrize("config", [BANKS, EIGHT], ids=["four", "eight"])
-@pytest.mark.parametrize("link", LINKS)
+@pytest.mark.parametrize(
+    ("link", "config"),
+    [("merge", BANKS), ("load", BANKS), ("load", EIGHT)],
+    ids=["merge-four", "load-four", "load-eight"],
+)
 def test_engines_whose_beats_have_two_words(link, config):
-    """Of four or of eight pixels: joined as others are, and cut in two where they are loaded."""
+    """Of four or of eight pixels: joined as others are, and cut in two where they are loaded.
+
+    Beats of sixteen pixels are merged in ``test_merger``.
+    """
     rng = np.random.default_rng(12)
     jobs = [
         ChainJob.dealt(

@@ -129,7 +129,13 @@ def test_a_fault_in_the_window_of_banks_is_noticed(broken):
 
 
 @pytest.mark.parametrize(
-    ("preset", "test"), dict.fromkeys(planted[:2] for planted in WINDOW_FAULTS.values())
+    ("preset", "test"),
+    dict.fromkeys(
+        [
+            *(planted[:2] for planted in WINDOW_FAULTS.values()),
+            ("wide", "nonsense_in_the_initial_raster"),
+        ]
+    ),
 )
 def test_without_a_fault_nothing_is_noticed_in_the_window(preset, test):
     run_window(preset, test, 0)

@@ -3,16 +3,18 @@
 import random
 
 import cocotb
+from presets import CONFIG, run_bench
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.merger import Merger
-from splatline.sim.cosim.blocks import pack, run_bench, unpack
+from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 
-BEAT = RasterLayout(PAPER)
-PIXELS = PAPER.pixels_per_word
-BACKGROUND = (PAPER.background_depth, 0)
+BEAT = RasterLayout(CONFIG)
+PIXELS = CONFIG.raster_pixels
+WORDS = CONFIG.max_width // PIXELS
+BACKGROUND = (CONFIG.background_depth, 0)
 RATES = [(1.0, 1.0, 1.0), (0.5, 0.9, 1.0), (0.9, 0.3, 0.6), (1.0, 1.0, 0.3)]
 
 
@@ -35,7 +37,9 @@ def random_picture(rng, places):
 
 def pictures(rng):
     """Pairs of pictures: alike, apart, interleaved, one of them empty, both empty."""
-    every = [(line, word) for line in (0, 1, 2, 511, 1023) for word in (0, 1, 2, 63, 127)]
+    every = [
+        (line, word) for line in (0, 1, 2, 511, 1023) for word in (0, 1, 2, WORDS // 2, WORDS - 1)
+    ]
     for _ in range(2):
         for shares in ((1.0, 1.0), (0.5, 0.5), (0.1, 0.9), (0.0, 0.6), (0.6, 0.0), (0.0, 0.0)):
             yield [
@@ -102,11 +106,11 @@ async def one_over_the_other(dut):
 async def a_beat_a_cycle(dut):
     """Neither side's beats nor those of both cost more than a cycle, and two for the way."""
     rng = random.Random(9)
-    places = [(line, word) for line in range(4) for word in range(50)]
+    places = [(line, word) for line in range(4) for word in range(min(50, WORDS))]
     for before, own in (
         (places[::2], places[1::2]),
         (places, places),
-        (places[:100], places[100:]),
+        (places[: len(places) // 2], places[len(places) // 2 :]),
     ):
         bench = StreamBench(dut, 1)
         pair = [random_picture(rng, before), random_picture(rng, own)]
@@ -135,4 +139,8 @@ async def nothing_goes_on_before_the_other_side_is_known(dut):
 
 
 def test_the_merger_draws_one_picture_over_the_other(block_simulator):
-    run_bench(Merger(PAPER), __file__, simulator_name=block_simulator)
+    run_bench(PAPER, Merger, __file__, simulator_name=block_simulator)
+
+
+def test_the_merger_takes_beats_of_sixteen_pixels():
+    run_bench(PRESETS["swift"], Merger, __file__)

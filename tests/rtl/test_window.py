@@ -229,11 +229,17 @@ async def lines_jump_while_the_raster_waits(dut):
 
 @cocotb.test()
 async def nonsense_in_the_initial_raster(dut):
-    """Beats outside the image or out of order fall nowhere but on their own place."""
+    """Beats outside the image or out of order fall nowhere but on their own place.
+
+    And those across its border but on what is inside, of which on some lines nothing is drawn.
+    """
     rng = random.Random(5)
-    width, height = 20, 24
+    width, height = 18, 24
     image = random_image(rng, width, height, 0.5)
-    good = beats_of(image, width, height)[:-1]
+    beyond = {
+        (line, column): (1, 7) for line in range(height) for column in range((18, 20)[line % 2], 24)
+    }
+    good = beats_of(image | beyond, width, height)[:-1]
     full = {"depth": [1] * PIXELS, "colour": [7] * PIXELS}
     outside = [
         pack(RASTER, pixels=full, word=word, line=line)
