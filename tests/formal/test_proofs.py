@@ -1,4 +1,4 @@
-"""The quick proofs hold, and each finds two planted faults; ``make formal`` runs all of them."""
+"""The quick proofs hold, and each finds a planted fault; ``make formal`` runs all of them."""
 
 import subprocess
 import sys
@@ -23,7 +23,7 @@ def test_a_proof_holds(proof):
     [
         pytest.param(proof, fault, id=f"{proof.name}: {fault.name}")
         for proof in QUICK
-        for fault in proof.faults[:2]
+        for fault in proof.faults[:1]
     ],
 )
 def test_a_planted_fault_is_found(proof, fault):

@@ -132,7 +132,6 @@ def test_every_picture_is_golden_s_under_stalls_on_every_link(link):
 
 LANES = SMALL.replace(pixels_per_word=4, window_lines=16)
 BANKS = LANES.replace(lanes=False, raster_words=2)
-EIGHT = BANKS.replace(banks=16, pixels_per_word=8)
 
 
 @pytest.mark.parametrize(("config", "most"), [(LANES, 4), (BANKS, 1)], ids=["lanes", "banks"])
@@ -224,28 +223,24 @@ def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
     assert description["latency"]["codeword_to_memory_cycles"] == 4
 
 
-@pytest.mark.parametrize(
-    ("link", "config"),
-    [("merge", BANKS), ("load", BANKS), ("load", EIGHT)],
-    ids=["merge-four", "load-four", "load-eight"],
-)
-def test_engines_whose_beats_have_two_words(link, config):
-    """Of four or of eight pixels: joined as others are, and cut in two where they are loaded.
+@pytest.mark.parametrize("link", LINKS)
+def test_engines_whose_beats_have_two_words(link):
+    """Joined as others are, and cut in two where they are loaded.
 
-    Beats of sixteen pixels are merged in ``test_merger``.
+    Of four pixels; beats of sixteen are merged in ``test_merger``.
     """
     rng = np.random.default_rng(12)
     jobs = [
         ChainJob.dealt(
-            shapes(rng, 150, 50, 40, config=config),
+            shapes(rng, 150, 50, 40, config=BANKS),
             engines=2,
             rates=rates,
             seed=seed,
-            initial=random_raster(rng, 50, 40, 0.2, config=config) if seed % 2 else None,
+            initial=random_raster(rng, 50, 40, 0.2, config=BANKS) if seed % 2 else None,
         )
         for seed, rates in enumerate(RATES)
     ]
     jobs += [
-        without_new_tables(rng, rates, seed, config, engines=2) for seed, rates in enumerate(RATES)
+        without_new_tables(rng, rates, seed, BANKS, engines=2) for seed, rates in enumerate(RATES)
     ]
     check(jobs, link=link)
