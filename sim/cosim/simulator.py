@@ -40,10 +40,12 @@ MANY_CHARACTERS = 1_500_000
 """Of Verilog, from which on its C++ comes in parts: two compilers side by side then gain more than
 what all parts have in common costs, which is compiled first."""
 
+_IN_PARTS = ["--output-split", "20000"]
+
 
 def _arguments(simulator: str, *, parts: bool) -> list[str]:
     """Return a simulator's arguments for a build."""
-    return [*_BUILD_ARGS[simulator], *(["--output-split", "20000"] if parts else [])]
+    return [*_BUILD_ARGS[simulator], *(_IN_PARTS if parts else [])]
 
 
 def _make_flags(*, parts: bool = False) -> str:

@@ -1,12 +1,15 @@
 """The loader: which words of an initial raster reach the window, and what it says of the rest."""
 
 import random
+from pathlib import Path
 
 import cocotb
 
 from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.loader import Loader
+from splatline.rtl.verilog import convert
+from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import pack, run_bench
 from splatline.sim.cosim.streams import StreamBench
 
@@ -132,3 +135,13 @@ async def nothing_is_read_outside_a_frame_or_unasked(dut):
 
 def test_loader_offers_words_as_their_lines_enter(block_simulator):
     run_bench(Loader(PAPER), __file__, simulator_name=block_simulator)
+
+
+def test_a_simulator_that_is_compiled_in_parts_runs_the_same(monkeypatch):
+    """As those of large engines are, outside the tests."""
+    monkeypatch.setattr(simulator, "MANY_CHARACTERS", 0)
+    monkeypatch.setattr(simulator, "_IN_PARTS", ["--output-split", "300"])
+    monkeypatch.delenv("SPLATLINE_QUICK_BUILD")
+    built = simulator.build({"dut.v": convert(Loader(PAPER), "dut")}, "dut")
+    assert len(list(built.folder.glob("Vtop___024root*.o"))) > 1
+    simulator.run(built, Path(__file__).stem, module_folder=Path(__file__).parent)
