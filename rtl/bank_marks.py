@@ -99,12 +99,12 @@ class BankMarks(wiring.Component):
 
         halves = [Signal(1 << low, name=f"half_{n}") for n in range(2)]
         for half, side in zip(halves, (kept[: banks // 2], kept[banks // 2 :]), strict=True):
-            m.d.comb += half.eq(choose(side, residue))
+            m.d.comb += half.eq(choose(m, side, residue))
         for column in range(1 << low):
             m.d.comb += self.bits[2 * column : 2 * column + 2].eq(
                 Cat(halves[0][column], halves[1][column])
             )
         m.d.comb += self.busy.eq(
-            choose(self.drawn[: banks // 2] | self.drawn[banks // 2 :], residue)
+            choose(m, self.drawn[: banks // 2] | self.drawn[banks // 2 :], residue)
         )
         return m

@@ -5,15 +5,18 @@ from amaranth.hdl import Cat, Mux, Signal, Value
 __all__ = ["choose", "number_of", "pick"]
 
 
-def choose(values, index, pairs=None) -> Cat:
+def choose(m, values, index, pairs=None) -> Signal:
     """Return that of the values which has a number, in one LUT of four inputs for two values.
 
     A tree takes five LUTs a bit of eight values. Here each LUT of a chain has two values: if the
     one that is chosen is among them, it picks it by what comes in, and else it hands that on; the
     first one sends the index's lowest bit along, and the chosen value takes its place.
+    A link is a signal, as it is used twice and Amaranth writes expressions anew at every use.
 
     Parameters
     ----------
+    m
+        The module that gets the chain.
     values
         As many of the same width as a power of two.
     index
@@ -27,14 +30,16 @@ def choose(values, index, pairs=None) -> Cat:
     low = index[0]
     if pairs is None:
         pairs = [index[1:] == pair for pair in range(len(flat) // 2)]
-    bits = []
-    for bit in range(len(flat[0])):
-        chosen = low
-        for pair, mine in enumerate(pairs):
-            even, odd = flat[2 * pair][bit], flat[2 * pair + 1][bit]
-            chosen = Mux(mine, Mux(chosen, odd, even), chosen)
-        bits.append(chosen)
-    return Cat(bits)
+    chosen = [low] * len(flat[0])
+    for mine, even, odd in zip(pairs, flat[::2], flat[1::2], strict=True):
+        before, chosen = chosen, Signal(len(even), name="chosen")
+        m.d.comb += chosen.eq(
+            Cat(
+                Mux(mine, Mux(link, right, left), link)
+                for link, left, right in zip(before, even, odd, strict=True)
+            )
+        )
+    return chosen
 
 
 def pick(options: list, number: Signal):

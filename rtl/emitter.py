@@ -147,7 +147,7 @@ class Emitter(wiring.Component):
         before, place = places[-2:]
         if self.config.raster_words == 1:
             word = Signal(PlaneLayout(self.config))
-            m.d.comb += word.eq(choose(self.words, self._bank(place)))
+            m.d.comb += word.eq(choose(m, self.words, self._bank(place)))
             return [(word, Const(1))]
         bits = residue_bits(self.config)
         lines = 1 << bits
@@ -159,7 +159,7 @@ class Emitter(wiring.Component):
             upper = turned(self.config, place.line) ^ half  # a bank of the upper half has it
             word = Signal(PlaneLayout(self.config), name=("left", "right")[half])
             sides = [
-                choose([self.words[first + n] for n in range(lines)], place.line[:bits], pairs)
+                choose(m, [self.words[first + n] for n in range(lines)], place.line[:bits], pairs)
                 for first in (0, lines)
             ]
             m.d.comb += word.eq(Mux(upper, sides[1], sides[0]))
@@ -198,7 +198,7 @@ class Emitter(wiring.Component):
         config = self.config
         chosen = Signal(range(config.banks), reset_less=True)
         word = Signal(PlaneLayout(config))
-        m.d.comb += word.eq(choose(self.words, chosen))
+        m.d.comb += word.eq(choose(m, self.words, chosen))
         before = Signal.like(chosen)  # the bank chosen one cycle ago
         pixel = data.StructLayout(
             {"depth": config.depth_bits, "colour": config.plane_bits, "background": 1}
