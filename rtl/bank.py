@@ -64,6 +64,8 @@ class Bank(wiring.Component):
         ``drawn_address``.
     drawn_address : Out(bank_address_bits)
         Which word that is.
+    changing : Out(1)
+        As ``drawn``, or the word is cleared: a request for it now would read what it was.
     """
 
     def __init__(self, config: EngineConfig):
@@ -77,6 +79,7 @@ class Bank(wiring.Component):
                 "old": Out(WordLayout(config)),
                 "drawn": Out(1),
                 "drawn_address": Out(bank_address_bits(config)),
+                "changing": Out(1),
             }
         )
 
@@ -108,6 +111,7 @@ class Bank(wiring.Component):
         m.d.comb += [
             self.drawn.eq(taken.draw | taken.load),
             self.drawn_address.eq(taken.address),
+            self.changing.eq(self.drawn | taken.clear),
             self.old.eq(word),
         ]
         for name, (read, load, write) in ports.items():

@@ -13,7 +13,7 @@ from .layouts import FlushLayout
 
 __all__ = ["BankWalker"]
 
-STAGES = ("found", "read", "left")
+STAGES = ("found", "left")
 
 
 class BankWalker(wiring.Component):
@@ -28,12 +28,14 @@ class BankWalker(wiring.Component):
     Marks are read ahead: while the words of a stretch are asked for, the next one that has any is
     fetched, in a cycle in which its line's banks mark nothing. So flushing waits for marks only
     where they are sparse. With a mark for each word (``mark_words`` 1) a stretch that no element
-    has reached since the window was last clean is not read: a few elements cost a few cycles.
+    has reached since the window was last clean is not read: a few elements cost a few cycles. And
+    ``front`` says already with the last word that it asks for how far the window goes on, where
+    nothing is drawn that may keep that word waiting.
 
     Where the raster's beats have two words, two neighbours that are both drawn are asked for
     together. Up to two of what is asked for wait to be taken.
 
-    **Latency**: 5 cycles from a complete line to its first word. **Throughput**: one word a cycle,
+    **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle,
     or a beat's two, and at least one cycle a stretch of sixteen that was reached.
 
     Members
@@ -57,6 +59,9 @@ class BankWalker(wiring.Component):
         Which word.
     wipe : In(1)
         Clear the marks about ``addresses``, as after a reset: see :class:`BankMarks`.
+    idle : In(1)
+        Nothing is drawn in this cycle or the next. What is asked for in the next one is then taken
+        at once, unless the window stands still, in which no element moves either.
     close : In(1)
         The frame at hand is complete; not while ``closing``.
     restart : In(1)
@@ -64,7 +69,9 @@ class BankWalker(wiring.Component):
     oldest : Out(line_bits + 1)
         First line in the window, of the frame that leaves.
     front : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn.
+        First line in the window, of the frame that is drawn; or what it is once the word asked for
+        at the moment is taken. No element behind it is drawn before the second cycle after that
+        (see :class:`Decoder`), nor before the word is cleared (see :class:`Scatter`).
     closing : Out(1)
         A frame was closed and is not over.
     over : Out(1)
@@ -86,6 +93,7 @@ class BankWalker(wiring.Component):
                 "drawn": In(config.banks),
                 "addresses": In(data.ArrayLayout(bank_address_bits(config), config.banks)),
                 "wipe": In(1),
+                "idle": In(1),
                 "close": In(1),
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
@@ -106,17 +114,19 @@ class BankWalker(wiring.Component):
         clean = Signal()
         closing = Signal()
         leaves = Signal()
+        jumps = Signal()  # nothing is written in any line above ``top``
+        early = Signal()  # ``line`` is known to be the window's first once ``flush`` is taken
 
         # The stretch that is read next.
         line = Signal(len(self.oldest))
         stretch = Signal(stretch_bits(config))
         last = Signal()  # it is the line's last
-        # What was read, what follows, and what is left of the stretch at hand: the words' marks,
-        # the line and the stretch.
-        found, read, left = (Signal(len(marks.bits), name=name) for name in STAGES)
-        line_found, line_read, line_left = (Signal.like(line, name=f"line_{n}") for n in STAGES)
-        stretch_found, stretch_read, stretch_left = (
-            Signal.like(stretch, name=f"stretch_{n}") for n in STAGES
+        # What was read and waits, and what is left of the stretch at hand: the words' marks, the
+        # line and the stretch.
+        found, left = (Signal(len(marks.bits), name=name) for name in STAGES)
+        line_found, line_left = (Signal.like(line, name=f"line_{name}") for name in STAGES)
+        stretch_found, stretch_left = (
+            Signal.like(stretch, name=f"stretch_{name}") for name in STAGES
         )
         second_valid = Signal()  # two words, or pairs, are asked for
 
@@ -124,8 +134,9 @@ class BankWalker(wiring.Component):
         leaving = Signal()
         here = Signal()
         reading = Signal()
-        moves = Signal()
-        onward = Signal()
+        bits = Signal.like(marks.bits)
+        waits = Signal()  # what was found does
+        moves = Signal()  # nothing will be left of the stretch at hand
         passed = Signal()
         ended = Signal()
         m.d.comb += [
@@ -135,9 +146,9 @@ class BankWalker(wiring.Component):
             ),
             here.eq(written.bit_select(line[:4], 1)),
             reading.eq(leaving & here & ~marks.busy),
-            # What was read moves on at once if it is nothing: one that has some never waits for it.
-            onward.eq(~read.any() | moves),
-            passed.eq(reading & (onward | ~found.any())),
+            bits.eq(marks.bits & reading.replicate(len(bits))),
+            waits.eq(found.any()),
+            passed.eq(reading & (moves | ~waits)),
             ended.eq(passed & last),
             marks.line.eq(line),
             marks.stretch.eq(stretch),
@@ -146,7 +157,7 @@ class BankWalker(wiring.Component):
             marks.addresses.eq(self.addresses),
             marks.wipe.eq(self.wipe),
             clean.eq(~written.any()),
-            changeover.oldest.eq(self.oldest),
+            changeover.oldest.eq(Mux(early, line, self.oldest)),
             changeover.line.eq(line),
             changeover.leaves.eq(leaves),
             changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(config.banks)).any()),
@@ -157,19 +168,14 @@ class BankWalker(wiring.Component):
             closing.eq(changeover.closing),
             self.front.eq(changeover.front),
             self.closing.eq(closing),
-            self.over.eq(changeover.over & ~Cat(found, read, left, self.flush.valid).any()),
+            self.over.eq(changeover.over & ~Cat(found, left, self.flush.valid).any()),
         ]
-        with m.If(onward | ~found.any()):
+        # What is read waits only where something is left of the stretch before.
+        with m.If(moves | ~waits):
             m.d.sync += [
-                found.eq(marks.bits & reading.replicate(len(found))),
+                found.eq(Mux(moves & ~waits, 0, bits)),
                 line_found.eq(line),
                 stretch_found.eq(stretch),
-            ]
-        with m.If(onward):
-            m.d.sync += [
-                read.eq(found),
-                line_read.eq(line_found),
-                stretch_read.eq(stretch_found),
             ]
         if config.mark_words == 1:
             self._choose_stretch(m, stretch, last, passed, clean & ~self.drawn.any())
@@ -177,8 +183,11 @@ class BankWalker(wiring.Component):
             m.d.comb += last.eq(stretch == self.last_word[column_bits(config) + 1 :])
             with m.If(passed):
                 m.d.sync += stretch.eq(Mux(last, 0, stretch + 1))
-        m.d.comb += leaves.eq(ended | (leaving & ~here))
-        with m.If(leaving & self.jump & clean & ~closing):
+        m.d.comb += [
+            leaves.eq(ended | (leaving & ~here)),
+            jumps.eq(leaving & self.jump & clean & ~closing),
+        ]
+        with m.If(jumps):
             m.d.sync += line.eq(self.top)
         with m.Elif(leaves & ~changeover.last):
             m.d.sync += line.eq(line + 1)
@@ -203,7 +212,11 @@ class BankWalker(wiring.Component):
             moves.eq(~left.any() | (asked & single)),
         ]
         with m.If(moves):
-            m.d.sync += [left.eq(read), line_left.eq(line_read), stretch_left.eq(stretch_read)]
+            m.d.sync += [
+                left.eq(Mux(waits, found, bits)),
+                line_left.eq(Mux(waits, line_found, line)),
+                stretch_left.eq(Mux(waits, stretch_found, stretch)),
+            ]
         for word in range(len(left)):
             with m.If(asked & ~single & ask.halves[word % 2] & (column == word // 2)):
                 m.d.sync += left[word].eq(0)
@@ -212,6 +225,9 @@ class BankWalker(wiring.Component):
         first = Signal(FlushLayout(config), reset_less=True)
         second = Signal.like(first, reset_less=True)
         second_line = Signal.like(line, reset_less=True)
+        sole = Signal()  # nothing follows what is asked for
+        # Further planes keep a bank from giving up a word at once.
+        m.d.comb += sole.eq(~second_valid & moves & ~waits & (config.colour_planes == 1))
         m.d.comb += [self.flush.payload.eq(first), self.flush.payload.line.eq(self.oldest)]
         with m.If(~self.flush.valid | self.flush.ready):
             m.d.sync += [
@@ -219,11 +235,12 @@ class BankWalker(wiring.Component):
                 first.eq(Mux(second_valid, second, ask)),
                 second_valid.eq(0),
             ]
+            m.d.sync += early.eq(sole & self.idle & jumps)
             with m.If(second_valid):
                 m.d.sync += self.oldest.eq(second_line)
             with m.Elif(asked):
                 m.d.sync += self.oldest.eq(line_left)
-            with m.Elif(~Cat(found, read).any()):
+            with m.Elif(~waits):
                 m.d.sync += self.oldest.eq(line)
         with m.Elif(asked):
             m.d.sync += [second_valid.eq(1), second.eq(ask), second_line.eq(line_left)]

@@ -42,7 +42,7 @@ class Scatter(wiring.Component):
         What the banks are to draw. ``ready`` is high in the cycle in which the last of them is
         taken.
     drawn : In(banks)
-        Banks that took a word one cycle before.
+        Banks that took a word one cycle before, to draw into it or, as it left, to clear it.
     addresses : In(banks x bank_address_bits)
         Which word.
     stale : Out(banks)

@@ -32,7 +32,7 @@ class Window(wiring.Component):
 
     After reset the banks are cleared, which takes as many cycles as a bank has words.
 
-    **Latency**: 7 cycles from a retired line to its first beat, 9 with further planes.
+    **Latency**: 5 cycles from a retired line to its first beat, 7 with further planes.
     **Throughput**: 1 to 3 cycles an element, with sixteen banks 1 or 2, or always 1 (see
     :class:`Scatter`), two more, or one with further planes, where it follows into the word that its
     predecessor wrote last; a beat of ``raster``, or a word in two cycles of the initial raster,
@@ -118,6 +118,7 @@ class Window(wiring.Component):
             walker.limit.eq(loader.limit),
             walker.jump.eq(loader.finished),
             walker.restart.eq(self.finished),
+            walker.idle.eq(~scatter.i.valid & ~scatter.o.valid),
             loader.enable.eq(self.load),
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
@@ -202,7 +203,7 @@ class Window(wiring.Component):
                 emitter.words[index].eq(bank.old),
                 walker.drawn[index].eq(bank.drawn),
                 walker.addresses[index].eq(bank.drawn_address),
-                scatter.drawn[index].eq(bank.drawn),
+                scatter.drawn[index].eq(bank.changing if config.colour_planes == 1 else bank.drawn),
                 scatter.addresses[index].eq(bank.drawn_address),
             ]
             if config.colour_planes > 1:

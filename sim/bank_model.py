@@ -16,8 +16,10 @@ from ..host.unfold import unfold
 from ..rtl.format import BLOCK
 from .bank_walk import (
     ASKED,
+    FRONT,
     LINE,
     OLDEST,
+    PAIR,
     REACHED,
     STRETCH,
     TOP,
@@ -67,9 +69,12 @@ class Window(NamedTuple):
         What ``covered`` and ``place`` have of it: shape (banks,).
     taken, writing
         The address that each bank took for drawing in the cycle before, and in the one before that,
-        or ``EMPTY``: shape (banks,).
+        or ``EMPTY``: shape (banks,). Of a word that left, in the latter alone.
+    cleared
+        The address of the word that left each bank in the cycle before, or ``EMPTY``: shape
+        (banks,).
     walk
-        The walker's registers, see ``bank_walk.OLDEST``: shape (22,).
+        The walker's registers, see ``bank_walk.OLDEST``: shape (20,).
     marks
         Words that were drawn into, by place of their line: shape (16, words).
     depth
@@ -90,6 +95,7 @@ class Window(NamedTuple):
     dealt_place: Any
     taken: Any
     writing: Any
+    cleared: Any
     walk: Any
     marks: Any
     depth: Any
@@ -128,6 +134,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         np.zeros(banks, np.int64),
         np.full(banks, EMPTY, np.int64),
         np.full(banks, EMPTY, np.int64),
+        np.full(banks, EMPTY, np.int64),
         new_walk(-ABOVE),
         np.zeros((LINES, 2 * machine.half_words), np.bool_),
         np.full(_pixels(machine), machine.z_mask, np.int64),
@@ -151,6 +158,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
 
         settled = machine.clearing == 0 or cycle > machine.clearing + 1  # what was cleared last
         go = dealt != EMPTY and settled
+        offered = head != EMPTY and near and not ends
         complete = machine.lowest if closing else walk[TOP]
         ready = not clearing and not (machine.planes > 1 and window.leaving[1] == SHOWN)
         asked = asked_banks(walk, machine)
@@ -164,14 +172,16 @@ def walk_banks(words: Any, machine: Machine) -> int:
         first = walk[LINE] % machine.half_banks
         second = first + machine.half_banks
         marking = window.taken[first] != EMPTY or window.taken[second] != EMPTY
-        ahead, oldest = top - walk[OLDEST], walk[OLDEST]
+        ahead, oldest = top - walk[FRONT], walk[FRONT]
         if walk[WRITTEN] == 0 and not drawn and not go:
             walk[REACHED] = 0
         done = _draw(window, go, held, _depth(words, dealt, machine), machine)
         if clearing:  # all banks, one address after the other; the last is the highest
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
+        _clear(window, flushed, machine)
         _shift(window, _give_up(window, machine) if flushed else 0)
-        step_walk(walk, window.marks, complete, flushed, marking, machine)
+        idle = not offered and dealt == EMPTY and not closing and machine.planes == 1
+        step_walk(walk, window.marks, complete, flushed, marking, idle, machine)
         if machine.mark_words > 1:
             # All are read.
             walk[REACHED] = (2 << machine.last_column // (machine.pixels * STRETCH)) - 1
@@ -180,7 +190,6 @@ def walk_banks(words: Any, machine: Machine) -> int:
         walk[WRITTEN] |= drawn
 
         step = dealt == EMPTY or done
-        offered = head != EMPTY and near and not ends
         dealt_last = _deal(window, offered) if step else False
         walk[TOP] = top
         if step:
@@ -297,6 +306,8 @@ def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool
     for bank in range(len(window.left)):
         address = window.dealt[bank]
         before, window.writing[bank] = window.writing[bank], window.taken[bank]
+        if window.taken[bank] == EMPTY:
+            window.writing[bank] = window.cleared[bank]
         if not go or address == EMPTY:
             window.taken[bank] = EMPTY
             continue
@@ -347,6 +358,16 @@ def _drawn(window: Window, machine: Machine) -> int:
             group = window.taken[bank] // machine.half_words
             places |= 1 << (machine.half_banks * group + bank % machine.half_banks)
     return places
+
+
+@nb.njit(cache=True, inline="always")
+def _clear(window: Window, flushed: bool, machine: Machine) -> None:
+    """Note which word leaves each bank: what the bank draws there next waits as for any other."""
+    window.cleared[:] = EMPTY
+    if flushed:
+        line, first = window.walk[OLDEST], window.walk[ASKED]
+        for number in range(first, first + 1 + window.walk[PAIR]):
+            window.cleared[bank_of(line, number, machine)] = _address(line, number, machine)
 
 
 @nb.njit(cache=True)

@@ -14,8 +14,10 @@ from .pipeline_model import EMPTY, LINES, Machine
 
 __all__ = [
     "ASKED",
+    "FRONT",
     "LINE",
     "OLDEST",
+    "PAIR",
     "REACHED",
     "STRETCH",
     "TOP",
@@ -36,9 +38,6 @@ STRETCH = 16
     ROW,
     ROW_LINE,
     ROW_STRETCH,
-    NEXT,
-    NEXT_LINE,
-    NEXT_STRETCH,
     LEFT,
     LEFT_LINE,
     LEFT_STRETCH,
@@ -53,20 +52,22 @@ STRETCH = 16
     BEHIND,
     BEHIND_PAIR,
     BEHIND_LINE,
-) = range(22)
+    FRONT,
+) = range(20)
 """Registers of the walker: the first line in the window; the line whose marks are
-read next; the marks that were read, their line and stretch; those of the stretch that follows, and
-of the words that are still to be asked for; a bit a place that was written into;
+read next; the marks that were read and wait, their line and stretch; those of the words that are
+still to be asked for; a bit a place that was written into;
 the line above which all lines are complete; stretches that elements reached since the window was
 last clean, and those that the line still has, a bit each; the stretch that is read next, and
 whether it is its line's last; the word that is asked for, on line ``OLDEST``, or ``EMPTY``, and
-whether the one on its right is too; the same of the one asked for behind it, and its line."""
+whether the one on its right is too; the same of the one asked for behind it, and its line; the
+first line in the window as elements know it."""
 
 
 @nb.njit(cache=True)
 def new_walk(top: int) -> Any:
     """Return the registers as they are before the first code word; no element is above ``top``."""
-    walk = np.zeros(BEHIND_LINE + 1, np.int64)
+    walk = np.zeros(FRONT + 1, np.int64)
     walk[TOP], walk[AHEAD], walk[ASKED], walk[BEHIND] = top, -1, EMPTY, EMPTY
     return walk
 
@@ -107,20 +108,26 @@ def asked_banks(walk: Any, machine: Machine) -> int:
 @nb.njit(cache=True)
 def is_clean(walk: Any) -> bool:
     """Return whether nothing in the window is written."""
-    left = walk[ROW] | walk[NEXT] | walk[LEFT]
+    left = walk[ROW] | walk[LEFT]
     return walk[WRITTEN] == 0 and left == 0 and walk[ASKED] == EMPTY
 
 
 @nb.njit(cache=True)
 def step_walk(
-    walk: Any, marks: Any, complete: int, flushed: bool, marking: bool, machine: Machine
+    walk: Any,
+    marks: Any,
+    complete: int,
+    flushed: bool,
+    marking: bool,
+    idle: bool,
+    machine: Machine,
 ) -> None:
     """Move the walker on: by a word, a stretch, a line, or over all lines if none is written.
 
     Parameters
     ----------
     walk
-        The walker's registers, changed: see ``OLDEST``; shape (22,), int64.
+        The walker's registers, changed: see ``OLDEST``; shape (20,), int64.
     marks
         Words that were drawn into, changed: shape (16, words), bool.
     complete
@@ -129,6 +136,8 @@ def step_walk(
         What is asked for leaves in this cycle.
     marking
         The marks of the line to be read are in use.
+    idle
+        Nothing is drawn or dealt: ``FRONT`` may be known before the last word has left.
     machine
         The engine.
     """
@@ -142,26 +151,22 @@ def step_walk(
         for number in range(first, min(first + STRETCH, marks.shape[1])):
             row |= int(marks[line % LINES, number]) << (number - first)
 
-    _ask(walk, flushed, machine)
+    _ask(walk, flushed, complete, idle, machine)
+    free = walk[LEFT] == 0 or walk[ROW] == 0
     if walk[LEFT] == 0:
-        walk[LEFT], walk[LEFT_STRETCH] = walk[NEXT], walk[NEXT_STRETCH]
-        walk[LEFT_LINE] = walk[NEXT_LINE]
-        walk[NEXT] = 0
-    if walk[NEXT] == 0:
-        walk[NEXT], walk[NEXT_STRETCH] = walk[ROW], walk[ROW_STRETCH]
-        walk[NEXT_LINE] = walk[ROW_LINE]
+        walk[LEFT], walk[LEFT_STRETCH] = walk[ROW], walk[ROW_STRETCH]
+        walk[LEFT_LINE] = walk[ROW_LINE]
         walk[ROW] = 0
-    free = walk[ROW] == 0
+    stage = LEFT if walk[LEFT] == 0 else ROW
     if free:
-        walk[ROW_LINE], walk[ROW_STRETCH] = line, stretch
+        walk[stage], walk[stage + 1], walk[stage + 2] = row, line, stretch
     if scans and free:
-        walk[ROW] = row
         marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
         walk[AHEAD] &= ~(1 << stretch)
         if walk[LAST]:
             walk[AHEAD] = -1
-            walk[LINE] += 1
             walk[WRITTEN] &= ~here
+            walk[LINE] += 1
     elif leaving and walk[WRITTEN] == 0:
         walk[LINE] = complete
     elif leaving and not walk[WRITTEN] & here:
@@ -175,8 +180,9 @@ def step_walk(
 
 
 @nb.njit(cache=True)
-def _ask(walk: Any, flushed: bool, machine: Machine) -> None:
+def _ask(walk: Any, flushed: bool, complete: int, idle: bool, machine: Machine) -> None:
     """Take a word, or a pair, out of those that are left, and let what is asked for move on."""
+    leaving = walk[LINE] < complete
     asked, pair, line = EMPTY, 0, walk[LEFT_LINE]
     if walk[LEFT] and walk[BEHIND] == EMPTY:
         asked = _first_left(walk)
@@ -191,9 +197,13 @@ def _ask(walk: Any, flushed: bool, machine: Machine) -> None:
     elif walk[BEHIND] != EMPTY:
         walk[ASKED], walk[PAIR] = walk[BEHIND], walk[BEHIND_PAIR]
         walk[OLDEST], walk[BEHIND] = walk[BEHIND_LINE], EMPTY
+        walk[FRONT] = walk[OLDEST]
     else:
         walk[ASKED], walk[PAIR] = asked, pair
         if asked != EMPTY:
-            walk[OLDEST] = line
-        elif walk[ROW] == 0 and walk[NEXT] == 0:
-            walk[OLDEST] = walk[LINE]
+            walk[OLDEST] = walk[FRONT] = line
+        elif walk[ROW] == 0:
+            walk[OLDEST] = walk[FRONT] = walk[LINE]
+        last = walk[LEFT] == 0 and walk[ROW] == 0
+        if idle and last and leaving and walk[WRITTEN] == 0:
+            walk[FRONT] = complete

@@ -234,10 +234,11 @@ PROOFS = [
         Fault(
             "over before all are asked for",
             BankWalker,
-            r"Cat\(found, read, left, self\.flush\.valid\)",
+            r"Cat\(found, left, self\.flush\.valid\)",
             "self.flush.valid",
         ),
         Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
+        Fault("the front too early", BankWalker, r"sole & self\.idle & jumps", "sole & jumps"),
     ),
     plan(
         "window of banks, two words",
@@ -296,7 +297,7 @@ PROOFS = [
         0,
         16,
         Fault("the colour of before", Scatter, r"moves\.eq\(step\)", "moves.eq(self.i.ready)"),
-        Fault("found, and lost", BankWalker, r"reading & \(onward.*\)\)", "reading)"),
+        Fault("found, and lost", BankWalker, r"reading & \(moves.*\)\)", "reading)"),
         Fault("two wait already", BankWalker, r" & ~second_valid\)", ")"),
         Fault("marks lost", BankWalker, r"here & ~marks\.busy", "here"),
         pixel=(Const(2, 4), Const(1, 2), Const(1, 2)),

@@ -78,6 +78,7 @@ class Operator:
 
         def observe():
             assert int(self.dut.drawn.value) == drawn
+            assert int(self.dut.changing.value) == (last is not None)
             assert not drawn or int(self.dut.drawn_address.value) == last[0]
 
         await self.bench.step(drive, observe)

@@ -32,15 +32,19 @@ class BankSlide(Slide):
         self.dut.jump.value, self.dut.last_word.value = jump, last_word
         self.jump = jump
         self.before = (0, 0, 0, 0)
+        self.early = 0  # cycles in which the front is known before the last word has left
         inputs = ("drawn", "addresses", "restart", "close", "top", "limit", "reach", "reaching")
+        inputs += ("idle",)
         await self.reset(inputs, self.dut.addresses, rows_of_marks(CONFIG))
 
-    async def cycle(self, top, words=(), limit=LOWEST):
+    async def cycle(self, top, words=(), limit=LOWEST, idle=False):
         """One cycle in which words (line, word) are drawn or loaded, each in a bank of its own.
 
         As in the window, the banks write them in the next cycle, and the walker hears of ``top``
-        in that one as well, and of ``limit`` in that one at the earliest.
+        in that one as well, and of ``limit`` in that one at the earliest. None comes where it is
+        ``idle``, nor in the cycle behind it.
         """
+        assert not (words and idle)
         dut = self.dut
         drawn, addresses = 0, 0
         for line, word in words:
@@ -57,6 +61,7 @@ class BankSlide(Slide):
             *lines, dut.drawn.value, dut.addresses.value = self.before
             dut.top.value, dut.limit.value = (n % (1 << CONFIG.line_bits + 2) for n in lines)
             # One stretch more may be reached in vain: the window is not told an element's width.
+            dut.idle.value = idle
             dut.reaching.value, dut.reach.value = (
                 bool(words),
                 (reach | reach << 1) % (1 << STRETCHES),
@@ -64,9 +69,21 @@ class BankSlide(Slide):
 
         def observe():
             self.check_flush(int(dut.oldest.value), top if self.jump else min(top, limit))
+            self.check_front()
 
         await self.bench.step(drive, observe)
         self.before = top, limit, drawn, addresses
+
+    def check_front(self):
+        """Of what was drawn above the front, nothing is left but what is asked for now."""
+        dut = self.dut
+        if int(dut.closing.value):
+            return
+        asked = self.words_of(int(dut.flush__payload.value)) if int(dut.flush__valid.value) else []
+        taken = {place for bits in self.flush.received for place in self.words_of(bits)}
+        front = dut.front.value.to_signed()
+        self.early += front > int(dut.oldest.value)
+        assert all(line >= front for line, _ in self.expected - taken - set(asked))
 
     def words_of(self, bits):
         place = unpack(self.place, bits)
@@ -106,15 +123,17 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
         ]
     ):
         rng, slide, top, limit = random.Random(seed), BankSlide(dut, seed, rate), 0, 0
+        idle = False
         await slide.start(jump, last_word)
         for _ in range(5_000):  # a fault may keep it for ever; the longest takes 2,872
             oldest, words = int(dut.oldest.value), []
             limit = max(limit, min(limit + rng.choice([0] * 20 + [1, 2]), oldest + 15))
             # What an initial raster is on its way to may be complete but for that.
             low, high = top if jump else min(top, limit), min(top + 7, oldest + 14)
-            if low <= high and rng.random() < share:
+            if low <= high and not idle and rng.random() < share:
                 words = random_words(rng, low, high, last_word, spread)
-            await slide.cycle(top, words, limit)
+            idle = not words and rng.random() < 0.5
+            await slide.cycle(top, words, limit, idle)
             if top - oldest < 8:
                 top += rng.choice(steps)
             if top >= height:
@@ -155,6 +174,23 @@ async def a_stretch_that_nothing_reached_is_not_read(dut):
             await slide.cycle(line + 1)
         assert int(dut.oldest.value) == line + 1
     await slide.finish()
+
+
+@cocotb.test()
+async def the_front_is_known_with_the_last_word(dut):
+    """What follows lies far below; unless others wait, or something may still be drawn."""
+    several = [0, 1, 4, 5, 8, 9, 12, 13]
+    for idle, words, times in ((True, [5], 10), (True, several, 0), (False, [5], 0)):
+        slide = BankSlide(dut, 12)
+        await slide.start()
+        for line in range(0, 300, 30):
+            await slide.cycle(line)
+            for word in words:
+                await slide.cycle(line, [(line, word)])
+            for _ in range(14):
+                await slide.cycle(line + 30, idle=idle)
+        assert slide.early == (times if CONFIG.colour_planes == 1 else 0)
+        await slide.finish()
 
 
 @cocotb.test()

@@ -45,6 +45,7 @@ ARRIVING = "jump | ($signed({1'h0, line}) <= $signed(limit))"
 LOADING = f"((({COMPLETE}) & ({ARRIVING})) | closing) & ~halted"
 """Or while they are loaded."""
 UNASKED = "nothing_leaves_unasked"
+FRONT = "the_front_is_known_with_the_last_word"
 ASKS = "drawn_words_are_asked_for_once_and_in_order"
 PART_FAULTS = [
     ("paper", Bank, test_bank, "random_requests", "passes_2", "1'h1", "no depth test"),
@@ -62,7 +63,8 @@ PART_FAULTS = [
     ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "take | wipe", "marks clear too much"),
     ("wide", BankWalker, test_bank_walker, ASKS, "alone", "1'h1", "a stretch's rest is lost"),
     ("wide", BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
-    ("wide", BankWalker, test_bank_walker, ASKS, "onward", "1'h1", "what follows is lost"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "waits", "1'h0", "what waits is lost"),
+    ("wide", BankWalker, test_bank_walker, FRONT, "sole", "1'h1", "the front passes what follows"),
     ("wide", BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
     ("wide", BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "two stretches at most"),
     ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", "1'h1", "lines leave early"),

@@ -190,7 +190,7 @@ def test_known_counts(config):
 
 
 @pytest.mark.parametrize(
-    ("mark_words", "expected"), [(1, [20] * 5), (4, [76, 76, 84, 85, 85])], ids=["own", "shared"]
+    ("mark_words", "expected"), [(1, [18] * 5), (4, [76, 76, 82, 83, 83])], ids=["own", "shared"]
 )
 def test_a_line_of_as_many_stretches_as_a_machine_word_has_bits(mark_words, expected):
     """Dots at both ends of lines of 4096 pixels, in 64 stretches: as the Verilog takes for them.
