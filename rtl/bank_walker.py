@@ -67,11 +67,11 @@ class BankWalker(wiring.Component):
     restart : In(1)
         The closed frame is over: go on with line 0 of the next.
     oldest : Out(line_bits + 1)
-        First line in the window, of the frame that leaves.
-    front : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn; or what it is once the word asked for
-        at the moment is taken. No element behind it is drawn before the second cycle after that
+        First line in the window, of the frame that leaves; or what it is once the word asked for at
+        the moment is taken. No element behind that is drawn before the second cycle after this one
         (see :class:`Decoder`), nor before the word is cleared (see :class:`Scatter`).
+    front : Out(signed(line_bits + 2))
+        The same of the frame that is drawn.
     closing : Out(1)
         A frame was closed and is not over.
     over : Out(1)
@@ -115,6 +115,7 @@ class BankWalker(wiring.Component):
         closing = Signal()
         leaves = Signal()
         jumps = Signal()  # nothing is written in any line above ``top``
+        asked_line = Signal.like(self.oldest)  # the first one but for what was asked for last
         early = Signal()  # ``line`` is known to be the window's first once ``flush`` is taken
 
         # The stretch that is read next.
@@ -157,7 +158,8 @@ class BankWalker(wiring.Component):
             marks.addresses.eq(self.addresses),
             marks.wipe.eq(self.wipe),
             clean.eq(~written.any()),
-            changeover.oldest.eq(Mux(early, line, self.oldest)),
+            changeover.oldest.eq(self.oldest),
+            self.oldest.eq(Mux(early, line, asked_line)),
             changeover.line.eq(line),
             changeover.leaves.eq(leaves),
             changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(config.banks)).any()),
@@ -228,7 +230,7 @@ class BankWalker(wiring.Component):
         sole = Signal()  # nothing follows what is asked for
         # Further planes keep a bank from giving up a word at once.
         m.d.comb += sole.eq(~second_valid & moves & ~waits & (config.colour_planes == 1))
-        m.d.comb += [self.flush.payload.eq(first), self.flush.payload.line.eq(self.oldest)]
+        m.d.comb += [self.flush.payload.eq(first), self.flush.payload.line.eq(asked_line)]
         with m.If(~self.flush.valid | self.flush.ready):
             m.d.sync += [
                 self.flush.valid.eq(second_valid | asked),
@@ -237,11 +239,11 @@ class BankWalker(wiring.Component):
             ]
             m.d.sync += early.eq(sole & self.idle & jumps)
             with m.If(second_valid):
-                m.d.sync += self.oldest.eq(second_line)
+                m.d.sync += asked_line.eq(second_line)
             with m.Elif(asked):
-                m.d.sync += self.oldest.eq(line_left)
+                m.d.sync += asked_line.eq(line_left)
             with m.Elif(~waits):
-                m.d.sync += self.oldest.eq(line)
+                m.d.sync += asked_line.eq(line)
         with m.Elif(asked):
             m.d.sync += [second_valid.eq(1), second.eq(ask), second_line.eq(line_left)]
 
@@ -256,7 +258,7 @@ class BankWalker(wiring.Component):
             with m.If(ended & (line[:4] == slot)):
                 m.d.sync += written[slot].eq(0)
         with m.If(self.restart):
-            m.d.sync += [line.eq(0), self.oldest.eq(0)]
+            m.d.sync += [line.eq(0), asked_line.eq(0)]
         return m
 
     def _group(self, bank):

@@ -49,6 +49,9 @@ class LaneWindowProperties(Properties):
         The initial raster comes in order. If not, what is out of order may be dropped.
     """
 
+    delay = 3
+    """Cycles in which the raster is taken, from a pixel's line losing its place to its beat."""
+
     def __init__(self, config, load, ordered=True):
         self.config = config
         self.load = load
@@ -312,7 +315,7 @@ class LaneWindowProperties(Properties):
             m.d.sync += waited.eq(0)
         with m.Elif(raster.ready & ~waited.all()):
             m.d.sync += waited.eq(waited + 1)
-        self.always(m, "leaves", waited < 3)
+        self.always(m, "leaves", waited < self.delay)
         left = length - (first & raster.ready)
         self.always(m, "complete", ~dut.finished | (left == 0))
         with m.If(dut.finished):

@@ -47,6 +47,8 @@ class WindowProperties(LaneWindowProperties):
         Which pixel, if not any: its line's place, word and number, as constants.
     """
 
+    delay = 4  # the place is another line's with the request for the word that leaves
+
     def __init__(self, config, load, pixel=None):
         super().__init__(config, load)
         self.pixel = pixel
