@@ -94,12 +94,15 @@ class WindowProperties(LaneWindowProperties):
             asked.eq(alters | request.load),  # which is written at once
         ]
         before, address = alters, request.address
+        # It is written in the cycle behind the second one, whether that stands still or not.
+        fresh = Signal(name=f"fresh_{index}")
+        m.d.sync += fresh.eq(bank.enable)
         for distance in (1, 2):
             name = f"{index}_{distance}"
             then, there = Signal(name=f"asked_{name}"), Signal.like(address, name=f"there_{name}")
             with m.If(bank.enable):
                 m.d.sync += [then.eq(before), there.eq(address)]
-            same = asked & then & (request.address == there)
+            same = asked & then & (request.address == there) & (fresh if distance == 2 else 1)
             self.always(m, f"apart_{name}", ~(bank.enable & same))
             before, address = then, there
 
