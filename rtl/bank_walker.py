@@ -112,6 +112,7 @@ class BankWalker(wiring.Component):
         m.submodules.changeover = changeover = Changeover(config)
         written = Signal(config.window_lines)
         clean = Signal()
+        empty = Signal()  # and stays so, as what is drawn is written one cycle later
         closing = Signal()
         leaves = Signal()
         jumps = Signal()  # nothing is written in any line above ``top``
@@ -158,13 +159,13 @@ class BankWalker(wiring.Component):
             marks.addresses.eq(self.addresses),
             marks.wipe.eq(self.wipe),
             clean.eq(~written.any()),
+            empty.eq(clean & ~self.drawn.any()),
             changeover.oldest.eq(self.oldest),
             self.oldest.eq(Mux(early, line, asked_line)),
             changeover.line.eq(line),
             changeover.leaves.eq(leaves),
             changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(config.banks)).any()),
-            # What is drawn at the moment is written one cycle later.
-            changeover.clean.eq(clean & ~self.drawn.any()),
+            changeover.clean.eq(empty),
             changeover.close.eq(self.close),
             changeover.restart.eq(self.restart),
             closing.eq(changeover.closing),
@@ -180,7 +181,7 @@ class BankWalker(wiring.Component):
                 stretch_found.eq(stretch),
             ]
         if config.mark_words == 1:
-            self._choose_stretch(m, stretch, last, passed, clean & ~self.drawn.any())
+            self._choose_stretch(m, stretch, last, passed, empty)
         else:
             m.d.comb += last.eq(stretch == self.last_word[column_bits(config) + 1 :])
             with m.If(passed):
@@ -237,7 +238,8 @@ class BankWalker(wiring.Component):
                 first.eq(Mux(second_valid, second, ask)),
                 second_valid.eq(0),
             ]
-            m.d.sync += early.eq(sole & self.idle & jumps)
+            # Nor may a word be marked meanwhile: ``line`` would go on while its own words wait.
+            m.d.sync += early.eq(sole & self.idle & jumps & empty)
             with m.If(second_valid):
                 m.d.sync += asked_line.eq(second_line)
             with m.Elif(asked):

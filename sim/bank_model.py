@@ -180,7 +180,8 @@ def walk_banks(words: Any, machine: Machine) -> int:
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
         _clear(window, flushed, machine)
         _shift(window, _give_up(window, machine) if flushed else 0)
-        idle = not offered and dealt == EMPTY and not closing and machine.planes == 1
+        idle = not offered and dealt == EMPTY and not drawn
+        idle = idle and not closing and machine.planes == 1
         step_walk(walk, window.marks, complete, flushed, marking, idle, machine)
         if machine.mark_words > 1:
             # All are read.

@@ -157,9 +157,10 @@ def step_walk(
         walk[LEFT], walk[LEFT_STRETCH] = walk[ROW], walk[ROW_STRETCH]
         walk[LEFT_LINE] = walk[ROW_LINE]
         walk[ROW] = 0
-    stage = LEFT if walk[LEFT] == 0 else ROW
-    if free:
-        walk[stage], walk[stage + 1], walk[stage + 2] = row, line, stretch
+    if walk[LEFT] == 0:
+        walk[LEFT], walk[LEFT_LINE], walk[LEFT_STRETCH] = row, line, stretch
+    elif free:
+        walk[ROW], walk[ROW_LINE], walk[ROW_STRETCH] = row, line, stretch
     if scans and free:
         marks[line % LINES, stretch * STRETCH : (stretch + 1) * STRETCH] = False
         walk[AHEAD] &= ~(1 << stretch)

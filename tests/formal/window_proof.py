@@ -244,6 +244,7 @@ PROOFS = [
         ),
         Fault("a line left too early", BankWalker, r"line < self\.top", "line <= self.top"),
         Fault("the front too early", BankWalker, r"sole & self\.idle & jumps", "sole & jumps"),
+        Fault("what is written behind it", BankWalker, r"jumps & empty", "jumps"),
     ),
     plan(
         "window of banks, two words",

@@ -202,6 +202,22 @@ async def the_front_is_known_with_the_last_word(dut):
 
 
 @cocotb.test()
+async def what_is_being_written_stays_behind_the_front(dut):
+    """The window's first line, while a word above it waits and the lines below are complete."""
+    for lag in range(8):
+        slide = BankSlide(dut, lag, rate=0.2)
+        await slide.start()
+        for line in range(0, 600, 30):
+            await slide.cycle(line, [(line, WORDS - STRETCH)])
+            for _ in range(lag):
+                await slide.cycle(line + 10)
+            await slide.cycle(line + 10, [(line + 10, WORDS - 1)])
+            for _ in range(40):
+                await slide.cycle(line + 30, idle=True)
+        await slide.finish()
+
+
+@cocotb.test()
 async def untouched_lines_leave_at_once(dut):
     """One by one before a drawn line; all at once from a clean window, if nothing is to come."""
     slide = BankSlide(dut, 8)

@@ -46,6 +46,7 @@ LOADING = f"((({COMPLETE}) & ({ARRIVING})) | closing) & ~halted"
 """Or while they are loaded."""
 UNASKED = "nothing_leaves_unasked"
 FRONT = "the_front_is_known_with_the_last_word"
+WRITTEN = "what_is_being_written_stays_behind_the_front"
 ASKS = "drawn_words_are_asked_for_once_and_in_order"
 PART_FAULTS = [
     ("paper", Bank, test_bank, "random_requests", "passes_2", "1'h1", "no depth test"),
@@ -65,6 +66,7 @@ PART_FAULTS = [
     ("wide", BankWalker, test_bank_walker, ASKS, "passed", "reading", "a stretch is lost"),
     ("wide", BankWalker, test_bank_walker, ASKS, "waits", "1'h0", "what waits is lost"),
     ("wide", BankWalker, test_bank_walker, FRONT, "sole", "1'h1", "the front passes what follows"),
+    ("wide", BankWalker, test_bank_walker, WRITTEN, "empty", "1'h1", "nor what is being written"),
     ("wide", BankWalker, test_bank_walker, ASKS, "two", "2'h1", "words of one half alone"),
     ("wide", BankWalker, test_bank_walker, ASKS, "last_next", "1'h1", "two stretches at most"),
     ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", "1'h1", "lines leave early"),
