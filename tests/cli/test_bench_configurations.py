@@ -51,6 +51,40 @@ def test_every_point_has_its_cycles_its_resources_and_its_clock(run, folder, too
     assert word8[-3:] == ["**no**", "LFE5U-25F", "88.0 |"]
 
 
+def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, monkeypatch):
+    command = ("bench", "configurations", *SHORT, "--splats", "auto", "--clock")
+    assert run(*command).exit_code == 0
+    before = json.loads((folder / "docs/bench/configurations.json").read_text())
+    monkeypatch.setattr(bench_configurations, "route", lambda config: (77.0, "LFE5U-85F-6BG381"))
+    assert run(*command, "--point", "word8", "--keep").exit_code == 0
+    after = json.loads((folder / "docs/bench/configurations.json").read_text())
+    changed = {"ecp5": "LFE5U-85F-6BG381", "ecp5_mhz": 77.0}
+    assert after == {
+        **before,
+        "points": [
+            point | (changed if point["name"] == "word8" else {}) for point in before["points"]
+        ],
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--size", "48x41"), "rows of other size: make all again"),
+        (("--scene", "terrain"), "rows of other scenes or splats: make all"),
+        (("--out-dir", "empty"), "has no rows to keep: leave --keep out"),
+    ],
+)
+def test_rows_of_other_frames_are_not_kept(run, folder, tools, arguments, words):
+    command = ("bench", "configurations", *SHORT, "--no-luts", "--point", "small")
+    assert run(*command).exit_code == 0
+    before = (folder / "docs/bench/configurations.json").read_text()
+    result = run(*command, *arguments, "--keep")
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.split())
+    assert (folder / "docs/bench/configurations.json").read_text() == before
+
+
 def test_without_luts_there_are_cycles_alone(run, folder, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     result = run(
@@ -59,9 +93,9 @@ def test_without_luts_there_are_cycles_alone(run, folder, monkeypatch):
     assert result.exit_code == 0, result.output
     report = json.loads((folder / "docs/bench/configurations.json").read_text())
     assert [(point["name"], point["lut4"]) for point in report["points"]] == [
-        ("small", None), ("word8", None),
+        ("word8", None), ("small", None),
     ]  # fmt: skip
-    small, word8 = (run["cycles"] for run in report["runs"])
+    word8, small = (run["cycles"] for run in report["runs"])
     assert small > word8
     assert "| LUTs" not in result.stdout
     assert "MHz" not in result.stdout
