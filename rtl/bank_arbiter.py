@@ -100,8 +100,8 @@ class BankArbiter(wiring.Component):
         word, line = self.load.payload.word, self.load.payload.line
         serving = Signal()  # the former
         refused = Signal()  # it was in vain, in the cycle before
-        # It is behind and was refused: then it goes, and no element. Known a cycle ahead, as all
-        # before an element waits for it.
+        # It is behind and was refused: then it goes before an element that wants its bank. Known a
+        # cycle ahead, as all before an element waits for it.
         pressing = Signal()
         m.d.comb += serving.eq(self.load.valid & (pressing | ~(self.flush.valid & refused)))
         upper = word[0] ^ turned(self.config, line)
@@ -132,17 +132,26 @@ class BankArbiter(wiring.Component):
         m.d.sync += waiting.eq(~self.ahead[-1] & several)
 
         loading, flushing = Signal(), Signal()
-        # Of each half of the banks, the one in which the line lies that leaves: whether it is kept
-        # for that, and whether the element wants it. Chosen by the line first: to ask all banks
-        # what each of them does would be the longest way of the engine.
+        # For which line banks are kept from the element: that which leaves, or is loaded.
+        first_line = Signal(bits)
+        # Of each half of the banks, the one in which that line lies: whether it is kept, and
+        # whether the element wants it. Chosen by the line first: to ask all banks what each of
+        # them does would be the longest way of the engine.
         kept, sought = Signal(2), Signal(2)
         # The one that is to serve does something else.
         blocked, full = Signal(2), Signal(2)
         m.d.comb += [
             self.wiping.eq(swept[0]),
-            self.drawing.eq(self.draw.valid & ~swept.any() & ~pressing),
-            kept.eq((leaving.halves | ~self.flush.valid.replicate(2)) & urgent.replicate(2)),
-            sought.eq(self._of_halves(deal.want, leaving.line)),
+            self.drawing.eq(self.draw.valid & ~swept.any()),
+            first_line.eq(Mux(pressing, line, leaving.line)),
+            kept.eq(
+                Mux(
+                    pressing,
+                    halves,
+                    (leaving.halves | ~self.flush.valid.replicate(2)) & urgent.replicate(2),
+                )
+            ),
+            sought.eq(self._of_halves(deal.want, first_line)),
             self.draw.ready.eq(
                 self.drawing
                 & self.running
@@ -154,7 +163,7 @@ class BankArbiter(wiring.Component):
                 | self._of_halves(self.busy, leaving.line)
             ),
             full.eq(
-                (self._of_halves(deal.want, line) & self.drawing.replicate(2))
+                (self._of_halves(deal.want, line) & (self.drawing & ~pressing).replicate(2))
                 | self._of_halves(self.busy, line)
             ),
         ]
@@ -164,7 +173,7 @@ class BankArbiter(wiring.Component):
             wanted = Signal(name=f"wanted_{index}")
             has_line = service.line[:bits] == index % lines
             half = index // lines
-            held = kept[half] & (leaving.line[:bits] == index % lines)
+            held = kept[half] & (first_line == index % lines)
             # What leaves, or is loaded, is never a word that is being drawn into.
             m.d.comb += [
                 wanted.eq(self.drawing & deal.want[index] & ~held),

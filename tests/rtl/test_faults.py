@@ -21,6 +21,7 @@ from presets import run_built
 from random_frames import shapes
 
 from splatline.rtl.bank import Bank
+from splatline.rtl.bank_arbiter import BankArbiter
 from splatline.rtl.bank_marks import BankMarks
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.decoder import Decoder
@@ -145,18 +146,26 @@ def test_without_a_fault_nothing_is_noticed_in_the_window(preset, test):
     run_window(preset, test, 0)
 
 
-STRETCH_FAULTS = {
-    "the third word's stretch": (Scatter, r" \| \(across & \(stretch == number - 1\)\)", ""),
-    "reached at the moment": (BankWalker, r"clean & ~self\.drawn\.any\(\)\)$", "clean)"),
+FEW, DENSE = "few_far_apart", "dense_over_a_picture"
+SOURCE_FAULTS = {
+    "the third word's stretch": (
+        Scatter,
+        r" \| \(across & \(stretch == number - 1\)\)",
+        "",
+        FEW,
+    ),
+    "reached at the moment": (BankWalker, r"passed, empty\)$", "passed, clean)", FEW),
+    "lost to a load": (BankArbiter, r"want, first_line\)", "want, leaving.line)", DENSE),
 }
 
 
-@pytest.mark.parametrize("broken", STRETCH_FAULTS.values(), ids=STRETCH_FAULTS)
-def test_a_stretch_that_is_passed_over_is_noticed(monkeypatch, broken):
-    part, pattern, replacement = broken
+@pytest.mark.parametrize("broken", SOURCE_FAULTS.values(), ids=SOURCE_FAULTS)
+def test_a_fault_without_a_name_in_the_window_is_noticed(monkeypatch, broken):
+    """Stretches that are passed over, and words that wait for what goes first."""
+    part, pattern, replacement, test = broken
     rewrite(monkeypatch, part, "elaborate", f"(?m){pattern}", replacement)
     with pytest.raises(SimulationError):
-        run_preset(PRESETS["wide"], Window, test_window.__file__, test="few_far_apart")
+        run_preset(PRESETS["wide"], Window, test_window.__file__, test=test)
 
 
 PLANE_FAULTS = [

@@ -202,6 +202,13 @@ async def words_right_behind_what_leaves(dut):
 
 
 @cocotb.test()
+async def dense_over_a_picture(dut):
+    """Words to load are always there, and elements: each has to leave banks to the other."""
+    rng = random.Random(10)
+    await check(dut, [(120, 40, 1200, random_image(rng, 120, 40, 1.0))], (1.0, 1.0, 1.0), 10)
+
+
+@cocotb.test()
 async def in_short(dut):
     """A little of everything, for what is simulated slowly or often."""
     rng = random.Random(6)
