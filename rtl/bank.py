@@ -1,6 +1,6 @@
 """A bank of the window: one block RAM of depth, one of colour, and the writer between them."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Const, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -41,11 +41,14 @@ class Bank(wiring.Component):
     cycle's end. A request for a word in the two cycles after one of the same word would read stale
     pixels, and is never made.
 
+    What is cleared is read into another register as well, which has background otherwise. So what
+    leaves the window is what all banks have there together, and is not chosen from them.
+
     A word is loaded through the port that reads, which has no other use for that cycle: so it takes
     no multiplexer, and the other port may write at the same time, but not the same word.
 
-    **Latency**: 2 cycles to ``old``, 3 to the memory, 1 for a load. **Throughput**: one request a
-    cycle, but the same word in every third cycle at most.
+    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. **Throughput**: one request
+    a cycle, but the same word in every third cycle at most.
 
     Members
     -------
@@ -57,8 +60,8 @@ class Bank(wiring.Component):
         Depth and colour to draw, one a pixel, two cycles after the request.
     loaded : In(WordLayout)
         The word to load, in the cycle of the request.
-    old : Out(WordLayout)
-        The word as it was before the request that was taken two cycles before.
+    leaving : Out(WordLayout)
+        The word that was requested to be cleared two cycles before, as it was, else background.
     drawn : Out(1)
         Pixels were requested to be drawn one cycle before, or loaded, into the word at
         ``drawn_address``.
@@ -76,7 +79,7 @@ class Bank(wiring.Component):
                 "request": In(BankRequestLayout(config)),
                 "new": In(WordLayout(config)),
                 "loaded": In(WordLayout(config)),
-                "old": Out(WordLayout(config)),
+                "leaving": Out(WordLayout(config)),
                 "drawn": Out(1),
                 "drawn_address": Out(bank_address_bits(config)),
                 "changing": Out(1),
@@ -105,6 +108,7 @@ class Bank(wiring.Component):
         merging = Signal(BankRequestLayout(config))
         fresh = Signal()  # it came just now: while all stands still it is written once
         word = Signal(WordLayout(config), reset_less=True)
+        leaving = Signal(WordLayout(config), reset_less=True)
         m.d.sync += fresh.eq(self.enable)
         with m.If(self.enable):
             m.d.sync += [taken.eq(self.request), merging.eq(taken)]
@@ -112,7 +116,7 @@ class Bank(wiring.Component):
             self.drawn.eq(taken.draw | taken.load),
             self.drawn_address.eq(taken.address),
             self.changing.eq(self.drawn | taken.clear),
-            self.old.eq(word),
+            self.leaving.eq(leaving),
         ]
         for name, (read, load, write) in ports.items():
             m.d.comb += [
@@ -127,9 +131,12 @@ class Bank(wiring.Component):
             ]
             with m.If(self.enable):
                 m.d.sync += word[name].as_value().eq(read.data)
+                # A register is set or cleared for nothing, a multiplexer takes a LUT a bit.
+                background = Const(-1 if name == "depth" else 0, len(read.data))
+                m.d.sync += leaving[name].as_value().eq(Mux(taken.clear, read.data, background))
         merged = Signal(WordLayout(config))
         for pixel in range(pixels):
-            new_depth, old_depth = self.new.depth[pixel], self.old.depth[pixel]
+            new_depth, old_depth = self.new.depth[pixel], word.depth[pixel]
             passes = Signal(name=f"passes_{pixel}")
             m.d.comb += [
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
@@ -138,7 +145,7 @@ class Bank(wiring.Component):
                     Mux(passes, new_depth, old_depth) | merging.clear.replicate(config.depth_bits)
                 ),
                 merged.colour[pixel].eq(
-                    Mux(passes, self.new.colour[pixel], self.old.colour[pixel])
+                    Mux(passes, self.new.colour[pixel], word.colour[pixel])
                     & ~merging.clear.replicate(config.colour_bits)
                 ),
             ]

@@ -1,6 +1,9 @@
 """The way out: what the banks give up becomes a beat of the raster."""
 
-from amaranth.hdl import Cat, Const, Module, Mux, Signal
+from functools import reduce
+from operator import and_, or_
+
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -13,12 +16,13 @@ __all__ = ["Emitter"]
 
 
 class Emitter(wiring.Component):
-    """Picks each flushed word from its bank and offers it on ``raster``.
+    """Takes each flushed word from its bank and offers it on ``raster``.
 
-    A word stands on its bank's output two cycles after its request, or one if it has further
-    planes, and is taken from there into the register on the port. A beat of background only is
-    dropped: what was drawn there did not pass the depth test or lies outside the image, or it
-    shares a mark. Where beats have two words, one that was not requested is background.
+    A word stands on its bank's output two cycles after its request, while all other banks give
+    background; or one cycle after it if it has further planes, among whatever others have. From
+    there it is taken into the register on the port. A beat of background only is dropped: what was
+    drawn there did not pass the depth test or lies outside the image, or it shares a mark. Where
+    beats have two words, one that was not requested is background.
 
     Where colours have further planes, they come out two cycles after plane 0, which waits for them
     in two registers; then a pixel that is background is given colour 0, as its planes are stale.
@@ -40,7 +44,7 @@ class Emitter(wiring.Component):
     ready : Out(1)
         A word may be requested.
     words : In(banks x PlaneLayout)
-        The banks' outputs.
+        The banks' outputs: what leaves, or with further planes what was read.
     last_column : In(x_bits)
         Width of the image less 1.
     end : In(1)
@@ -100,7 +104,7 @@ class Emitter(wiring.Component):
                 m.d.sync += place.eq(earlier)
 
         if config.colour_planes == 1:
-            pixels, shown = self._inside(places[-1], self._words(m, places)), 1
+            pixels, shown = self._inside(places[-1], self._words(m, places[-1])), 1
             # What is background is known behind the register: the way to it is long enough.
             visible = Signal()
             blank = Signal()  # it was not visible in the cycle before, and still stands there
@@ -142,35 +146,34 @@ class Emitter(wiring.Component):
         """Return the bank of a beat of one word."""
         return Cat(place.line[: residue_bits(self.config)], place.halves[1])
 
-    def _words(self, m, places):
-        """Return a beat's words from left to right, each with whether it was requested."""
-        before, place = places[-2:]
+    def _words(self, m, place):
+        """Return a beat's words from left to right; background where one was not requested."""
+        banks, half = self.config.banks, self.config.banks // 2
         if self.config.raster_words == 1:
-            word = Signal(PlaneLayout(self.config))
-            m.d.comb += word.eq(choose(m, self.words, self._bank(place)))
-            return [(word, Const(1))]
-        bits = residue_bits(self.config)
-        lines = 1 << bits
-        pairs = Signal(lines // 2, reset_less=True)
-        with m.If(self.running):
-            m.d.sync += pairs.eq(Cat(before.line[1:bits] == n for n in range(lines // 2)))
-        words = []
-        for half in range(2):
-            upper = turned(self.config, place.line) ^ half  # a bank of the upper half has it
-            word = Signal(PlaneLayout(self.config), name=("left", "right")[half])
-            sides = [
-                choose(m, [self.words[first + n] for n in range(lines)], place.line[:bits], pairs)
-                for first in (0, lines)
-            ]
-            m.d.comb += word.eq(Mux(upper, sides[1], sides[0]))
-            words.append((word, Mux(upper, place.halves[1], place.halves[0])))
-        return words
+            return [self._together(m, "word", range(banks))]
+        lower = self._together(m, "lower", range(half))
+        upper = self._together(m, "upper", range(half, banks))
+        right_first = turned(self.config, place.line)
+        left, right = (Signal.like(lower, name=name) for name in ("left", "right"))
+        m.d.comb += [
+            left.eq(Mux(right_first, upper, lower)),
+            right.eq(Mux(right_first, lower, upper)),
+        ]
+        return [left, right]
+
+    def _together(self, m, name, banks):
+        """Return what one of some banks gives up: all others give background, ones and zeros."""
+        word = Signal(PlaneLayout(self.config), name=name)
+        m.d.comb += [
+            word.depth.eq(reduce(and_, (self.words[bank].depth.as_value() for bank in banks))),
+            word.colour.eq(reduce(or_, (self.words[bank].colour.as_value() for bank in banks))),
+        ]
+        return word
 
     def _inside(self, place, words):
-        """Return a beat's depths and colours, with background for what is not there.
+        """Return a beat's depths and colours, with background for what lies outside the image.
 
-        That is a word that was not requested, and what lies outside the image: elements are clipped
-        by whole words.
+        Elements are clipped by whole words.
         """
         config = self.config
         bits = config.raster_pixels.bit_length() - 1
@@ -178,8 +181,8 @@ class Emitter(wiring.Component):
         pixels = []
         for pixel in range(config.raster_pixels):
             number, place_in_word = divmod(pixel, config.pixels_per_word)
-            word, there = words[number]
-            outside = (is_last & (pixel > self.last_column[:bits])) | ~there
+            word = words[number]
+            outside = is_last & (pixel > self.last_column[:bits])
             depth = word.depth[place_in_word][: config.depth_bits]
             pixels.append(
                 (
@@ -213,7 +216,7 @@ class Emitter(wiring.Component):
                 chosen.eq(Mux(self.flush, self._bank(self.request), before)),
                 waiting.eq(caught),
             ]
-            for number, (depth, colour) in enumerate(self._inside(places[0], [(word, Const(1))])):
+            for number, (depth, colour) in enumerate(self._inside(places[0], [word])):
                 m.d.sync += [
                     caught[number].depth.eq(depth),
                     caught[number].colour.eq(colour),

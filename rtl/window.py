@@ -103,10 +103,8 @@ class Window(wiring.Component):
         m.submodules.arbiter = arbiter = BankArbiter(config)
         m.submodules.paint = paint = Paint(config)
         m.submodules.emitter = emitter = Emitter(config)
-        banks = [
-            Bank(config) if config.colour_planes == 1 else PlanarBank(config)
-            for _ in range(config.banks)
-        ]
+        whole = config.colour_planes == 1  # words are drawn in one access
+        banks = [Bank(config) if whole else PlanarBank(config) for _ in range(config.banks)]
         for index, bank in enumerate(banks):
             m.submodules[f"bank_{index}"] = bank
         running = emitter.running
@@ -200,13 +198,13 @@ class Window(wiring.Component):
                 bank.request.eq(arbiter.requests[index]),
                 bank.new.eq(paint.new[index % len(paint.new)]),
                 bank.loaded.eq(loaded),
-                emitter.words[index].eq(bank.old),
+                emitter.words[index].eq(bank.leaving if whole else bank.old),
                 walker.drawn[index].eq(bank.drawn),
                 walker.addresses[index].eq(bank.drawn_address),
-                scatter.drawn[index].eq(bank.changing if config.colour_planes == 1 else bank.drawn),
+                scatter.drawn[index].eq(bank.changing if whole else bank.drawn),
                 scatter.addresses[index].eq(bank.drawn_address),
             ]
-            if config.colour_planes > 1:
+            if not whole:
                 m.d.comb += arbiter.busy[index].eq(bank.busy)
         return m
 

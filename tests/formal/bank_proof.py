@@ -17,7 +17,7 @@ class BankProperties(Properties):
     """Any pixel of any word, followed from the first time that it is cleared or loaded.
 
     An access has two stages: its request has been taken (the word is read), and its word stands on
-    ``old`` and is written. A load has none: its word is written as it is requested.
+    a register and is written. A load has none: its word is written as it is requested.
     """
 
     def __init__(self, config):
@@ -61,7 +61,7 @@ class BankProperties(Properties):
         # The definition.
         known, mine = Signal(), Signal()
         pixel, after = Signal(PixelLayout(config)), Signal(PixelLayout(config))
-        new, old = pick(dut.new), pick(dut.old)
+        new, old, leaving = pick(dut.new), pick(dut.word), pick(dut.leaving)
         background = Const({"depth": config.background_depth}, PixelLayout(config))
         covered = asked.mask.bit_select(number, 1)
         m.d.comb += [mine.eq(asked.address == address), after.eq(pixel)]
@@ -75,7 +75,13 @@ class BankProperties(Properties):
                 m.d.sync += [pixel.eq(pick(dut.loaded)), known.eq(1)]
 
         used = known & mine & (asked.draw | asked.clear)
-        self.always(m, "read", ~used | (old == pixel))
+        begun = Signal()  # the registers have none of what they began with
+        with m.If(dut.enable):
+            m.d.sync += begun.eq(1)
+        self.always(m, "leaves", ~(used & asked.clear) | (leaving == pixel))
+        self.always(m, "nothing_else", ~begun | asked.clear | (leaving == background))
+        self.lemma(m, "read", ~used | (old == pixel))
+        self.lemma(m, "begun", begun | ~Cat(asked.draw, asked.clear).any())
         self.always(
             m,
             "drawn",
@@ -113,7 +119,7 @@ STAGES = ("taken", "merging")
 
 SEEN = tuple(
     Fault(f"lemmas look at {name}", Bank, rf"\b{name} = ", f"{name} = self.{name} = ")
-    for name in (*STAGES, "fresh", "ports")
+    for name in (*STAGES, "fresh", "ports", "word")
 )
 
 
@@ -138,6 +144,7 @@ PROOFS = [
                 "the word is not held", Bank, r"m\.If\(self\.enable\)(:\s+.*word\[)", r"m.If(1)\1"
             ),
             Fault("the colour stays", Bank, r"& ~merging\.clear\.replicate\(.*\)", ""),
+            Fault("what is drawn leaves", Bank, r"Mux\(taken\.clear, ", "Mux(1, "),
             Fault("all pixels", Bank, r"merging\.mask\[pixel\]", "1"),
             Fault(
                 "loaded while it stands still", Bank, r"self\.enable & (self\.request\.load)", r"\1"

@@ -230,7 +230,7 @@ PROOFS = [
         Fault("of the one before that", Scatter, r"again \| earlier if", "again if"),
         Fault("waited one cycle for", Scatter, r"again if slow", "0 if slow"),
         Fault("only its first words", Scatter, r" & ~several\.any\(\)", ""),
-        Fault("another bank", Emitter, r"place\.halves\[1\]\)", "place.halves[0])", "_bank"),
+        Fault("a bank left out", Emitter, r"range\(banks\)", "range(banks - 1)", "_words"),
         Fault("right border", Emitter, r"pixel > self", "pixel >= self", "_inside"),
         Fault("flushed beside an element", BankArbiter, r"sought & ~kept & ", "0 & "),
         Fault("closed before it is drawn", Window, r"& ~scatter\.o\.valid & loader", "& loader"),
@@ -251,8 +251,8 @@ PROOFS = [
         "the same where beats have two words",
         0,
         13,
-        Fault("left for right", Emitter, r"(turned\(.*line\)) \^ half", r"\1", "_words"),
-        Fault("what was not asked for", Emitter, r" \| ~there", "", "_inside"),
+        Fault("left for right", Emitter, r"= turned\(.*line\)", "= 0", "_words"),
+        Fault("what was not asked for", Bank, r"Mux\(taken\.clear, ", "Mux(1, "),
         Fault(
             "one of two is enough", BankArbiter, r"halves & blocked\)\.any", "halves & blocked).all"
         ),
@@ -316,6 +316,8 @@ PROOFS = [
         13,
         Fault("loaded where one leaves", BankArbiter, r"& ~again\b", ""),
         Fault("loaded where one draws", BankArbiter, r"deal\.want, line\)", "deal.want & 0, line)"),
+        Fault("lost to an element", BankArbiter, r"held = kept", "held = ~pressing & kept"),
+        Fault("an element lost to it", BankArbiter, r"want, first_line", "want, leaving.line"),
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
         Fault(
             "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"

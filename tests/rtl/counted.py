@@ -4,7 +4,8 @@ Yosys takes a quarter of a minute for a preset, and gives the same counts for th
 everywhere. ``counted.json`` has a digest of all that a budget came from, the counts included. Where
 it is another, the tests synthesise; so after a change of the hardware, to have quick ones again:
 
-.venv/bin/python tests/rtl/counted.py      counts what changed and writes its digests
+.venv/bin/python tests/rtl/counted.py            counts what changed and writes its digests
+.venv/bin/python tests/rtl/counted.py --record   and makes the counts the budgets
 """
 
 import hashlib
@@ -46,12 +47,17 @@ def counts_of(config, top="engine"):
     return synth.count_engine(config, top)
 
 
-def main():
-    """Write the digests of all that take what their budgets say; return 1 if one does not."""
+def main(record):
+    """Write the digests of all that take what their budgets say; return 1 if one does not.
+
+    With ``record`` their budgets say what they take.
+    """
     digests, wrong = {}, []
     for config, top in ENGINES:
         name = budgets.budget_name(config.name, top)
         counts = counts_of(config, top)
+        if record:
+            budgets.record(name, counts)
         if counts == budgets.read_budgets()[name]:
             digests[name] = digest(config, top, counts)
         else:
@@ -62,4 +68,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:] == ["--record"]))

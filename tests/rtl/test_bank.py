@@ -34,6 +34,7 @@ class Operator:
         self.bench = StreamBench(dut, seed)
         self.memory = {}
         self.flight = deque([None] * 2, 2)  # the requests of the two cycles before
+        self.leaving = deque([None] * 2, 2)  # and what they send out, if that is known
 
     async def reset(self):
         self.dut.enable.value = 1
@@ -80,14 +81,22 @@ class Operator:
             assert int(self.dut.drawn.value) == drawn
             assert int(self.dut.changing.value) == (last is not None)
             assert not drawn or int(self.dut.drawn_address.value) == last[0]
+            assert self.leaving[-1] in (None, self.given())
 
         await self.bench.step(drive, observe)
         issue = bool(asked and enable)
         if enable:
             self.flight.appendleft(request if issue else None)
+            cleared = issue and mask == CLEAR
+            self.leaving.appendleft(self.memory.get(request[0]) if cleared else BACKGROUND)
             if issue:
                 self._do(request)
         return issue
+
+    def given(self):
+        """The word on its way out."""
+        word = unpack(WORD, int(self.dut.leaving.value))
+        return [(word.depth[i], word.colour[i]) for i in range(4)]
 
     def _do(self, request):
         address, mask, pixels = request
@@ -105,8 +114,7 @@ class Operator:
         while not await self.cycle((address, CLEAR, BACKGROUND)):
             pass
         await self.cycle()
-        word = unpack(WORD, int(self.dut.old.value))
-        return [(word.depth[i], word.colour[i]) for i in range(4)]
+        return self.given()
 
 
 @cocotb.test()
