@@ -1,4 +1,4 @@
-"""What the README shows in Python works as it stands there."""
+"""What the README shows in Python works as it stands there, and its figures are today's."""
 
 import ast
 import re
@@ -7,8 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from splatline.rtl.budgets import read_budgets
+from splatline.rtl.format import PRESETS
+
 README = Path(__file__).parents[1] / "README.md"
-BLOCKS = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+TEXT = README.read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
 
 @pytest.fixture
@@ -30,7 +34,7 @@ def test_a_cloud_is_drawn_as_shown(scan):
     assert raster.depth.shape == (512, 512)
     assert raster.colour.shape == (512, 512, 3)
     assert raster.drawn.any()
-    named = re.search(r"`(sim\.[\w.]+)\(frame\)`", README.read_text())[1]
+    named = re.search(r"`(sim\.[\w.]+)\(frame\)`", TEXT)[1]
     assert callable(eval(named, names))
 
 
@@ -43,3 +47,28 @@ def test_what_the_driver_s_example_names_is_there():
     for name in ("write_tables", "draw"):
         assert f"engine.{name}(" in example
         assert callable(getattr(imports["Engine"], name))
+
+
+def test_what_the_presets_take_is_what_is_recorded():
+    cell = r"[^|]*\|"
+    rows = re.findall(
+        rf"^\| `([\w-]+)` \|{cell}{cell}([^|]*)\|([^|]*)\|([^|]*)\|", TEXT, re.MULTILINE
+    )
+    assert {name for name, *_ in rows} == {*PRESETS, "paper-rom"}
+    budgets = read_budgets()
+    for name, *told in rows:
+        taken = [int(count.replace(",", "")) for count in told]
+        assert taken == [budgets[name][kind] for kind in ("lut4", "ff", "bram")], name
+
+
+def test_what_the_paper_s_engine_takes_is_what_is_recorded():
+    budgets = read_budgets()
+    for kind, name in {
+        "lut4": "4-input LUTs", "ff": "flip-flops", "bram": "block RAMs", "mult": "multipliers",
+    }.items():  # fmt: skip
+        row = re.search(rf"^\| {name} \| ([\d,]+) \| ([\d,]+) ", TEXT, re.MULTILINE)
+        told = [int(count.replace(",", "")) for count in row.groups()]
+        assert told == [budgets["paper"][kind], budgets["paper, pins"][kind]]
+    on_axi = re.search(r"`--top axi`\) it takes ([\d,]+) LUTs and ([\d,]+) flip-flops", TEXT)
+    told = [int(count.replace(",", "")) for count in on_axi.groups()]
+    assert told == [budgets["paper, axi"][kind] for kind in ("lut4", "ff")]
