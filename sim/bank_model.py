@@ -380,13 +380,16 @@ def _give_up(window: Window, machine: Machine) -> int:
     if machine.pixels * number > machine.last_column:  # it shares its mark with one of the image
         return BLANK
     start = _start(line, number, machine)
-    kind = BLANK
+    kind, shown = BLANK, False
     for pixel in range(machine.pixels):
         if window.depth[start + pixel] != machine.z_mask:
-            # The bank does not know where the image ends; the way out does.
-            window.reading[2, bank_of(line, number, machine)] = 1
+            shown = True
             if machine.pixels * number + pixel <= machine.last_column:
                 kind = SHOWN
+    # The bank does not know where the image ends; the way out does. Stored behind the loop: within
+    # it LLVM 22 vectorizes the store for CPUs with AVX-512, and wrongly (docs/decisions.md).
+    if shown:
+        window.reading[2, bank_of(line, number, machine)] = 1
     return kind
 
 

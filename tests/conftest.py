@@ -11,9 +11,6 @@ settings.register_profile("dev", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 # Most designs of the tests run for a moment, so compiling them is what takes time.
 os.environ.setdefault("SPLATLINE_QUICK_BUILD", "1")
-# numba 0.68 compiles the clock of banks with colour planes wrongly for some newer CPUs: it counts
-# cycles that no circuit takes (docs/decisions.md). What is compiled for any CPU is right.
-os.environ.setdefault("NUMBA_CPU_NAME", "generic")
 # A design is a million objects that live until its Verilog is written: to look for garbage among
 # them after every 700 takes a fifth of the time.
 gc.set_threshold(100_000, 50, 100)
