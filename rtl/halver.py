@@ -5,7 +5,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
-from .layouts import LoadLayout, RasterLayout
+from .layouts import LoadLayout
 
 __all__ = ["Halver"]
 
@@ -13,14 +13,15 @@ __all__ = ["Halver"]
 class Halver(wiring.Component):
     """Offers the two words of a beat after each other, but none that is all background.
 
-    An end beat is passed on; a beat that is all background gives its right word.
+    A beat that is all background gives its right word. Which words a beat has is known with it: the
+    way from its depths to the banks would be long.
 
-    **Latency**: none. **Throughput**: a word a cycle.
+    **Latency**: 1 cycle. **Throughput**: a word a cycle.
 
     Members
     -------
-    i : In(stream of RasterLayout)
-        Beats of two words; ``raster_words`` is 2.
+    i : In(stream of LoadLayout)
+        Beats of two words; ``word`` is the left one's number. No ends.
     o : Out(stream of LoadLayout)
         Their words, each with the pixels of its beat.
     """
@@ -29,7 +30,7 @@ class Halver(wiring.Component):
         self.config = config
         super().__init__(
             {
-                "i": In(stream.Signature(RasterLayout(config))),
+                "i": In(stream.Signature(LoadLayout(config))),
                 "o": Out(stream.Signature(LoadLayout(config))),
             }
         )
@@ -38,24 +39,28 @@ class Halver(wiring.Component):
         """Build the circuit."""
         m = Module()
         pixels = self.config.pixels_per_word
-        beat, word = self.i.payload, self.o.payload
-        left_done = Signal()
-        right = Signal()
-        empty = [
-            Cat(depth.all() for depth in beat.pixels.depth[half * pixels : (half + 1) * pixels])
+        depths = self.i.payload.pixels.depth
+        left_empty, right_empty = (
+            Cat(depth.all() for depth in depths[half * pixels : (half + 1) * pixels]).all()
             for half in range(2)
-        ]
-        last = Signal()
+        )
+        valid = Signal()
+        beat = Signal(LoadLayout(self.config), reset_less=True)
+        right = Signal(reset_less=True)  # it is the right word's turn
+        last = Signal(reset_less=True)  # that is the beat's last
         m.d.comb += [
-            right.eq(left_done | empty[0].all()),
-            last.eq(right | empty[1].all() | beat.end),
-            self.o.valid.eq(self.i.valid),
-            self.i.ready.eq(self.o.ready & last),
-            word.word.eq(Cat(right, beat.word)),
-            word.line.eq(beat.line),
-            word.end.eq(beat.end),
-            word.pixels.eq(beat.pixels),
+            self.i.ready.eq(~valid | (self.o.ready & last)),
+            self.o.valid.eq(valid),
+            self.o.payload.eq(beat),
+            self.o.payload.word[0].eq(right),
         ]
-        with m.If(self.o.valid & self.o.ready):
-            m.d.sync += left_done.eq(~last)
+        with m.If(self.i.ready):
+            m.d.sync += [
+                valid.eq(self.i.valid),
+                beat.eq(self.i.payload),
+                right.eq(left_empty),
+                last.eq(left_empty | right_empty),
+            ]
+        with m.Elif(self.o.ready):
+            m.d.sync += [right.eq(1), last.eq(1)]
         return m

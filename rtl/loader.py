@@ -16,10 +16,11 @@ class Loader(wiring.Component):
     A word is copied into memory while its line is still background, beside whatever is drawn and
     leaves elsewhere: an element waits until its lines have come, and a line until it has come
     before it leaves. Beats outside the image are dropped, and words of lines above that of the word
-    before: once a line was waited for, those before it may be on their way out. Of a beat of two
-    words the right one is written even if it alone lies outside, where nothing ever leaves.
+    before: once a line was waited for, those before it may be on their way out. A beat of two words
+    is offered as a whole, to a :class:`Halver`; the right one is written even if it alone lies
+    outside, where nothing ever leaves.
 
-    **Latency**: 1 cycle. **Throughput**: one word in two cycles, the first of which tells whether
+    **Latency**: 1 cycle. **Throughput**: one beat in two cycles, the first of which tells whether
     its line is in the window; or one a cycle that is dropped.
 
     Members
@@ -27,7 +28,10 @@ class Loader(wiring.Component):
     i : In(stream of LoadLayout)
         The initial raster. Taken during a frame alone, and only if ``enable`` is set.
     o : Out(stream of LoadLayout)
-        Words to write; their lines are in the window.
+        Words to write, or beats of two; their lines are in the window.
+    held : In(1)
+        Of a beat that was taken something is still to be written; low where words are written as
+        they are taken.
     enable : In(1)
         The frame starts from an initial raster.
     active : In(1)
@@ -59,6 +63,7 @@ class Loader(wiring.Component):
             {
                 "i": In(stream.Signature(LoadLayout(config))),
                 "o": Out(stream.Signature(LoadLayout(config))),
+                "held": In(1),
                 "enable": In(1),
                 "active": In(1),
                 "last_line": In(config.line_bits),
@@ -79,7 +84,7 @@ class Loader(wiring.Component):
         # of eight lines has no other for the last row of a block.
         lines = config.window_lines - (config.window_lines > BLOCK)
         beat = self.i.payload
-        skip = config.raster_words - 1  # beats are compared: which of their words it is, comes late
+        skip = config.raster_words - 1  # beats are compared
         ended = Signal()
         waiting = Signal()
         drop = Signal()
@@ -93,11 +98,15 @@ class Loader(wiring.Component):
             ahead.eq(beat.line - self.oldest),
             # Not before the window: a line leaves when it lies above ``limit``.
             in_window.eq(~ahead[config.slot_bits :].any()),
+            # The end waits until all is written.
             drop.eq(
-                beat.end
-                | (beat.line < self.limit)
-                | (beat.line > self.last_line)
-                | (beat.word[skip:] > self.last_word[skip:])
+                Mux(
+                    beat.end,
+                    ~self.held,
+                    (beat.line < self.limit)
+                    | (beat.line > self.last_line)
+                    | (beat.word[skip:] > self.last_word[skip:]),
+                )
             ),
             self.o.valid.eq(offered),
             self.o.payload.eq(beat),
@@ -106,15 +115,12 @@ class Loader(wiring.Component):
             self.limit.eq(limit),
             self.front.eq(Mux(self.finished, self.oldest, loaded)),
         ]
-        if config.raster_words == 2:
-            # Late, but the same while a word is offered as in the cycle before.
-            right = Signal(reset_less=True)
-            m.d.sync += right.eq(beat.word[0])
-            m.d.comb += self.o.payload.word[0].eq(right)
-        m.d.sync += offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready))
-        with m.If(waiting & beat.end):
+        m.d.sync += offered.eq(
+            waiting & ~drop & ~beat.end & in_window & ~(self.o.valid & self.o.ready)
+        )
+        with m.If(waiting & beat.end & ~self.held):
             m.d.sync += ended.eq(1)
-        with m.If(waiting & ~drop):
+        with m.If(waiting & ~drop & (~self.held | (self.o.valid & self.o.ready))):
             # One that waits below the window says that all lines of the window have come.
             m.d.sync += [
                 loaded.eq(Mux(in_window, beat.line - lines, self.oldest)),

@@ -1,6 +1,6 @@
 """The sliding window of banks: what elements pass through on their way to the raster."""
 
-from amaranth.hdl import Module, Mux, Signal, signed
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
@@ -113,7 +113,6 @@ class Window(wiring.Component):
         last_word = self.last_column[config.pixel_bits :]
         m.d.comb += [
             walker.last_word.eq(last_word),
-            walker.limit.eq(loader.limit),
             walker.jump.eq(loader.finished),
             walker.restart.eq(self.finished),
             walker.idle.eq(~scatter.i.valid & ~scatter.o.valid),
@@ -130,10 +129,25 @@ class Window(wiring.Component):
         ]
         if config.raster_words == 1:
             connect(m, flipped(self.initial), loader.i)
+            m.d.comb += walker.limit.eq(loader.limit)
+            loads = loader.o
         else:
             m.submodules.halver = halver = Halver(config)
-            connect(m, flipped(self.initial), halver.i)
-            connect(m, halver.o, loader.i)
+            beat = self.initial.payload
+            m.d.comb += [
+                loader.i.valid.eq(self.initial.valid),
+                loader.i.payload.pixels.eq(beat.pixels),
+                loader.i.payload.word.eq(Cat(0, beat.word)),
+                loader.i.payload.line.eq(beat.line),
+                loader.i.payload.end.eq(beat.end),
+                self.initial.ready.eq(loader.i.ready),
+                loader.held.eq(halver.o.valid),
+            ]
+            # A beat is taken while the last word before it is written, which is marked a cycle
+            # after.
+            m.d.sync += walker.limit.eq(loader.limit)
+            connect(m, loader.o, halver.i)
+            loads = halver.o
 
         # Deal: elements, as long as there are no end tokens, for which nothing may be left to draw.
         deal = scatter.o.payload
@@ -158,7 +172,7 @@ class Window(wiring.Component):
 
         # Request: who may use the banks.
         connect(m, scatter.o, arbiter.draw)
-        connect(m, loader.o, arbiter.load)
+        connect(m, loads, arbiter.load)
         connect(m, walker.flush, arbiter.flush)
         m.d.comb += [
             arbiter.running.eq(running),
@@ -176,7 +190,7 @@ class Window(wiring.Component):
             # that are a multiple of four apart: what is nearer goes first, so that it comes to
             # that. With sixteen no line of the window below them is in their way for long.
             distance = Signal(3)
-            m.d.comb += distance.eq(loader.o.payload.line[:3] - top[:3])
+            m.d.comb += distance.eq(loads.payload.line[:3] - top[:3])
             m.d.comb += arbiter.behind.eq((distance < 2) | (distance > 5))
 
         # Merge: what the banks draw, and the way out of what they give up.
@@ -191,7 +205,7 @@ class Window(wiring.Component):
             emitter.end.eq(walker.over),
             self.finished.eq(emitter.finished),
         ]
-        loaded = self._loaded(m, loader.o.payload, arbiter.further)
+        loaded = self._loaded(m, loads.payload, arbiter.further)
         for index, bank in enumerate(banks):
             m.d.comb += [
                 bank.enable.eq(running),

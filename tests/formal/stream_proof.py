@@ -104,7 +104,7 @@ def window_stays(properties, m, dut):
     """The window does not move past a word that is offered, and its frame goes on.
 
     It does not move back during a frame. So nothing comes for the lines above ``limit``, which then
-    does not fall but among lines that lie before the frame.
+    does not fall but among lines that lie before the frame, and is none of a beat that is held.
     """
     oldest, limit = Signal.like(dut.oldest), Signal.like(dut.limit)
     began, finished = Signal(init=1), Signal()
@@ -122,10 +122,24 @@ def window_stays(properties, m, dut):
     properties.given(m, "stays", ~dut.o.valid | (dut.oldest <= dut.i.payload.line))
     properties.given(m, "active", ~dut.o.valid | (dut.active & ~dut.restart))
     properties.always(m, "limit", began | (limit <= dut.limit) | (limit <= 0))
-    properties.always(
-        m, "comes", ~dut.o.valid | ((beat.line == dut.limit) & (beat.line <= reaches))
+    skip = dut.config.raster_words - 1
+    went, holding = Signal(), Signal()
+    line_held = Signal.like(beat.line)
+    m.d.sync += [went.eq(dut.o.valid & dut.o.ready), holding.eq(dut.held)]
+    with m.If(dut.o.valid & dut.o.ready):
+        m.d.sync += line_held.eq(beat.line)
+    # A beat of two words is held from the cycle after it was taken on.
+    properties.given(
+        m, "held", (dut.held >= went) & (dut.held <= went | holding) if skip else ~dut.held
     )
-    kept = ~beat.end & (beat.line <= dut.last_line) & (beat.word <= dut.last_word)
+    properties.always(m, "held_line", ~dut.held | (dut.limit <= line_held))
+    properties.always(m, "held_end", ~dut.held | ~dut.finished)
+    properties.always(m, "open", ~dut.o.valid | ~(dut.finished | beat.end))
+    later = dut.held | holding  # what is said of lines
+    comes = (beat.line == dut.limit) | (later & (beat.line >= dut.limit))
+    properties.always(m, "comes", ~dut.o.valid | (comes & (beat.line <= reaches)))
+    within = (beat.line <= dut.last_line) & (beat.word[skip:] <= dut.last_word[skip:])
+    kept = ~beat.end & within
     taken = dut.i.valid & dut.i.ready & kept & (beat.line >= dut.limit)
     properties.always(m, "kept", ~taken | dut.o.valid)
     properties.always(
@@ -231,6 +245,13 @@ PROOFS = [
         given=window_stays,
     ),
     plan(
+        "loader, beats of two words",
+        lambda: Loader(WIDE),
+        Fault("a line ahead of what is held", Loader, r"~self\.held \| \(self\.o", "1 | (self.o"),
+        Fault("ended while a beat is held", Loader, r"beat\.end & ~self\.held", "beat.end"),
+        given=window_stays,
+    ),
+    plan(
         "loader, eight lines",
         lambda: Loader(PAPER.replace(window_lines=8)),
         Fault("a line drawn into too early", Loader, r"\(config\.window_lines > BLOCK\)", "1"),
@@ -239,7 +260,7 @@ PROOFS = [
     plan(
         "halver",
         lambda: Halver(WIDE),
-        Fault("not held", Halver, r"If\(self\.o\.valid & self\.o\.ready\)", "If(self.o.valid)"),
+        Fault("not held", Halver, r"Elif\(self\.o\.ready\)", "Else()"),
     ),
     plan(
         "walker",

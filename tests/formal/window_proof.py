@@ -332,7 +332,7 @@ PROOFS = [
         "the same where beats have two words",
         1,
         12,
-        Fault("the right word is lost", Halver, r"last\.eq\(right", "last.eq(1"),
+        Fault("the right word is lost", Halver, r"left_empty \| right_empty", "1"),
         Fault("the left word for the right", Window, r"= load\.word\[0\]", "= 0", "_loaded"),
         Fault(
             "the line that left before that one",

@@ -27,7 +27,7 @@ def beat(line, word):
 def setup(dut, enable=1, active=1):
     dut.enable.value, dut.active.value = enable, active
     dut.last_line.value, dut.last_word.value = LAST_LINE, LAST_WORD
-    dut.oldest.value, dut.restart.value = 0, 0
+    dut.oldest.value, dut.restart.value, dut.held.value = 0, 0, 0
 
 
 def told(dut):
@@ -41,9 +41,11 @@ async def words_enter_with_their_lines(dut):
     """The window slides past random beats: each within it goes in, nonsense goes nowhere.
 
     As the window does, it lets no line leave that may still receive a word; and at no time is a
-    line said to be complete of which a word is still to go in.
+    line said to be complete of which a word is still to go in, or is held on its way.
     """
-    for seed, rates in enumerate([(1.0, 1.0), (0.5, 0.6), (1.0, 0.2)]):
+    for seed, (holds, *rates) in enumerate(
+        [(0, 1.0, 1.0), (0, 0.5, 0.6), (0, 1.0, 0.2), (1, 1.0, 1.0), (1, 1.0, 0.5), (1, 0.4, 0.8)]
+    ):
         rng = random.Random(seed)
         places = [(rng.randrange(120), rng.randrange(14)) for _ in range(400)]
         places.sort(key=lambda place: place[0])
@@ -53,15 +55,21 @@ async def words_enter_with_their_lines(dut):
         setup(dut)
         await bench.reset()
         inside = [p for p in places if p[0] <= LAST_LINE and p[1] <= LAST_WORD]
-        oldest, limit = 0, 0
+        oldest, limit, held = 0, 0, 0
         for _ in range(6000):
-            seen = {}
-            complete = inside[len(sink.received)][0] if len(sink.received) < len(inside) else 1000
-            await bench.step(
-                lambda oldest=oldest: setattr(dut.oldest, "value", oldest),
-                lambda seen=seen: seen.update(told(dut)),
-            )
+            seen, taken = {}, len(sink.received)
+            written = taken - held
+            complete = inside[written][0] if written < len(inside) else 1000
+
+            def drive(oldest=oldest, held=held):
+                dut.oldest.value, dut.held.value = oldest, held
+
+            await bench.step(drive, lambda seen=seen: seen.update(told(dut)))
+            # What is held is written in the cycle in which the next is taken, or before.
+            went_on = len(sink.received) > taken
+            held = int(holds and (went_on or (held and rng.random() < 0.5)))
             if seen["finished"]:
+                assert written == len(inside)
                 assert seen["front"] == oldest
                 break
             assert limit <= seen["limit"] <= min(complete, oldest + LINES)
