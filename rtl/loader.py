@@ -30,8 +30,7 @@ class Loader(wiring.Component):
     o : Out(stream of LoadLayout)
         Words to write, or beats of two; their lines are in the window.
     held : In(1)
-        Of a beat that was taken something is still to be written; low where words are written as
-        they are taken.
+        If beats have two words: of the one that was taken something is still to be written.
     enable : In(1)
         The frame starts from an initial raster.
     active : In(1)
@@ -59,11 +58,12 @@ class Loader(wiring.Component):
     def __init__(self, config: EngineConfig):
         self.config = config
         line = signed(config.line_bits + 2)
+        held = {"held": In(1)} if config.raster_words == 2 else {}
         super().__init__(
             {
                 "i": In(stream.Signature(LoadLayout(config))),
                 "o": Out(stream.Signature(LoadLayout(config))),
-                "held": In(1),
+                **held,
                 "enable": In(1),
                 "active": In(1),
                 "last_line": In(config.line_bits),
@@ -93,20 +93,22 @@ class Loader(wiring.Component):
         ahead = Signal(signed(config.line_bits + 2))
         loaded = Signal.like(self.front, init=-lines)
         limit = Signal.like(self.limit)  # so many lines below: an addition less on a long way
+        waits = self.i.valid & self.enable & self.active & ~ended
+        comes = waiting & ~drop
+        if config.raster_words == 2:
+            # The end waits until all is written, and so does what is said of lines.
+            waits &= ~(beat.end & self.held)
+            comes &= ~self.held | (self.o.valid & self.o.ready)
         m.d.comb += [
-            waiting.eq(self.i.valid & self.enable & self.active & ~ended),
+            waiting.eq(waits),
             ahead.eq(beat.line - self.oldest),
             # Not before the window: a line leaves when it lies above ``limit``.
             in_window.eq(~ahead[config.slot_bits :].any()),
-            # The end waits until all is written.
             drop.eq(
-                Mux(
-                    beat.end,
-                    ~self.held,
-                    (beat.line < self.limit)
-                    | (beat.line > self.last_line)
-                    | (beat.word[skip:] > self.last_word[skip:]),
-                )
+                beat.end
+                | (beat.line < self.limit)
+                | (beat.line > self.last_line)
+                | (beat.word[skip:] > self.last_word[skip:])
             ),
             self.o.valid.eq(offered),
             self.o.payload.eq(beat),
@@ -115,12 +117,10 @@ class Loader(wiring.Component):
             self.limit.eq(limit),
             self.front.eq(Mux(self.finished, self.oldest, loaded)),
         ]
-        m.d.sync += offered.eq(
-            waiting & ~drop & ~beat.end & in_window & ~(self.o.valid & self.o.ready)
-        )
-        with m.If(waiting & beat.end & ~self.held):
+        m.d.sync += offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready))
+        with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
-        with m.If(waiting & ~drop & (~self.held | (self.o.valid & self.o.ready))):
+        with m.If(comes):
             # One that waits below the window says that all lines of the window have come.
             m.d.sync += [
                 loaded.eq(Mux(in_window, beat.line - lines, self.oldest)),
