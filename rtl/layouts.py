@@ -132,7 +132,7 @@ class LoadLayout(data.StructLayout):
     """A memory word of the initial raster with its place in the image, or the raster's end.
 
     ``pixels`` are those of its beat: of a beat of two words the left one is meant if ``word`` is
-    even, else the right one.
+    even, else the right one; before a :class:`Halver` ``word`` is even, and both are.
     """
 
     def __init__(self, config: EngineConfig):
