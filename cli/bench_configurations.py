@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -162,17 +162,19 @@ def route(config: EngineConfig) -> tuple[float, str]:
 
 def kept(
     path: Path,
-    heads: Mapping[str, Any],
+    heads: dict[str, Any],
     frames: Sequence[tuple[str, str | float]],
     names: Sequence[str],
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Return the points and the runs that an earlier report has of engines that are not named.
 
     Raises ``InputError`` if there is none, or if it is of other frames (scenes and diameters), of
-    another size or quality, or made with other tools: ``heads``.
+    another size or quality, or made with other tools: ``heads``. To those are added the tools that
+    are needed no more, as a router for what is counted alone now.
     """
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
+        heads["versions"].update(report["versions"] | heads["versions"])
         other = [key for key in heads if report[key] != heads[key]]
         if {(run["scene"], run["splats"]) for run in report["runs"]} != set(frames):
             other.append("scenes or splats")

@@ -35,7 +35,8 @@ def page(report: dict[str, Any]) -> str:
             yield from (f"{point[kind]:,}" for kind in ("lut4", "ff", "bram"))
             yield "yes" if point["fits"] else "**no**"
         if clocked:
-            yield from (point["ecp5"].rpartition("-6")[0], f"{point['ecp5_mhz']:.1f}")
+            device, rate = point["ecp5"], point["ecp5_mhz"]
+            yield from ("-", "-") if rate is None else (device.rpartition("-6")[0], f"{rate:.1f}")
 
     totals = (
         [point["name"], *(f"{found[point['name'], *scene]['cycles']:,}" for scene in scenes)]

@@ -67,6 +67,27 @@ def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, mo
     }
 
 
+def test_what_is_routed_stands_beside_what_is_only_counted(run, folder, tools):
+    command = ("bench", "configurations", *SHORT, "--splats", "auto")
+    assert run(*command, "--clock").exit_code == 0
+    result = run(*command, "--point", "word8", "--keep")
+    assert result.exit_code == 0, result.output
+    page = (folder / "docs/bench/configurations.md").read_text()
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ")]
+    paper, word8 = (next(row for row in rows if row[0] == f"| {n}") for n in ("paper", "word8"))
+    assert paper[-2:] == ["LFE5U-25F", "99.5 |"]
+    assert word8[-2:] == ["-", "- |"]
+    assert "golden 1.0, synth 1.0, pnr 1.0" in page
+
+
+def test_a_clock_is_not_added_to_rows_without(run, folder, tools):
+    command = ("bench", "configurations", *SHORT)
+    assert run(*command).exit_code == 0
+    result = run(*command, "--point", "word8", "--clock", "--keep")
+    assert result.exit_code == 2
+    assert "rows of other versions" in " ".join(result.stderr.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
