@@ -27,8 +27,8 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
     earlier part stays, and with ``columns`` the order in a line changes too.
 
     A strip of columns keeps an engine's elements together, so that it has few words to send beside
-    those it draws. Its elements come from two or three parts of it in turn: those that follow each
-    other into the same pixel or word of memory cost cycles. More parts would lie too close.
+    those it draws. Its elements come from its two halves in turn: one that follows another into the
+    same pixel or word of memory costs a cycle. More parts would lie too close.
 
     Parameters
     ----------
@@ -64,9 +64,7 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         owners = _by_line(lines, engines)
     else:
         columns = (elements >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)).astype(np.int64)
-        # A pixel in a lane is written after a cycle; a bank needs two for a word.
-        turns = 2 if config.lanes else 3
-        order, owners = _by_column(columns, lines, engines, turns, config.max_width)
+        order, owners = _by_column(columns, lines, engines, config.max_width)
         elements = elements[order]
     parts, sizes = _write(
         elements,
@@ -136,8 +134,8 @@ def _by_line(lines: Any, engines: int) -> Any:
 
 
 @nb.njit(cache=True)
-def _by_column(columns: Any, lines: Any, engines: int, turns: int, width: int) -> tuple[Any, Any]:
-    """Return the order of the elements by line, engine and turn, and the owner of each in it.
+def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any, Any]:
+    """Return the order of the elements by line, engine and turn (of two), and each one's owner.
 
     The cuts of a line are where the running totals ask for them, so that over all lines the engines
     have the same number of elements but for one, or a few where a line has fewer than engines.
@@ -168,7 +166,7 @@ def _by_column(columns: Any, lines: Any, engines: int, turns: int, width: int) -
         for engine in range(engines):
             first, last = cuts[engine], cuts[engine + 1]
             for rank in range(first, last):
-                place = in_turn(rank - first, last - first, turns)
+                place = in_turn(rank - first, last - first, 2)
                 order[begin + first + place] = ranked[rank]
                 owners[begin + rank] = engine
         begin = end

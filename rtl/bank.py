@@ -36,28 +36,27 @@ class Bank(wiring.Component):
     """Reads a word, tests and merges its pixels, and writes it back.
 
     The block RAM has one read and one write port and no byte enables, so a word is always written
-    whole. It is read in the cycle of the request and stands in a register in the one after, as a
-    block RAM is slow; in the next it is compared and merged with ``new``, and is written at that
-    cycle's end. A request for a word in the two cycles after one of the same word would read stale
-    pixels, and is never made.
+    whole. It is read in the cycle of the request, and in the one after it is compared and merged
+    with ``new`` and written at that cycle's end. A request for a word in the cycle after one of the
+    same word would read stale pixels, and is never made.
 
-    What is cleared is read into another register as well, which has background otherwise. So what
-    leaves the window is what all banks have there together, and is not chosen from them.
+    What is cleared is read into a register, which has background otherwise. So what leaves the
+    window is what all banks have there together, and is not chosen from them.
 
     A word is loaded through the port that reads, which has no other use for that cycle: so it takes
     no multiplexer, and the other port may write at the same time, but not the same word.
 
-    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. **Throughput**: one request
-    a cycle, but the same word in every third cycle at most.
+    **Latency**: 2 cycles to ``leaving`` and to the memory, 1 for a load. **Throughput**: one
+    request a cycle, but the same word in every second cycle at most.
 
     Members
     -------
     enable : In(1)
         Low: everything stands still, and ``request`` is not taken.
     request : In(BankRequestLayout)
-        What to do. Not the word of one of the two requests before, if they draw or clear.
+        What to do. Not the word of the request before, if that draws or clears.
     new : In(WordLayout)
-        Depth and colour to draw, one a pixel, two cycles after the request.
+        Depth and colour to draw, one a pixel, in the cycle after the request.
     loaded : In(WordLayout)
         The word to load, in the cycle of the request.
     leaving : Out(WordLayout)
@@ -67,8 +66,6 @@ class Bank(wiring.Component):
         ``drawn_address``.
     drawn_address : Out(bank_address_bits)
         Which word that is.
-    changing : Out(1)
-        As ``drawn``, or the word is cleared: a request for it now would read what it was.
     """
 
     def __init__(self, config: EngineConfig):
@@ -82,7 +79,6 @@ class Bank(wiring.Component):
                 "leaving": Out(WordLayout(config)),
                 "drawn": Out(1),
                 "drawn_address": Out(bank_address_bits(config)),
-                "changing": Out(1),
             }
         )
 
@@ -105,17 +101,13 @@ class Bank(wiring.Component):
             ports[name] = ram.read_port(), ram.write_port(), ram.write_port()
 
         taken = Signal(BankRequestLayout(config))
-        merging = Signal(BankRequestLayout(config))
-        fresh = Signal()  # it came just now: while all stands still it is written once
-        word = Signal(WordLayout(config), reset_less=True)
+        old = Signal(WordLayout(config))
         leaving = Signal(WordLayout(config), reset_less=True)
-        m.d.sync += fresh.eq(self.enable)
         with m.If(self.enable):
-            m.d.sync += [taken.eq(self.request), merging.eq(taken)]
+            m.d.sync += taken.eq(self.request)
         m.d.comb += [
             self.drawn.eq(taken.draw | taken.load),
             self.drawn_address.eq(taken.address),
-            self.changing.eq(self.drawn | taken.clear),
             self.leaving.eq(leaving),
         ]
         for name, (read, load, write) in ports.items():
@@ -126,27 +118,28 @@ class Bank(wiring.Component):
                 load.addr.eq(self.request.address),
                 load.en.eq(self.enable & self.request.load),
                 load.data.eq(self.loaded[name]),
-                write.addr.eq(merging.address),
-                write.en.eq((merging.draw | merging.clear) & fresh),
+                old[name].as_value().eq(read.data),
+                # Written every cycle while standing still, the word comes out the same each time.
+                write.addr.eq(taken.address),
+                write.en.eq(taken.draw | taken.clear),
             ]
             with m.If(self.enable):
-                m.d.sync += word[name].as_value().eq(read.data)
                 # A register is set or cleared for nothing, a multiplexer takes a LUT a bit.
                 background = Const(-1 if name == "depth" else 0, len(read.data))
                 m.d.sync += leaving[name].as_value().eq(Mux(taken.clear, read.data, background))
         merged = Signal(WordLayout(config))
         for pixel in range(pixels):
-            new_depth, old_depth = self.new.depth[pixel], word.depth[pixel]
+            new_depth, old_depth = self.new.depth[pixel], old.depth[pixel]
             passes = Signal(name=f"passes_{pixel}")
             m.d.comb += [
                 # The mask rides on the comparison's carry chain, which has a bit to spare.
-                passes.eq(Cat(new_depth, 1) < Cat(old_depth, merging.mask[pixel])),
+                passes.eq(Cat(new_depth, 1) < Cat(old_depth, taken.mask[pixel])),
                 merged.depth[pixel].eq(
-                    Mux(passes, new_depth, old_depth) | merging.clear.replicate(config.depth_bits)
+                    Mux(passes, new_depth, old_depth) | taken.clear.replicate(config.depth_bits)
                 ),
                 merged.colour[pixel].eq(
-                    Mux(passes, self.new.colour[pixel], word.colour[pixel])
-                    & ~merging.clear.replicate(config.colour_bits)
+                    Mux(passes, self.new.colour[pixel], old.colour[pixel])
+                    & ~taken.clear.replicate(config.colour_bits)
                 ),
             ]
         m.d.comb += [

@@ -93,8 +93,8 @@ class BankArbiter(wiring.Component):
         sweep = Signal(bank_address_bits(self.config))
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
-        swept = Signal(2, init=3)  # one and two cycles before: words are still to be written
-        m.d.sync += swept.eq(Cat(sweeping, swept))
+        swept = Signal(init=1)  # in the cycle before: words are still to be written
+        m.d.sync += swept.eq(sweeping)
 
         # What is served besides the element: the initial raster's word, or those that leave.
         word, line = self.load.payload.word, self.load.payload.line
@@ -141,8 +141,8 @@ class BankArbiter(wiring.Component):
         # The one that is to serve does something else.
         blocked, full = Signal(2), Signal(2)
         m.d.comb += [
-            self.wiping.eq(swept[0]),
-            self.drawing.eq(self.draw.valid & ~swept.any()),
+            self.wiping.eq(swept),
+            self.drawing.eq(self.draw.valid & ~swept),
             first_line.eq(Mux(pressing, line, leaving.line)),
             kept.eq(
                 Mux(
@@ -191,17 +191,13 @@ class BankArbiter(wiring.Component):
 
         # A word of the line whose place it takes may have left just now, and is still cleared:
         # there the port that writes would meet the one that loads.
-        left = Signal(2)  # one and two cycles before
-        places = [  # of which lines
-            Signal(self.config.slot_bits, name=f"place_left_{n}", reset_less=True) for n in range(2)
-        ]
+        left = Signal()  # in the cycle before
+        place = Signal(self.config.slot_bits, reset_less=True)  # of which line
         again = Signal()
         m.d.comb += [
-            again.eq(
-                Cat(left[n] & (place == line[: len(place)]) for n, place in enumerate(places)).any()
-            ),
+            again.eq(left & (place == line[: len(place)])),
             loading.eq(
-                serving & self.running & ~sweeping & ~swept.any() & ~again & ~(halves & full).any()
+                serving & self.running & ~sweeping & ~swept & ~again & ~(halves & full).any()
             ),
             self.flush.ready.eq(
                 self.running
@@ -220,8 +216,7 @@ class BankArbiter(wiring.Component):
             with m.If(loading):
                 m.d.sync += self.further.eq(~self.further)
         with m.If(self.running):
-            m.d.sync += left.eq(Cat(flushing, left))
-            m.d.sync += [places[0].eq(leaving.line), places[1].eq(places[0])]
+            m.d.sync += [left.eq(flushing), place.eq(leaving.line[: len(place)])]
         return m
 
     def _of_halves(self, banks, line):

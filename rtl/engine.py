@@ -37,8 +37,7 @@ class Engine(wiring.Component):
     **Throughput**: with lanes a cycle a tile of ``pixels_per_word`` x 4 pixels, so 1 to 4 a code
     word with words of four pixels, up to 8 with two; with eight banks 1 to 3 a code word, with
     sixteen 1 or 2, or 1 if their words have eight pixels; where two follow each other into the same
-    pixel of a lane, or word of a bank with further planes, one more; into the same word of a bank
-    with one plane, two more.
+    pixel of a lane, or word of a bank, one more.
     Where ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes
     its bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is
     drawn.

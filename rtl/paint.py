@@ -54,8 +54,7 @@ class Paint(wiring.Component):
     each residue has its own colours; without, all banks are given the same. With further planes a
     word's parts come at two times, see :class:`PaintLayout`.
 
-    **Latency**: 2 cycles; with further planes 1, and 3 to these. **Throughput**: an element a
-    cycle.
+    **Latency**: 1 cycle, 3 to further planes. **Throughput**: an element a cycle.
 
     Members
     -------
@@ -95,16 +94,14 @@ class Paint(wiring.Component):
         return [[dithered(self.config, shade, line, p) for p in pixels] for line in range(4)]
 
     def _whole(self, m, new):
-        """Build the two registers of words that are drawn in one access."""
-        z, shade = (
-            Signal.like(getattr(self, name), name=f"held_{name}", reset_less=True)
-            for name in ("z", "shade")
-        )
+        """Build the register of words that are drawn in one access."""
         with m.If(self.enable):
-            m.d.sync += [z.eq(self.z), shade.eq(self.shade)]
-            for line, colours in zip(range(len(new)), self._colours(shade), strict=False):
+            for line, colours in zip(range(len(new)), self._colours(self.shade), strict=False):
                 for pixel, colour in enumerate(colours):
-                    m.d.sync += [new[line].depth[pixel].eq(z), new[line].colour[pixel].eq(colour)]
+                    m.d.sync += [
+                        new[line].depth[pixel].eq(self.z),
+                        new[line].colour[pixel].eq(colour),
+                    ]
 
     def _planes(self, m, new):
         """Build the registers and delays of words that are drawn in two accesses."""

@@ -1,10 +1,10 @@
 """Dealing a footprint's words to the banks, as many a cycle as the banks can take."""
 
 from amaranth.hdl import Cat, Module, Signal
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .bank_layout import bank_address_bits, column_bits
+from .bank_layout import column_bits
 from .format import EngineConfig
 from .layouts import DealLayout, FootprintLayout
 from .share import ShareOfEight, ShareOfPair, ShareOfSixteen
@@ -41,13 +41,9 @@ class Scatter(wiring.Component):
     o : Out(stream of DealLayout)
         What the banks are to draw. ``ready`` is high in the cycle in which the last of them is
         taken.
-    drawn : In(banks)
-        Banks that took a word one cycle before, to draw into it or, as it left, to clear it.
-    addresses : In(banks x bank_address_bits)
-        Which word.
     stale : Out(banks)
-        The bank has just begun to draw into the very word that it wants next: it waits until that
-        is written, for a cycle with further planes, else for two.
+        The bank has just begun to draw into the very word that it wants next: it waits for a cycle,
+        until that is written.
     """
 
     def __init__(self, config: EngineConfig):
@@ -59,8 +55,6 @@ class Scatter(wiring.Component):
                 "taken": In(config.banks),
                 "moves": Out(1),
                 "o": Out(stream.Signature(DealLayout(config))),
-                "drawn": In(config.banks),
-                "addresses": In(data.ArrayLayout(bank_address_bits(config), config.banks)),
                 "stale": Out(config.banks),
             }
         )
@@ -73,14 +67,11 @@ class Scatter(wiring.Component):
         valid = Signal()
         deal = Signal(DealLayout(self.config), reset_less=True)
         following = Signal(DealLayout(self.config))
-        slow = self.config.colour_planes == 1  # a bank writes a word one cycle later
-        again, rests = Signal(banks), Signal(banks)
+        again = Signal(banks)  # what is dealt next is the word that the bank is to draw now
         stale = Signal(banks)
-        staler = Signal(banks)  # for another cycle
         step = Signal()
         several = Signal(banks)  # the bank has words left after the following one
-        same = Signal(banks)  # the following one is the word that it is to draw now
-        earlier = Signal(banks)  # or the one that it drew a cycle ago
+        same = Signal(banks)
 
         half_words = [Signal(self.config.word_bits - 1, name=f"half_word_{j}") for j in range(2)]
         m.d.comb += [half_words[j].eq((footprint.word >> 1) + j) for j in range(2)]
@@ -105,9 +96,6 @@ class Scatter(wiring.Component):
                 following.shares[bank].address.eq(share.address),
                 following.shares[bank].mask.eq(share.mask),
                 same[bank].eq(deal.shares[bank].address == following.shares[bank].address),
-                earlier[bank].eq(
-                    self.drawn[bank] & (self.addresses[bank] == following.shares[bank].address)
-                ),
             ]
 
         # The stretches of marks that it lies in: that of its first word, and the next one if its
@@ -130,17 +118,15 @@ class Scatter(wiring.Component):
             self.o.payload.eq(deal),
             self.stale.eq(stale),
             again.eq(same & deal.want & valid.replicate(banks)),
-            rests.eq(again | earlier if slow else again),
         ]
         with m.If(step):
             m.d.sync += [
                 valid.eq(self.i.valid),
                 deal.eq(following),
-                stale.eq(rests),
-                staler.eq(again if slow else 0),
+                stale.eq(again),
             ]
         with m.Else():
             m.d.sync += deal.want.eq(deal.want & ~self.taken)
             with m.If(self.enable):
-                m.d.sync += [stale.eq(staler), staler.eq(0)]
+                m.d.sync += stale.eq(0)
         return m

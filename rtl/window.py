@@ -34,11 +34,11 @@ class Window(wiring.Component):
 
     **Latency**: 5 cycles from a retired line to its first beat, 7 with further planes.
     **Throughput**: 1 to 3 cycles an element, with sixteen banks 1 or 2, or always 1 (see
-    :class:`Scatter`), two more, or one with further planes, where it follows into the word that its
-    predecessor wrote last; a beat of ``raster``, or a word in two cycles of the initial raster,
-    while its banks are free. With further planes each word with a pixel that passes the depth test
-    takes its bank for a second cycle, so that an element takes 6 at most and one more; so does a
-    word of the initial raster, and of ``raster`` unless it is background.
+    :class:`Scatter`), one more where it follows into the word that its predecessor wrote last; a
+    beat of ``raster``, or a word in two cycles of the initial raster, while its banks are free.
+    With further planes each word with a pixel that passes the depth test takes its bank for a
+    second cycle, so that an element takes 6 at most and one more; so does a word of the initial
+    raster, and of ``raster`` unless it is background.
 
     Members
     -------
@@ -215,8 +215,6 @@ class Window(wiring.Component):
                 emitter.words[index].eq(bank.leaving if whole else bank.old),
                 walker.drawn[index].eq(bank.drawn),
                 walker.addresses[index].eq(bank.drawn_address),
-                scatter.drawn[index].eq(bank.changing if whole else bank.drawn),
-                scatter.addresses[index].eq(bank.drawn_address),
             ]
             if not whole:
                 m.d.comb += arbiter.busy[index].eq(bank.busy)

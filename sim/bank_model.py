@@ -19,7 +19,6 @@ from .bank_walk import (
     FRONT,
     LINE,
     OLDEST,
-    PAIR,
     REACHED,
     STRETCH,
     TOP,
@@ -67,11 +66,8 @@ class Window(NamedTuple):
         The address that each bank is to draw at next, or ``EMPTY``: shape (banks,).
     dealt_covered, dealt_place
         What ``covered`` and ``place`` have of it: shape (banks,).
-    taken, writing
-        The address that each bank took for drawing in the cycle before, and in the one before that,
-        or ``EMPTY``: shape (banks,). Of a word that left, in the latter alone.
-    cleared
-        The address of the word that left each bank in the cycle before, or ``EMPTY``: shape
+    taken
+        The address that each bank took for drawing in the cycle before, or ``EMPTY``: shape
         (banks,).
     walk
         The walker's registers, see ``bank_walk.OLDEST``: shape (20,).
@@ -94,8 +90,6 @@ class Window(NamedTuple):
     dealt_covered: Any
     dealt_place: Any
     taken: Any
-    writing: Any
-    cleared: Any
     walk: Any
     marks: Any
     depth: Any
@@ -133,8 +127,6 @@ def walk_banks(words: Any, machine: Machine) -> int:
         np.zeros(banks, np.int64),
         np.zeros(banks, np.int64),
         np.full(banks, EMPTY, np.int64),
-        np.full(banks, EMPTY, np.int64),
-        np.full(banks, EMPTY, np.int64),
         new_walk(-ABOVE),
         np.zeros((LINES, 2 * machine.half_words), np.bool_),
         np.full(_pixels(machine), machine.z_mask, np.int64),
@@ -156,7 +148,7 @@ def walk_banks(words: Any, machine: Machine) -> int:
         if closes and not drawn and is_clean(walk) and not _on_the_way(window, machine):
             return cycle + 2  # the end beat is on the port in the next cycle
 
-        settled = machine.clearing == 0 or cycle > machine.clearing + 1  # what was cleared last
+        settled = machine.clearing == 0 or cycle > machine.clearing  # what was cleared last
         go = dealt != EMPTY and settled
         offered = head != EMPTY and near and not ends
         complete = machine.lowest if closing else walk[TOP]
@@ -178,7 +170,6 @@ def walk_banks(words: Any, machine: Machine) -> int:
         done = _draw(window, go, held, _depth(words, dealt, machine), machine)
         if clearing:  # all banks, one address after the other; the last is the highest
             window.reading[2, :] = machine.planes > 1  # what memory held at first is no background
-        _clear(window, flushed, machine)
         _shift(window, _give_up(window, machine) if flushed else 0)
         idle = not offered and dealt == EMPTY and not drawn
         idle = idle and not closing and machine.planes == 1
@@ -306,15 +297,10 @@ def _draw(window: Window, go: bool, held: int, z: int, machine: Machine) -> bool
     done = go
     for bank in range(len(window.left)):
         address = window.dealt[bank]
-        before, window.writing[bank] = window.writing[bank], window.taken[bank]
-        if window.taken[bank] == EMPTY:
-            window.writing[bank] = window.cleared[bank]
         if not go or address == EMPTY:
             window.taken[bank] = EMPTY
             continue
-        # Colours with further planes are read and written in one cycle less.
-        conflict = window.taken[bank] == address or (before == address and machine.planes == 1)
-        conflict = conflict and machine.hazard
+        conflict = machine.hazard and window.taken[bank] == address
         if conflict or held >> bank & 1 or window.reading[0, bank] == 1:
             window.taken[bank] = EMPTY
             done = False
@@ -359,16 +345,6 @@ def _drawn(window: Window, machine: Machine) -> int:
             group = window.taken[bank] // machine.half_words
             places |= 1 << (machine.half_banks * group + bank % machine.half_banks)
     return places
-
-
-@nb.njit(cache=True, inline="always")
-def _clear(window: Window, flushed: bool, machine: Machine) -> None:
-    """Note which word leaves each bank: what the bank draws there next waits as for any other."""
-    window.cleared[:] = EMPTY
-    if flushed:
-        line, first = window.walk[OLDEST], window.walk[ASKED]
-        for number in range(first, first + 1 + window.walk[PAIR]):
-            window.cleared[bank_of(line, number, machine)] = _address(line, number, machine)
 
 
 @nb.njit(cache=True)

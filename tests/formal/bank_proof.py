@@ -16,8 +16,8 @@ __all__ = ["PROOFS"]
 class BankProperties(Properties):
     """Any pixel of any word, followed from the first time that it is cleared or loaded.
 
-    An access has two stages: its request has been taken (the word is read), and its word stands on
-    a register and is written. A load has none: its word is written as it is requested.
+    An access has one stage, in which its request has been taken: its word was read, and is written.
+    A load has none: its word is written as it is requested.
     """
 
     def __init__(self, config):
@@ -42,54 +42,57 @@ class BankProperties(Properties):
             ]
             return pixel
 
-        # What was requested last, and before; ``new`` stays while all stands still.
-        taken, asked = (Signal(BankRequestLayout(config), name=name) for name in STAGES)
+        # What was requested last; ``new`` stays while all stands still.
+        taken = Signal(BankRequestLayout(config))
         before = Signal(WordLayout(config))
         stood = Signal()
         with m.If(dut.enable):
-            m.d.sync += [taken.eq(dut.request), asked.eq(taken)]
+            m.d.sync += taken.eq(dut.request)
         m.d.sync += [before.eq(dut.new), stood.eq(~dut.enable)]
         request = dut.request
         wishes = Cat(request.draw, request.clear, request.load)
         self.given(m, "one_of_three", (wishes & (wishes - 1)) == 0)
-        for stage, name in zip((taken, asked), STAGES, strict=True):
-            same = wishes.any() & (stage.draw | stage.clear)
-            same = same & (request.address == stage.address)
-            self.given(m, f"waits_for_{name}", ~(dut.enable & same))
+        same = wishes.any() & (taken.draw | taken.clear) & (request.address == taken.address)
+        self.given(m, "waits", ~(dut.enable & same))
         self.given(m, "new_steady", ~stood | (before == dut.new))
 
         # The definition.
         known, mine = Signal(), Signal()
         pixel, after = Signal(PixelLayout(config)), Signal(PixelLayout(config))
-        new, old, leaving = pick(dut.new), pick(dut.word), pick(dut.leaving)
+        new, old, leaving = pick(dut.new), pick(dut.old), pick(dut.leaving)
         background = Const({"depth": config.background_depth}, PixelLayout(config))
-        covered = asked.mask.bit_select(number, 1)
-        m.d.comb += [mine.eq(asked.address == address), after.eq(pixel)]
-        with m.If(mine & asked.draw & covered & (new.depth < pixel.depth)):
+        covered = taken.mask.bit_select(number, 1)
+        m.d.comb += [mine.eq(taken.address == address), after.eq(pixel)]
+        with m.If(mine & taken.draw & covered & (new.depth < pixel.depth)):
             m.d.comb += after.eq(new)
-        with m.If(mine & asked.clear):
+        with m.If(mine & taken.clear):
             m.d.comb += after.eq(background)
         with m.If(dut.enable):
-            m.d.sync += [pixel.eq(after), known.eq(known | (mine & asked.clear))]
+            m.d.sync += [pixel.eq(after), known.eq(known | (mine & taken.clear))]
             with m.If(request.load & (request.address == address)):
                 m.d.sync += [pixel.eq(pick(dut.loaded)), known.eq(1)]
 
-        used = known & mine & (asked.draw | asked.clear)
-        begun = Signal()  # the registers have none of what they began with
+        # What was cleared one request before, as it was then, if that is known.
+        used = known & mine & (taken.draw | taken.clear)
+        left, left_known, gone = Signal(), Signal(), Signal(PixelLayout(config))
+        begun = Signal()  # the register has none of what it began with
         with m.If(dut.enable):
-            m.d.sync += begun.eq(1)
-        self.always(m, "leaves", ~(used & asked.clear) | (leaving == pixel))
-        self.always(m, "nothing_else", ~begun | asked.clear | (leaving == background))
+            m.d.sync += [
+                left.eq(taken.clear),
+                left_known.eq(used & taken.clear),
+                gone.eq(pixel),
+                begun.eq(1),
+            ]
+        self.always(m, "leaves", ~left_known | (leaving == gone))
+        self.always(m, "nothing_else", ~begun | left | (leaving == background))
         self.lemma(m, "read", ~used | (old == pixel))
-        self.lemma(m, "begun", begun | ~Cat(asked.draw, asked.clear).any())
         self.always(
             m,
             "drawn",
             (dut.drawn == (taken.draw | taken.load))
             & (~dut.drawn | (dut.drawn_address == taken.address)),
         )
-        # What makes the induction close: the memory has the pixel, or already what comes of it; so
-        # has its port, if the pixel was read last.
+        # What makes the induction close: the memory has the pixel, or already what comes of it.
         (depths,), (colours,) = self.memories.words
 
         def cut(depths, colours):
@@ -101,25 +104,15 @@ class BankProperties(Properties):
             ]
             return kept
 
-        cleared = mine & asked.clear & stood  # as it was in the cycle before
+        cleared = mine & taken.clear & stood  # as it was in the cycle before
         due = PixelLayout(config)(Mux((used & stood) | cleared, after, pixel))
         self.lemma(m, "kept", ~(known | cleared) | (cut(depths, colours) == due))
-        self.lemma(m, "stages", (dut.taken == taken) & (dut.merging == asked))
-        # It is written in the first cycle in which it stands there, and no more.
-        asks = asked.draw | asked.clear
-        self.lemma(m, "fresh", ~(dut.fresh & stood) & (dut.fresh | stood | ~asks))
-        read = cut(*(read.data for read, *_ in dut.ports.values()))
-        uses = known & (taken.address == address) & (taken.draw | taken.clear)
-        self.lemma(m, "port", ~uses | (read == pixel))
-        both = (taken.draw | taken.clear) & (asked.draw | asked.clear)
-        self.lemma(m, "neighbours", ~both | (taken.address != asked.address))
+        self.lemma(m, "taken", dut.taken == taken)
 
-
-STAGES = ("taken", "merging")
 
 SEEN = tuple(
     Fault(f"lemmas look at {name}", Bank, rf"\b{name} = ", f"{name} = self.{name} = ")
-    for name in (*STAGES, "fresh", "ports", "word")
+    for name in ("taken", "old")
 )
 
 
@@ -136,23 +129,29 @@ PROOFS = [
         faults=(
             Fault("no depth test", Bank, r"Cat\(new_depth, 1\)", "Cat(new_depth & 0, 1)"),
             Fault("ties drawn", Bank, r"\) < Cat\(", ") <= Cat("),
-            Fault("written too early", Bank, r"write\.addr\.eq\(merging", "write.addr.eq(taken"),
+            Fault(
+                "written too early",
+                Bank,
+                r"write\.addr\.eq\(taken",
+                "write.addr.eq(self.request",
+            ),
             Fault(
                 "does not stand still", Bank, r"m\.If\(self\.enable\)(:\s+.*taken)", r"m.If(1)\1"
             ),
-            Fault(
-                "the word is not held", Bank, r"m\.If\(self\.enable\)(:\s+.*word\[)", r"m.If(1)\1"
-            ),
-            Fault("the colour stays", Bank, r"& ~merging\.clear\.replicate\(.*\)", ""),
+            Fault("the word is not held", Bank, r"read\.en\.eq\(self\.enable\)", "read.en.eq(1)"),
+            Fault("the colour stays", Bank, r"& ~taken\.clear\.replicate\(.*\)", ""),
             Fault("what is drawn leaves", Bank, r"Mux\(taken\.clear, ", "Mux(1, "),
-            Fault("all pixels", Bank, r"merging\.mask\[pixel\]", "1"),
+            Fault("all pixels", Bank, r"taken\.mask\[pixel\]", "1"),
             Fault(
                 "loaded while it stands still", Bank, r"self\.enable & (self\.request\.load)", r"\1"
             ),
             Fault("loaded too late", Bank, r"load\.addr\.eq\(self\.request", "load.addr.eq(taken"),
             Fault("a load unmarked", Bank, r" \| taken\.load", ""),
             Fault(
-                "written over what is loaded", Bank, r"(merging\.draw) \|", r"\1 | merging.load |"
+                "written over what is loaded",
+                Bank,
+                r"(en\.eq\(taken\.draw) \|",
+                r"\1 | taken.load |",
             ),
         ),
     )

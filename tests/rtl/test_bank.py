@@ -33,7 +33,7 @@ class Operator:
         self.dut = dut
         self.bench = StreamBench(dut, seed)
         self.memory = {}
-        self.flight = deque([None] * 2, 2)  # the requests of the two cycles before
+        self.last = None  # the request of the cycle before
         self.leaving = deque([None] * 2, 2)  # and what they send out, if that is known
 
     async def reset(self):
@@ -50,11 +50,8 @@ class Operator:
         Return whether it was issued.
         """
         address, mask, pixels = request or (0, None, BACKGROUND)
-        last, before = self.flight
-        too_soon = any(
-            flying is not None and flying[0] == address and flying[1] != LOAD
-            for flying in self.flight
-        )
+        last = self.last
+        too_soon = last is not None and last[0] == address and last[1] != LOAD
         asked = request is not None and not too_soon
         # What means nothing is anything.
         random = self.bench.random
@@ -74,19 +71,18 @@ class Operator:
             # While all stands still it is asked for in vain.
             self.dut.request.value = bits
             self.dut.loaded.value = word_of(loaded)
-            drawing = before is not None and before[1] != LOAD
-            self.dut.new.value = word_of(before[2] if drawing else random_pixels(random))
+            drawing = last is not None and last[1] != LOAD
+            self.dut.new.value = word_of(last[2] if drawing else random_pixels(random))
 
         def observe():
             assert int(self.dut.drawn.value) == drawn
-            assert int(self.dut.changing.value) == (last is not None)
             assert not drawn or int(self.dut.drawn_address.value) == last[0]
             assert self.leaving[-1] in (None, self.given())
 
         await self.bench.step(drive, observe)
         issue = bool(asked and enable)
         if enable:
-            self.flight.appendleft(request if issue else None)
+            self.last = request if issue else None
             cleared = issue and mask == CLEAR
             self.leaving.appendleft(self.memory.get(request[0]) if cleared else BACKGROUND)
             if issue:

@@ -57,8 +57,8 @@ PART_FAULTS = [
     ("paper", Decoder, test_decoder, WAITS, "settled", "1'h1", "beyond the window"),
     ("paper", Decoder, test_decoder, WAITS, "settled", "within", "not cleared as yet"),
     ("paper", Scatter, test_scatter, "free_banks", "end_3", "2'h3", "mask"),
-    ("paper", Scatter, test_scatter, "elements_in_a_row", "rests", "8'h0", "no rest"),
-    ("paper", Scatter, test_scatter, "elements_in_a_row", "rests", "earlier", "short rest"),
+    ("paper", Scatter, test_scatter, "elements_in_a_row", "again", "8'h0", "no rest"),
+    ("paper", Scatter, test_scatter, "elements_in_a_row", "again", "same", "rests for nothing"),
     ("swift", Scatter, test_scatter, "free_banks", "end_3", "3'h7", "mask of eight"),
     ("wide", BankMarks, test_bank_marks, MARKS, "busy", "1'h0", "marks read while in use"),
     ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "1'h0", "marks stay"),
@@ -237,7 +237,7 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
     ("preset", "edit"),
     [
         pytest.param(
-            "wide", fault("splatline.window.scatter", "rests", "8'h0"), id="no word rests"
+            "wide", fault("splatline.window.scatter", "again", "8'h0"), id="no word rests"
         ),
         pytest.param(
             "paper",

@@ -176,7 +176,7 @@ def test_known_counts(config):
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
     # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks,
     # dots in words of their own leave as so many beats, and on the same word each but the first
-    # waits for it, two cycles. In lanes it is one, and a pair of words leaves anyway.
+    # waits for it, a cycle. In lanes as well, and a pair of words leaves anyway.
     for dots in (1, 2) if config.lanes else (1, 2, 4):
         columns = [4 + config.pixels_per_word * n for n in range(dots)]
         apart = [dot(column) for column in columns]
@@ -185,8 +185,7 @@ def test_known_counts(config):
         beats = (
             1 if config.lanes else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
         )
-        waits = (dots - 1) * (1 if config.lanes else 2)
-        assert count([start, *same]) - count([start, *apart]) == waits - (beats - 1)
+        assert count([start, *same]) - count([start, *apart]) == (dots - 1) - (beats - 1)
 
 
 @pytest.mark.parametrize(
