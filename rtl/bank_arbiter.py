@@ -49,6 +49,8 @@ class BankArbiter(wiring.Component):
     flush : In(stream of FlushLayout)
         Words that are to leave; of a line that nothing more is drawn into, in which nothing is on
         its way. While none are offered the line counts, which is the next one that leaves.
+    early : In(1)
+        Their place counts as free already: they go before the initial raster.
     may_flush : In(1)
         There is room for them.
     ahead : In(signed(line_bits + 2))
@@ -74,6 +76,7 @@ class BankArbiter(wiring.Component):
                 "behind": In(1),
                 "further": Out(1),
                 "flush": In(stream.Signature(FlushLayout(config))),
+                "early": In(1),
                 "may_flush": In(1),
                 "ahead": In(signed(config.line_bits + 2)),
                 "busy": In(config.banks),
@@ -103,7 +106,9 @@ class BankArbiter(wiring.Component):
         # It is behind and was refused: then it goes before an element that wants its bank. Known a
         # cycle ahead, as all before an element waits for it.
         pressing = Signal()
-        m.d.comb += serving.eq(self.load.valid & (pressing | ~(self.flush.valid & refused)))
+        m.d.comb += serving.eq(
+            self.load.valid & (pressing | ~(self.flush.valid & (refused | self.early)))
+        )
         upper = word[0] ^ turned(self.config, line)
         halves = Cat(~upper, upper)
         service = Signal(FlushLayout(self.config))

@@ -69,7 +69,7 @@ class BankWalker(wiring.Component):
     oldest : Out(line_bits + 1)
         First line in the window, of the frame that leaves; or what it is once the word asked for at
         the moment is taken. No element behind that is drawn before the second cycle after this one
-        (see :class:`Decoder`), nor before the word is cleared (see :class:`Scatter`).
+        (see :class:`Decoder`), when the word is cleared.
     front : Out(signed(line_bits + 2))
         The same of the frame that is drawn.
     closing : Out(1)
@@ -78,6 +78,9 @@ class BankWalker(wiring.Component):
         Nothing of the closed frame is in the window any more.
     flush : Out(stream of FlushLayout)
         Words to read and clear.
+    early : Out(1)
+        ``oldest`` counts on it that ``flush`` is taken at once: it goes before the initial raster
+        of the next frame.
     """
 
     def __init__(self, config: EngineConfig):
@@ -101,6 +104,7 @@ class BankWalker(wiring.Component):
                 "closing": Out(1),
                 "over": Out(1),
                 "flush": Out(stream.Signature(FlushLayout(config))),
+                "early": Out(1),
             }
         )
 
@@ -162,6 +166,7 @@ class BankWalker(wiring.Component):
             empty.eq(clean & ~self.drawn.any()),
             changeover.oldest.eq(self.oldest),
             self.oldest.eq(Mux(early, line, asked_line)),
+            self.early.eq(early),
             changeover.line.eq(line),
             changeover.leaves.eq(leaves),
             changeover.wraps.eq(Cat(self._wraps(bank, line) for bank in range(config.banks)).any()),

@@ -178,6 +178,7 @@ class Window(wiring.Component):
             arbiter.running.eq(running),
             arbiter.stale.eq(scatter.stale),
             arbiter.may_flush.eq(emitter.ready),
+            arbiter.early.eq(walker.early),
             arbiter.ahead.eq(top - walker.front),
             scatter.taken.eq(arbiter.taken),
             walker.wipe.eq(arbiter.wiping),
