@@ -305,7 +305,7 @@ PROOFS = [
         "window of banks, initial raster",
         "the same for frames that start from an initial raster",
         1,
-        13,
+        12,
         Fault("loaded where one leaves", BankArbiter, r"& ~again\b", ""),
         Fault("loaded where one draws", BankArbiter, r"deal\.want, line\)", "deal.want & 0, line)"),
         Fault("lost to an element", BankArbiter, r"held = kept", "held = ~pressing & kept"),
@@ -318,6 +318,14 @@ PROOFS = [
         Fault("left before it was loaded", BankWalker, r"self\.jump \| (\(line < )", r"1 | \1"),
         Fault("left while it is loaded", BankWalker, r"line < self\.limit", "line <= self.limit"),
         Fault("a load unmarked", Bank, r" \| taken\.load", ""),
+    ),
+    plan(
+        "window of banks, one initial raster after another",
+        "the same, as far as it takes a frame's first word to meet the last one of the frame before",
+        1,
+        13,
+        Fault("where one is still to leave", BankArbiter, r"refused \| self\.early", "refused"),
+        long=True,
     ),
     plan(
         "window of banks, initial raster of two words",

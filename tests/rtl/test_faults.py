@@ -97,12 +97,6 @@ WINDOW_FAULTS = {
     # By one line: noticed where no element keeps it.
     "load late": ("wide", "without_stalls", "dut.walker", "leaving", LOADING),
     "drawn before the load": ("wide", SHORT, "dut.loader", "front", "oldest"),
-    # Noticed where the very word that left is loaded next, as in a narrow image; and where beats
-    # have one word, which comes a cycle sooner. Of two, ``window_proof`` has a fault of this kind.
-    "loaded before the clear": (
-        *("deep", "words_right_behind_what_leaves"),
-        *("dut.arbiter", "again", "1'h0"),
-    ),
     "loaded beside an element": ("wide", SHORT, "dut.arbiter", "full", "2'h0"),
     # Behind an element, whose further planes keep its banks busy.
     "loaded beside planes": ("rgb18", SHORT, "dut.arbiter", "full", "{2{drawing}}"),
