@@ -321,7 +321,7 @@ PROOFS = [
     ),
     plan(
         "window of banks, one initial raster after another",
-        "the same, as far as it takes a frame's first word to meet the last one of the frame before",
+        "the same, until a frame's first word meets the last one of the frame before",
         1,
         13,
         Fault("where one is still to leave", BankArbiter, r"refused \| self\.early", "refused"),
