@@ -120,7 +120,7 @@ class Outcome:
     log: str
 
 
-def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
+def write(proof: Proof, folder: Path, fault: Fault | None = None, seconds: float = TIMEOUT) -> None:
     """Write a proof, with a fault or without, as ``proof.sby`` and ``proof.il``."""
     with ELABORATION, pytest.MonkeyPatch.context() as patch:
         for change in (*proof.changes, *([fault] if fault else [])):
@@ -138,7 +138,8 @@ def write(proof: Proof, folder: Path, fault: Fault | None = None) -> None:
     # That a fault is found is enough to know; ABC's trace of it would be simulated by the solver.
     traces = "none" if fault else "boolector"
     (folder / "proof.sby").write_text(
-        f"[options]\nmode {mode}\ndepth {depth}\ntimeout {TIMEOUT}\naigsmt {traces}\n"
+        f"[options]\nmode {mode}\ndepth {depth}\naigsmt {traces}\n"
+        f"timeout {max(1, round(seconds))}\n"
         f"[engines]\n{(fault and proof.fault_engine) or proof.engine}\n"
         "[script]\nread_rtlil proof.il\nhierarchy -top top\nflatten\n"
         "setattr -unset init w:*\nprep -top top\nmemory_map -formal\nopt -full\n"
@@ -186,11 +187,16 @@ def check(folder: Path) -> Outcome:
     return Outcome(STATUS[result.returncode], time.monotonic() - begin, result.stdout)
 
 
-def run(proof: Proof, fault: Fault | None = None, folder: Path | None = None) -> Outcome:
-    """Prove, or look for a fault; in a folder of its own unless one is named."""
+def run(
+    proof: Proof,
+    fault: Fault | None = None,
+    folder: Path | None = None,
+    seconds: float = TIMEOUT,
+) -> Outcome:
+    """Prove, or look for a fault, for so long; in a folder of its own unless one is named."""
     if folder is not None:
-        write(proof, folder, fault)
+        write(proof, folder, fault, seconds)
         return check(folder)
     SCRATCH.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=SCRATCH) as temporary:
-        return run(proof, fault, Path(temporary))
+        return run(proof, fault, Path(temporary), seconds)
