@@ -59,7 +59,7 @@ def test_the_page_lists_every_proof():
 
 
 def test_a_run_that_breaks_is_told_in_a_line_and_the_others_go_on(monkeypatch, capsys):
-    def one_breaks(proof, fault, folder):
+    def one_breaks(proof, fault, folder, seconds=None):
         if fault is None and proof.name == "queue: order, 2 beats":
             raise RuntimeError("sby failed:\nmuch\nis\nin\nits\nlog\nno space left")
         return Outcome("fails" if fault else "holds", 0.0, "")
