@@ -131,7 +131,7 @@ def describe(
         rows.append(
             {
                 "name": config.name,
-                "window": "lanes" if config.lanes else f"{config.banks} banks",
+                "window": config.window,
                 "columns": config.max_width,
                 "depth_bits": config.depth_bits,
                 "window_lines": config.window_lines,

@@ -5,10 +5,13 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .bank_layout import bank_address_bits
+from .block_tiler import BlockTiler
+from .block_window import BlockWindow
 from .colour import ColourUnit
 from .decoder import Decoder
-from .format import PAPER, EngineConfig
+from .format import BLOCK, PAPER, EngineConfig
 from .lane import lane_address_bits
+from .lane_row import row_address_bits
 from .lane_window import LaneWindow
 from .layouts import CodeWordLayout, ElementLayout, RasterLayout, TableWriteLayout
 from .sequencer import Sequencer
@@ -74,7 +77,9 @@ class Engine(wiring.Component):
     @property
     def clear_cycles(self) -> int:
         """Cycles after reset in which the window's memory is cleared; code words wait."""
-        bits = lane_address_bits if self.config.lanes else bank_address_bits
+        bits = bank_address_bits
+        if self.config.lanes:
+            bits = row_address_bits if self.config.tile_lines == BLOCK else lane_address_bits
         return 1 << bits(self.config)
 
     def __init__(self, config: EngineConfig = PAPER, *, load: bool | None = None):
@@ -97,8 +102,12 @@ class Engine(wiring.Component):
         m.submodules.tables = tables = Tables(config)
         m.submodules.sequencer = sequencer = Sequencer(config)
         m.submodules.colour = colour = ColourUnit(config)
-        m.submodules.decoder = decoder = (Tiler if config.lanes else Decoder)(config)
-        m.submodules.window = window = (LaneWindow if config.lanes else Window)(config)
+        decoder_of, window_of = Decoder, Window
+        if config.lanes:
+            whole = config.tile_lines == BLOCK
+            decoder_of, window_of = (BlockTiler, BlockWindow) if whole else (Tiler, LaneWindow)
+        m.submodules.decoder = decoder = decoder_of(config)
+        m.submodules.window = window = window_of(config)
 
         connect(m, flipped(self.tables), tables.i)
         connect(m, flipped(self.codewords), sequencer.i)

@@ -38,6 +38,26 @@ COMPACT = 0b00010
 BANKS = (8, 16)
 """How many banks a window may be made of."""
 
+_WINDOWS: dict[tuple[bool, int], tuple[str, dict[str, tuple[int, ...]]]] = {
+    (True, 8): (
+        "lanes",
+        {"window_lines": (8, 16, 32), "pixels_per_word": (2, 4, 8), "raster_words": (1,)},
+    ),
+    (True, 16): (
+        "16 banks of lanes",
+        {"window_lines": (16, 32), "pixels_per_word": (8,), "raster_words": (2,)},
+    ),
+    (False, 8): (
+        "8 banks",
+        {"window_lines": (16,), "pixels_per_word": (4,), "raster_words": (1, 2)},
+    ),
+    (False, 16): (
+        "16 banks",
+        {"window_lines": (16,), "pixels_per_word": (4, 8), "raster_words": (1, 2)},
+    ),
+}
+"""Each kind of window and what it leaves to choose, by ``lanes`` and ``banks``."""
+
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs there are, and the largest size that each holds."""
 
@@ -96,9 +116,11 @@ class EngineConfig:
         of eight pixels that line has two words at most, in two banks: a cycle an element, for twice
         as many again.
     lanes
-        The window is made of lanes of pixels, four for each pixel of a word, which take the least
-        silicon and a tile of four lines and a word's columns a cycle; else of banks of words, which
-        take larger elements faster.
+        The window is made of lanes of pixels, whose memories have one pixel in a word, so that
+        nothing is merged. With eight banks (which there are none of) four for each pixel of a word,
+        which take the least silicon and a tile of four lines and a word's columns a cycle; with
+        sixteen the banks are rows of lanes, which take any element in a cycle. Else the window is
+        made of banks of words, which take fewer block RAMs for larger elements.
     mark_words
         Words of a bank that share the mark which says that something was drawn into one of them: 1,
         2, 4 or 8. More take less silicon; all of them are read when their line leaves. With 1,
@@ -157,30 +179,21 @@ class EngineConfig:
             if not isinstance(value, int) or not low <= value <= high:
                 raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
         # Of these too none but an integer: 8.0 is in (4, 8).
-        if not _is_among(self.banks, BANKS[:1] if self.lanes else BANKS):
-            raise ValueError(f"banks must be 8, or 16 without lanes, not {self.banks!r}")
-        window = "lanes" if self.lanes else f"{self.banks} banks"
-        for name, choices in (
-            ("window_lines", (8, 16, 32) if self.lanes else (16,)),
-            (
-                "pixels_per_word",
-                (2, 4, 8) if self.lanes else (4, 8) if self.banks > BANKS[0] else (4,),
-            ),
-        ):
+        if not _is_among(self.banks, BANKS):
+            raise ValueError(f"banks must be 8 or 16, not {self.banks!r}")
+        for name, choices in _WINDOWS[self.lanes, self.banks][1].items():
             value = getattr(self, name)
             if not _is_among(value, choices):
                 *most, last = map(str, choices)
                 allowed = f"{', '.join(most)} or {last}" if most else last
-                raise ValueError(f"{name} must be {allowed} with {window}, not {value!r}")
+                raise ValueError(f"{name} must be {allowed} with {self.window}, not {value!r}")
         if self.word_bits < 2:
             raise ValueError(
                 f"x_bits must be at least {self.pixel_bits + 2}"
                 f" for {self.pixels_per_word} pixels a word, not {self.x_bits}"
             )
-        if not _is_among(self.raster_words, (1, 2)):
-            raise ValueError(f"raster_words must be 1 or 2, not {self.raster_words!r}")
-        if self.raster_words > 1 and (self.lanes or self.colour_planes > 1):
-            raise ValueError("raster_words must be 1 with lanes or with further colour planes")
+        if self.raster_words > 1 and self.colour_planes > 1:
+            raise ValueError("raster_words must be 1 with further colour planes")
         if not _is_among(self.mark_words, (1, 2, 4, 8)):
             raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
         if self.lanes and (self.colour_planes > 1 or self.dither or self.mark_words > 1):
@@ -390,9 +403,19 @@ class EngineConfig:
         return self.window_lines.bit_length() - 1
 
     @property
+    def window(self) -> str:
+        """What the window is made of, in words."""
+        return _WINDOWS[self.lanes, self.banks][0]
+
+    @property
+    def tile_lines(self) -> int:
+        """Lines of what lanes draw in a cycle, which are as many rows of lanes: 4, or a block's."""
+        return BLOCK if self.banks > BANKS[0] else 4
+
+    @property
     def group_bits(self) -> int:
-        """Bits of a place that lanes need: its two lowest say in which of them the line lies."""
-        return self.slot_bits - 2
+        """Bits of a place that lanes need: its lowest say in which row of them the line lies."""
+        return self.slot_bits - (self.tile_lines.bit_length() - 1)
 
     def raster_depth(self, pixel: int) -> Field:
         """Depth of a pixel of the beat; pixel 0 is the leftmost."""

@@ -8,7 +8,7 @@ from amaranth.hdl import signed
 from amaranth.lib import data
 
 from .bank_layout import bank_address_bits, stretch_bits
-from .format import EngineConfig
+from .format import BLOCK, EngineConfig
 
 __all__ = [
     "CodeWordLayout",
@@ -256,6 +256,32 @@ class TileLayout(data.StructLayout):
                 "group": data.ArrayLayout(config.group_bits, 4),
                 "words": data.ArrayLayout(config.word_bits, 2),
                 "next": config.pixels_per_word,
+                "meets": 1,
+                "z": config.z.width,
+                "top": signed(config.line_bits + 2),
+                "end": 1,
+            }
+        )
+
+
+class BlockLayout(data.StructLayout):
+    """Pixels of an element, its whole block, as a window of rows of lanes needs them.
+
+    ``mask[q][p]``: the pixel on the line with residue q modulo 8 and in the column with residue p
+    is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
+    the window but for its three lowest bits. ``words``: the two words that the block's columns lie
+    in. ``meets``: it may have a pixel in common with the block before it, which was taken in the
+    cycle before this one came. ``end`` and ``top`` as in :class:`TileLayout`.
+    """
+
+    def __init__(self, config: EngineConfig):
+        row = config.pixels_per_word
+        super().__init__(
+            {
+                "mask": data.ArrayLayout(row, BLOCK),
+                "odd": data.ArrayLayout(row, BLOCK),
+                "group": data.ArrayLayout(config.group_bits, BLOCK),
+                "words": data.ArrayLayout(config.word_bits, 2),
                 "meets": 1,
                 "z": config.z.width,
                 "top": signed(config.line_bits + 2),

@@ -47,7 +47,12 @@ def bound_cycles(frame: Frame) -> int:
     config = frame.config
     frame = _until_the_end(expand_frame(frame))
     fields, line, places = elements_of(frame)
-    if config.lanes:
+    if config.lanes and config.tile_lines == BLOCK:
+        # Wherever a block lies, it has each lane once at most.
+        costs = np.ones(len(places), np.int64)
+        memories, of_a_word = BLOCK * config.raster_pixels, config.pixels_per_word
+        accesses = _covered_pixels(fields)
+    elif config.lanes:
         costs = least_lane_cycles(frame.codewords[places].view(np.int64), config.pixels_per_word)
         memories, of_a_word = 4 * config.pixels_per_word, config.pixels_per_word
         accesses = _covered_pixels(fields)

@@ -6,8 +6,9 @@ import numpy as np
 
 from ..host.errors import InputError
 from ..host.frame import Frame
-from ..rtl.format import EngineConfig
+from ..rtl.format import BLOCK, EngineConfig
 from .bank_model import walk_banks
+from .block_model import walk_blocks
 from .expand import slots
 from .lane_model import walk_lanes
 from .pipeline_model import machine_of
@@ -48,7 +49,9 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     clearing = clearing_cycles(config) if after_reset else 0
     words = slots(np.ascontiguousarray(frame.codewords, np.uint64), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
-    walk = walk_lanes if config.lanes else walk_banks
+    walk = walk_banks
+    if config.lanes:
+        walk = walk_blocks if config.tile_lines == BLOCK else walk_lanes
     cycles = walk(words.view(np.int64), machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
@@ -59,11 +62,12 @@ def clearing_cycles(config: EngineConfig) -> int:
     """Return for how long the window is still cleared when a first frame's first word is taken.
 
     It takes a cycle an address of a bank (half the words of its lines) or of a lane (a pixel of
-    each word of every fourth line), from the reset on; the table writes go before the first code
-    word.
+    each word of every fourth line, or of half the words of every eighth), from the reset on; the
+    table writes go before the first code word.
     """
     if config.lanes:
-        clearing = config.window_lines // 4 << config.word_bits
+        clearing = config.window_lines // config.tile_lines << config.word_bits
+        clearing //= config.raster_words
     else:
         clearing = config.window_lines // (config.banks // 2) << config.word_bits - 1
     writes = config.register_base + REGISTERS

@@ -5,7 +5,7 @@ import linecache
 import re
 import textwrap
 
-__all__ = ["LANE_WRITES", "fault", "rewrite", "switched"]
+__all__ = ["LANE_WRITES", "fault", "rewrite", "switched", "switched_source"]
 
 LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
 """In place of a lane's comparison: it writes whatever it is asked to draw or to clear."""
@@ -39,10 +39,15 @@ def rewrite(monkeypatch, part, method, pattern, replacement):
     source = textwrap.dedent(inspect.getsource(getattr(part, method)))
     broken, count = re.subn(pattern, replacement, source)
     assert count == 1, f"{part.__name__}.{method} has {count} places to break"
+    _replace(monkeypatch, part, method, broken, repr(replacement))
+
+
+def _replace(monkeypatch, part, method, source, what):
+    """Put a method with another source into a component; ``what`` is wrong with it."""
     scope = dict(vars(inspect.getmodule(part)))
-    name = f"<{part.__name__}.{method} with {replacement!r}>"
-    linecache.cache[name] = len(broken), None, broken.splitlines(keepends=True), name
-    exec(compile(broken, name, "exec"), scope)
+    name = f"<{part.__name__}.{method} with {what}>"
+    linecache.cache[name] = len(source), None, source.splitlines(keepends=True), name
+    exec(compile(source, name, "exec"), scope)
     monkeypatch.setattr(part, method, scope[method])
 
 
@@ -59,5 +64,28 @@ def switched(top, faults):
         head = re.search(rf"^module \\?{re.escape(top)} ?\(.*?;", text, re.MULTILINE | re.DOTALL)
         choice = 'integer planted = 0; initial if ($value$plusargs("fault=%d", planted)) ;'
         return f"{text[: head.end()]}\n  {choice}\n{text[head.end() :]}"
+
+    return edit
+
+
+def switched_source(monkeypatch, part, faults):
+    """Plant faults where a component is written; return an edit of its Verilog that is yet to do.
+
+    Then ``+fault=N`` chooses the Nth, and with ``+fault=0`` none is there. Each is an expression of
+    ``elaborate``, as a pattern, and what it is instead.
+    """
+    source = textwrap.dedent(inspect.getsource(part.elaborate))
+    for number, (pattern, value) in enumerate(faults, 1):
+        source, count = re.subn(pattern, rf"Mux(planted == {number}, {value}, \g<0>)", source)
+        assert count == 1, f"{part.__name__} has {count} places to break by {pattern}"
+    # A register that nothing writes, so that it stays in the Verilog.
+    head = "m = Module(); planted = Signal(8, reset_less=True); m.d.sync += planted.eq(planted)"
+    _replace(monkeypatch, part, "elaborate", source.replace("m = Module()", head, 1), "faults")
+
+    def edit(text):
+        choice = r'\1 initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'
+        text, count = re.subn(r"(reg \[7:0\] planted = 8'h00;)", choice, text)
+        assert count == 1
+        return text
 
     return edit

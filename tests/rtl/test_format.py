@@ -64,8 +64,15 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
             {"pixels_per_word": 2, "banks": 16},
             "pixels_per_word must be 4 or 8 with 16 banks, not 2",
         ),
-        ({"banks": 4}, "banks must be 8, or 16 without lanes, not 4"),
-        ({"lanes": True, "banks": 16}, "banks must be 8, or 16 without lanes, not 16"),
+        ({"banks": 4}, "banks must be 8 or 16, not 4"),
+        (
+            {"lanes": True, "banks": 16, "raster_words": 2},
+            "pixels_per_word must be 8 with 16 banks of lanes, not 4",
+        ),
+        (
+            {"lanes": True, "banks": 16, "pixels_per_word": 8},
+            "raster_words must be 2 with 16 banks of lanes, not 1",
+        ),
         (
             {"lanes": True, "window_lines": 12},
             "window_lines must be 8, 16 or 32 with lanes, not 12",
@@ -79,13 +86,13 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
             "x_bits must be at least 5 for 8 pixels a word, not 4",
         ),
         ({"shapes": "round"}, "shapes must be none, small, full, not 'round'"),
-        ({"banks": 16.0}, "banks must be 8, or 16 without lanes, not 16.0"),
+        ({"banks": 16.0}, "banks must be 8 or 16, not 16.0"),
         ({"pixels_per_word": 4.0}, "pixels_per_word must be 4 with 8 banks, not 4.0"),
         (
             {"pixels_per_word": 8.0, "banks": 16},
             "pixels_per_word must be 4 or 8 with 16 banks, not 8.0",
         ),
-        ({"raster_words": 2.0}, "raster_words must be 1 or 2, not 2.0"),
+        ({"raster_words": 2.0}, "raster_words must be 1 or 2 with 8 banks, not 2.0"),
         ({"mark_words": 2.0}, "mark_words must be 1, 2, 4 or 8, not 2.0"),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
         (

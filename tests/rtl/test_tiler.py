@@ -6,41 +6,17 @@ import random
 import cocotb
 import numpy as np
 from blocks import block_rows, is_shifted
+from elements import END, ElementSlide, pack_element, random_rows, sorted_frames
 from tiles import LOWEST, ROOM, overlap, unpack_tile
 
 from splatline.rtl.format import PAPER
-from splatline.rtl.layouts import GeometryLayout, TileLayout
+from splatline.rtl.layouts import TileLayout
 from splatline.rtl.tiler import Tiler
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench
 
 WORDS = 1 << PAPER.word_bits
-TOP = (TileLayout(PAPER)["top"].offset, TileLayout(PAPER)["top"].width)
 TOPS = 1 << PAPER.line_bits + 2
-END = ([(1, 0)] * 4, 1, 300, LOWEST)
-PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(PAPER)}
-ROW_CODES = [(first, last) for first in range(8) for last in range(8)]
-
-
-def pack_element(rows, mode, x, top, **rest):
-    scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(rows))
-    bits = 0
-    for name, value in {"scans": scans, "mode": mode, "x": x, "top": top, **rest}.items():
-        if name in PLACES:
-            offset, width = PLACES[name]
-            bits |= (value & (1 << width) - 1) << offset
-    return bits
-
-
-def random_rows(rng):
-    """Four rows: any, mostly empty, or within a few columns."""
-    kind = rng.randrange(4)
-    if kind == 0:
-        return [rng.choice(ROW_CODES) for _ in range(4)]
-    if kind == 1:
-        return [rng.choice([(1, 0), (7, 3), rng.choice(ROW_CODES)]) for _ in range(4)]
-    low = rng.randrange(5)
-    return [(low + rng.randrange(2), low + rng.randrange(4)) for _ in range(4)]
 
 
 def expected_tiles(rows, mode, x, top, width, height):
@@ -76,119 +52,21 @@ def tile_pixels(tile, rows, mode, x, top):
     return (lower, right), pixels
 
 
-class Slide:
-    """A tiler whose window follows its ``top``, and elements that wait for the end of a frame.
+class TileSlide(ElementSlide):
+    """Tiles, each of which waits for its own four lines."""
 
-    Each cycle it checks what comes beside the stream: ``moves``, ``top``, and that the colour that
-    moves with it would meet its tile; and that no tile comes before its lines.
+    layout = TileLayout(PAPER)
 
-    Parameters
-    ----------
-    cases
-        Elements (rows, mode, x, top), or END.
-    follow
-        Share of the cycles in which the window goes on, and lines that it then goes at most.
-    """
-
-    def __init__(self, dut, bench, cases, depths, rates, follow=(1.0, LOWEST)):
-        self.dut, self.bench, self.cases, self.follow = dut, bench, cases, follow
-        words = [
-            pack_element(*case, z=z, end=case is END) for case, z in zip(cases, depths, strict=True)
-        ]
-        self.depths = depths
-        self.ends = [n for n, case in enumerate(cases) if case is END]
-        self.source = bench.source("i", [], rates[0])
-        self.source.payloads = Until(words, self.may_send)
-        self.sink = bench.sink("o", rates[1])
-        self.oldest = 0
-        self.shown = -4  # as ``top`` must be in this cycle
-        self.seen = 0  # elements that were taken
-        self.hand = None  # the one that was taken last; none after the end of a frame
-        self.moved = None  # the one whose colour moved last
-        self.taken = self.waiting = False  # in the cycle before
-        self.over = 0  # ends that were taken
-        self.at_once = []  # of each tile, whether the one before was taken in the cycle before
-
-    def may_send(self):
-        """As many as there are before an end that was not taken, and that end itself."""
-        return self.ends[self.over] + 1 if self.over < len(self.ends) else len(self.cases)
-
-    def drive(self):
-        self.dut.oldest.value = self.oldest
-
-    def observe(self):
-        dut, sent = self.dut, self.source.sent
-        valid, ready = int(dut.o__valid.value), int(dut.o__ready.value)
-        bits = dut.o__payload.value
-        assert int(bits[TOP[0] + TOP[1] - 1 : TOP[0]]) == self.shown % TOPS
-        assert int(dut.moves.value) == (not valid or ready)
-        payload = unpack_tile(int(bits)) if valid else {"end": 0}
-        ends = payload["end"]
-        if valid and not self.waiting:
-            self.at_once.append(self.taken)
-            case = self.cases[self.moved]
-            assert payload["z"] == self.depths[self.moved], "another's colour"
-            assert ends == (case is END)
-            if not ends:
-                lower = tile_pixels(payload, *case)[0][0]
-                assert case[3] + 4 * lower - self.oldest < ROOM, "a tile before its lines"
-        self.taken = valid and ready
-        self.waiting = valid and not ready
-        # As in the window: it follows what is shown, and starts again after the end.
-        if self.shown > self.oldest and self.bench.random.random() < self.follow[0]:
-            self.oldest += min(self.shown - self.oldest, self.follow[1])
-        if self.taken and ends:
-            self.shown, self.hand, self.moved, self.oldest = -4, None, None, 0
-            self.over += 1
-        elif not self.waiting and self.hand is not None:
-            self.moved, self.shown = self.hand, self.cases[self.hand][3]
-        if sent != self.seen:
-            self.hand, self.seen = sent - 1, sent
-
-    async def run(self):
-        """Send everything; return the cycles until the last element was taken."""
-        begin = self.bench.cycles
-        await self.bench.run(
-            lambda: self.source.sent == len(self.cases),
-            most_cycles=80_000,
-            drive=self.drive,
-            observe=self.observe,
-            after=0,
-        )
-        cycles = self.bench.cycles - begin
-        for _ in range(4 if (self.sink.rate, self.follow) == (1.0, (1.0, LOWEST)) else 100):
-            await self.bench.step(self.drive, self.observe)
-        return cycles
-
-
-class Until:
-    """Payloads of which no more may come than a function tells."""
-
-    def __init__(self, payloads, most):
-        self.payloads, self.most = payloads, most
-
-    def __len__(self):
-        return self.most()
-
-    def __getitem__(self, n):
-        return self.payloads[n]
-
-
-def begin(dut, cases, width, height, rates, seed, follow):
-    """A bench that is not reset yet, and depths that tell its elements apart."""
-    rng = random.Random(seed)
-    first = rng.getrandbits(PAPER.depth_bits)
-    depths = [(first + 7 * n) % (1 << PAPER.depth_bits) for n in range(len(cases))]
-    dut.last_column.value, dut.last_line.value = width - 1, height - 1
-    dut.oldest.value = 0
-    return Slide(dut, StreamBench(dut, seed), cases, depths, rates, follow)
+    def in_window(self, bits, case):
+        lower = tile_pixels(unpack_tile(bits), *case)[0][0]
+        return case[3] + 4 * lower - self.oldest < ROOM
 
 
 async def check(dut, cases, width=512, height=512, rates=(1.0, 1.0), seed=1, follow=(1.0, LOWEST)):
     """Send (rows, mode, x, top), or END, and compare; return the cycles and how many are needed."""
     expected = [{} if case is END else expected_tiles(*case, width, height) for case in cases]
     counts = [1 if case is END else len(e) for case, e in zip(cases, expected, strict=True)]
-    slide = begin(dut, cases, width, height, rates, seed, follow)
+    slide = TileSlide.begin(dut, cases, width, height, rates, seed, follow)
     await slide.bench.reset()
     cycles = await slide.run()
     received = [unpack_tile(bits) for bits in slide.sink.received]
@@ -288,18 +166,6 @@ async def upper_and_lower_border(dut):
         await check(dut, cases, 512, height, (0.7, 0.9), seed)
 
 
-def sorted_frames(rng, frames, elements, lines, step=0.5):
-    """Frames of elements in the order of their lines, each with its end."""
-    cases = []
-    for _ in range(frames):
-        top = -4
-        for _ in range(rng.randrange(elements + 1)):
-            top += rng.randrange(lines) if rng.random() < step else 0
-            cases.append((random_rows(rng), rng.randrange(2), rng.randrange(99), top))
-        cases.append(END)
-    return cases
-
-
 @cocotb.test()
 async def end_tokens(dut):
     """Each comes once, without pixels, after its frame's elements, under stalls."""
@@ -334,7 +200,7 @@ async def a_tile_comes_as_soon_as_its_lines(dut):
     """
     for top in (0, 7, 12, 13, 100, 1000):
         cases = [([(0, 7)] * 4, mode, 40, top) for mode in (1, 0, 1)]
-        slide = begin(dut, cases, 512, 1024, (1.0, 1.0), top, (0.0, 0))
+        slide = TileSlide.begin(dut, cases, 512, 1024, (1.0, 1.0), top, (0.0, 0))
         await slide.bench.reset()
 
         async def tiles_after(oldest, *counts, slide=slide):
@@ -377,7 +243,7 @@ async def reset_in_the_middle(dut):
     for seed in range(12):
         cases = [(random_rows(rng), 0, 50, 30 * n) for n in range(9)]
         follow = (0.0, 0) if seed % 2 else (1.0, LOWEST)
-        slide = begin(dut, cases, 512, 512, (0.8, 0.5), seed, follow)
+        slide = TileSlide.begin(dut, cases, 512, 512, (0.8, 0.5), seed, follow)
         await slide.bench.reset()
         for _ in range(6 + seed):
             await slide.bench.step(slide.drive, slide.observe)

@@ -25,9 +25,9 @@ PLAYED = [
     config
     for config in VARIANTS
     if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all"
-    or config.name in ("largest", "swift-word4")
+    or config.name in ("largest", "swift-word4", "swift-lanes")
 ]
-"""The largest, which differs from ``paper`` in most, and the one with banks: each takes a build.
+"""The largest, which differs from ``paper`` in most, and those of sixteen banks: a build each.
 All of them on demand."""
 
 

@@ -10,8 +10,9 @@ from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import PAPER, SWIFT, WIDE, get_preset
+from splatline.rtl.format import BLOCK, PAPER, SWIFT, WIDE, get_preset
 from splatline.rtl.lane import lane_address_bits
+from splatline.rtl.variants import SWIFT_OF_LANES
 from splatline.sim.cosim.frames import Job, play
 from splatline.sim.cycles import clearing_cycles, count_cycles
 
@@ -155,7 +156,9 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
 
 
 @pytest.mark.parametrize(
-    "config", [PAPER, WIDE, SWIFT, get_preset("deep")], ids=lambda config: config.name
+    "config",
+    [PAPER, WIDE, SWIFT, SWIFT_OF_LANES, get_preset("deep")],
+    ids=lambda config: config.name,
 )
 def test_known_counts(config):
     """A cycle a code word, one more for its latency, and the end beat behind.
@@ -176,15 +179,16 @@ def test_known_counts(config):
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
     # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks,
     # dots in words of their own leave as so many beats, and on the same word each but the first
-    # waits for it, a cycle. In lanes as well, and a pair of words leaves anyway.
-    for dots in (1, 2) if config.lanes else (1, 2, 4):
-        columns = [4 + config.pixels_per_word * n for n in range(dots)]
+    # waits for it, a cycle. In lanes as well, and a pair of words leaves anyway; where they take
+    # whole blocks, those that are close wait too.
+    tiles = config.lanes and config.tile_lines < BLOCK
+    for dots in (1, 2) if tiles else (1, 2, 4):
+        apart = 2 * BLOCK if config.lanes and not tiles else config.pixels_per_word
+        columns = [4 + apart * n for n in range(dots)]
         apart = [dot(column) for column in columns]
         same = [dot(4)] * dots
         start = cw.advance(4, config)
-        beats = (
-            1 if config.lanes else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
-        )
+        beats = 1 if tiles else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
         assert count([start, *same]) - count([start, *apart]) == (dots - 1) - (beats - 1)
 
 
@@ -227,8 +231,8 @@ def test_a_stream_without_an_end_is_cut_short(words):
 @pytest.mark.parametrize(
     ("config", "most"),
     # A strip of 64 columns has but eight words of eight pixels, and each of its turns under three.
-    [(PAPER, 1.03), (WIDE, 1.03), (SWIFT, 1.05)],
-    ids=["paper", "wide", "swift"],
+    [(PAPER, 1.03), (WIDE, 1.03), (SWIFT, 1.05), (SWIFT_OF_LANES, 1.05)],
+    ids=["paper", "wide", "swift", "swift-lanes"],
 )
 @pytest.mark.parametrize("engines", [1, 4])
 def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, most, engines):

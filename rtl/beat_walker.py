@@ -1,0 +1,262 @@
+"""The way along the lines that leave rows of lanes: to each beat that was written, and no other."""
+
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from .beat_marks import BeatMarks, mark_bits, residue_bits, stretch_bits
+from .changeover import Changeover
+from .choose import number_of
+from .format import ROWS, EngineConfig
+from .layouts import PlaceLayout
+
+__all__ = ["BeatWalker"]
+
+
+class BeatWalker(wiring.Component):
+    """Asks for each written beat of the lines that no later element touches to be flushed.
+
+    Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
+    first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
+    above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
+    is written are the next frame's (see :class:`Changeover`). A line that nothing was written into
+    leaves in one cycle, and all at once if none was written.
+
+    Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
+    asked for: ``line`` is up to a few lines ahead of ``oldest``. A stretch that nothing has reached
+    for long is passed over (``_reached``).
+
+    **Latency**: 3 cycles from a complete line to its first beat. **Throughput**: one beat a cycle,
+    or a stretch without marks.
+
+    Members
+    -------
+    top : In(signed(line_bits + 2))
+        Lines above this one are complete. Never falls during a frame.
+    close : In(1)
+        The frame at hand is complete; not while ``closing``.
+    limit : In(signed(line_bits + 2))
+        Lines above this one have received all of the initial raster that is meant for them.
+    jump : In(1)
+        No initial raster will come for any line, and ``limit`` means nothing: lines may leave many
+        at a time.
+    enable : In(1)
+        Marks may be taken: nothing is touched or loaded in lines of the residue of ``line``.
+    drawing : In(1)
+        What ``touch`` says is written in this cycle.
+    touch : In(8 x 2)
+        By residue of the line: whether a block is drawn into an odd word, and into an even one.
+    group : In(8 x group_bits)
+        Places in the window of those lines, or of the one that is loaded, but for the three lowest
+        bits.
+    words : In(2 x word_bits)
+        The block's two words, the second one more than the first.
+    reaching : In(1)
+        Something may be written in this cycle into ``words``; at least if ``drawing``.
+    load : In(8)
+        By residue of the line, the beat of ``load_word`` is written in this cycle.
+    load_word : In(word_bits)
+        A word of the initial raster.
+    lone : In(8)
+        By residue of the line, it may be that beat that is written, and not ``words``.
+    wipe : In(1)
+        Clear the marks of all lines' stretches at ``wipe_row``.
+    wipe_row : In
+        Group of lines (high bits) and stretch.
+    restart : In(1)
+        The closed frame is over: go on with line 0 of the next.
+    oldest : Out(line_bits + 1)
+        First line in the window, of the frame that leaves.
+    line : Out(line_bits + 1)
+        The line whose marks are taken next.
+    takes : Out(1)
+        They were about to be taken in the cycle before, and so may be in this one.
+    front : Out(signed(line_bits + 2))
+        First line in the window, of the frame that is drawn.
+    closing : Out(1)
+        A frame was closed and is not over.
+    over : Out(1)
+        Nothing of the closed frame is in the window any more.
+    flush : Out(stream of PlaceLayout)
+        The even word of each beat to read and clear.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        residues = config.tile_lines
+        super().__init__(
+            {
+                "top": In(signed(config.line_bits + 2)),
+                "limit": In(signed(config.line_bits + 2)),
+                **dict.fromkeys(("close", "jump", "enable", "drawing"), In(1)),
+                "touch": In(data.ArrayLayout(2, residues)),
+                "group": In(data.ArrayLayout(config.group_bits, residues)),
+                "words": In(data.ArrayLayout(config.word_bits, 2)),
+                "reaching": In(1),
+                "load": In(residues),
+                "load_word": In(config.word_bits),
+                "lone": In(residues),
+                "wipe": In(1),
+                "wipe_row": In(stretch_bits(config) + config.group_bits),
+                "restart": In(1),
+                "oldest": Out(config.line_bits + 1),
+                "line": Out(config.line_bits + 1),
+                "takes": Out(1),
+                "front": Out(signed(config.line_bits + 2)),
+                "closing": Out(1),
+                "over": Out(1),
+                "flush": Out(stream.Signature(PlaceLayout(config))),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        m.submodules.marks = marks = BeatMarks(config)
+        m.submodules.changeover = changeover = Changeover(config)
+        line = Signal.like(self.line)
+        # A cycle old: so whatever reached a complete line is known.
+        top = Signal.like(self.top, init=-ROWS)
+        m.d.sync += top.eq(self.top)
+        place = line[: config.slot_bits]
+        written = Signal(config.window_lines)
+        leaving = Signal()  # the line is on its way out
+        here = Signal()  # and was written
+        clean = Signal()
+        left = Signal()  # the last of its marks are taken
+        m.d.comb += [
+            self.line.eq(line),
+            leaving.eq(
+                (changeover.closing | ((line < top) & (self.jump | (line < self.limit))))
+                & ~changeover.halted
+            ),
+            here.eq(leaving & written.bit_select(place, 1)),
+            clean.eq(~written.any()),
+        ]
+        m.d.sync += self.takes.eq(here)
+
+        # Its stretches that are still to be taken: none that nothing reached. The first of them is
+        # known a cycle ahead, if it was reached before.
+        ahead = Signal(1 << stretch_bits(config), init=-1)
+        reached, wanted, rest, soon = (
+            Signal.like(ahead, init=0, name=name) for name in ("reached", "wanted", "rest", "soon")
+        )
+        stretch_bit = Signal.like(ahead, init=0)
+        stretch = Signal(stretch_bits(config))
+        take = Signal()
+        m.d.comb += [
+            reached.eq(self._reached(m, line, clean)),
+            wanted.eq(reached & ahead),
+            rest.eq(wanted & ~Mux(take, stretch_bit, 0)),
+            left.eq(here & ~rest.any()),
+            soon.eq(Mux(rest.any(), rest, reached)),
+        ]
+        lowest = soon & (~soon + 1)
+        m.d.sync += [stretch_bit.eq(lowest), stretch.eq(number_of(lowest, len(stretch)))]
+        with m.If(left):
+            m.d.sync += ahead.eq(-1)
+        with m.Elif(take):
+            m.d.sync += ahead.eq(ahead & ~stretch_bit)
+
+        # The beats at hand: those of the marks taken last, but for the one that is asked for. The
+        # next marks are taken as that moves on, if none is behind it.
+        asking, moves = Signal(), Signal()
+        beats, source, first = (
+            Signal(1 << mark_bits(config), name=name) for name in ("beats", "source", "first")
+        )
+        beat = Signal(mark_bits(config))
+        asked_stretch, asked_line = Signal.like(stretch), Signal.like(line)
+        m.d.comb += [
+            moves.eq(~asking | self.flush.ready),
+            take.eq(here & (stretch_bit & wanted).any() & ~beats.any() & moves & self.enable),
+            source.eq(Mux(take, marks.taken, beats)),
+            first.eq(source & (~source + 1)),
+            self.flush.valid.eq(asking),
+            self.flush.payload.word.eq(Cat(Const(0, 1), beat, asked_stretch)),
+            self.flush.payload.line.eq(asked_line),
+            self.oldest.eq(Mux(asking, asked_line, line)),
+        ]
+        with m.If(moves):
+            m.d.sync += [
+                asking.eq(source.any()),
+                beat.eq(number_of(first, len(beat))),
+                beats.eq(source & ~first),
+            ]
+        with m.If(take):
+            m.d.sync += [asked_stretch.eq(stretch), asked_line.eq(line)]
+
+        m.d.comb += [
+            marks.look.eq(self.enable | self.wipe),
+            marks.take.eq(take | self.wipe),
+            marks.wipe.eq(self.wipe),
+            marks.line.eq(
+                Mux(
+                    self.wipe,
+                    Cat(Const(0, residue_bits(config)), self.wipe_row[len(stretch) :]),
+                    place,
+                )
+            ),
+            marks.stretch.eq(Mux(self.wipe, self.wipe_row[: len(stretch)], stretch)),
+            *(
+                getattr(marks, name).eq(getattr(self, name))
+                for name in ("drawing", "touch", "group", "words", "load", "load_word", "lone")
+            ),
+            changeover.oldest.eq(self.oldest),
+            changeover.line.eq(line),
+            changeover.leaves.eq(left | (leaving & ~here)),
+            changeover.wraps.eq(Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()),
+            changeover.clean.eq(clean),
+            changeover.close.eq(self.close),
+            changeover.restart.eq(self.restart),
+            self.front.eq(changeover.front),
+            self.closing.eq(changeover.closing),
+            self.over.eq(changeover.over & ~asking),
+        ]
+        for slot in range(config.window_lines):
+            group, residue = divmod(slot, config.tile_lines)
+            touched = self._written(residue) & (self.group[residue] == group)
+            gone = left & (place == slot)
+            m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
+        with m.If(leaving & self.jump & clean & ~changeover.closing):
+            m.d.sync += line.eq(top)
+        with m.Elif(changeover.leaves & ~changeover.last):
+            m.d.sync += line.eq(line + 1)
+        with m.If(self.restart):
+            m.d.sync += line.eq(0)
+        return m
+
+    def _wraps(self, residue, place):
+        """Return whether a line is written whose place is before one."""
+        written = Cat(Const(residue, residue_bits(self.config)), self.group[residue])
+        return self._written(residue) & (written < place)
+
+    def _written(self, residue):
+        """Return whether something is written into a line of this residue."""
+        return (self.drawing & self.touch[residue].any()) | self.load[residue]
+
+    def _reached(self, m, line, clean):
+        """Return which stretches may have marks, for all lines of the window together.
+
+        Those reached since the window was last clean, and since ``line`` last passed a multiple of
+        the window's height but one: all that was written before that has left.
+        """
+        config = self.config
+        now, before = (Signal(1 << stretch_bits(config), name=name) for name in ("now", "before"))
+        reach = Signal.like(now)
+        turn, turned = Signal(), Signal()
+        own = [1 << word[1 + mark_bits(config) :] for word in self.words]
+        loaded = 1 << self.load_word[1 + mark_bits(config) :]
+        m.d.comb += [
+            turned.eq(line[config.slot_bits] != turn),
+            reach.eq(
+                ((own[0] | own[1]) & self.reaching.replicate(len(reach)))
+                | (loaded & self.load.any().replicate(len(reach)))
+            ),
+        ]
+        m.d.sync += [
+            turn.eq(line[config.slot_bits]),
+            now.eq(Mux(clean | turned, 0, now) | reach),
+            before.eq(Mux(clean, 0, Mux(turned, now, before))),
+        ]
+        return now | before

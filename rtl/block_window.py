@@ -1,0 +1,279 @@
+"""The sliding window in rows of lanes: an element a cycle, whatever its size."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from .beat_marks import residue_bits
+from .beat_walker import BeatWalker
+from .emitter import Emitter
+from .format import BLOCK, EngineConfig
+from .lane_row import HALVES, LaneRow, row_address_bits
+from .layouts import BlockLayout, PlaceLayout, RasterLayout
+from .loader import Loader
+
+__all__ = ["BlockWindow"]
+
+
+class BlockWindow(wiring.Component):
+    """Draws blocks into a window of lines that slides down the image.
+
+    A line's row of lanes is its residue modulo 8, a pixel's lane in it that of its column modulo a
+    word's pixels; so a block has each lane once, wherever it lies. Each lane has two memories, for
+    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`). Four
+    stages: *request* (an address a row and half), *write* (the lanes write over what is behind),
+    *leave* (what was flushed stands in a register of its own) and *emit* (the beat waits on
+    ``raster``). A block and a beat that is flushed go together if their rows differ; if not, the
+    block goes first, or the beat (see ``lagging``). In place of that beat one of the initial raster
+    goes, into a row that the block leaves free, or alone (see ``pressing``). A beat that ``raster``
+    does not take stops all stages.
+
+    A block waits for a cycle if it may have a pixel that the block before it draws as well. After
+    reset the lanes are cleared, which takes as many cycles as one of their memories has pixels.
+
+    **Latency**: 6 cycles from a retired line to its first beat. **Throughput**: a block a cycle but
+    for that and for beats that go first; a beat of the initial raster in two cycles; and a beat a
+    cycle of ``raster``, of those that were written, but for blocks that go first.
+
+    Members
+    -------
+    i : In(stream of BlockLayout)
+        Blocks in the order of their lines, which are in the window that begins at ``oldest`` and
+        were so a cycle before. An ``end`` token is taken once nothing more comes of its frame's
+        initial raster, and the frame before is out; then blocks of the next frame may follow.
+    shade : In(colour_bits)
+        Colour of the block that is offered on ``i``.
+    oldest : Out(signed(line_bits + 2))
+        First line of the window as far as it was loaded, of the frame that is drawn: negative while
+        one leaves.
+    initial : In(stream of RasterLayout)
+        Initial raster; read if ``load`` is set.
+    raster : Out(stream of RasterLayout)
+        The beats in which something was drawn, then an ``end`` beat.
+    last_column, last_line : In
+        Size of the image less 1; steady until ``finished``, as is ``load``.
+    load : In(1)
+        The frame starts from the initial raster.
+    active : In(1)
+        A frame is open: from its first code word until its ``end`` token is taken.
+    closing : Out(1)
+        A frame whose ``end`` token was taken is not out.
+    finished : Out(1)
+        High for one cycle: the frame's end beat goes into the emit stage.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "i": In(stream.Signature(BlockLayout(config))),
+                "shade": In(config.colour_bits),
+                "oldest": Out(signed(config.line_bits + 2)),
+                "initial": In(stream.Signature(RasterLayout(config))),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+                "load": In(1),
+                "active": In(1),
+                "closing": Out(1),
+                "finished": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        block = self.i.payload
+        bits = residue_bits(config)
+
+        m.submodules.walker = walker = BeatWalker(config)
+        m.submodules.loader = loader = Loader(config)
+        m.submodules.emitter = emitter = Emitter(config)
+        running = emitter.running
+        close = Signal()  # the end token is taken
+        ending = Signal()
+
+        sweeping = Signal(init=1)
+        sweep = Signal(row_address_bits(config))
+        with m.If(sweeping):
+            m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
+        swept = Signal(init=1)  # in the cycle before: the last pixels are still to be written
+        m.d.sync += swept.eq(sweeping)
+
+        beat, load = self.initial.payload, loader.o.payload
+        connect(m, emitter.raster, flipped(self.raster))
+        m.d.comb += [
+            loader.i.valid.eq(self.initial.valid),
+            loader.i.payload.pixels.eq(beat.pixels),
+            loader.i.payload.word.eq(Cat(0, beat.word)),
+            loader.i.payload.line.eq(beat.line),
+            loader.i.payload.end.eq(beat.end),
+            self.initial.ready.eq(loader.i.ready),
+            loader.enable.eq(self.load),
+            loader.active.eq(self.active),
+            loader.last_line.eq(self.last_line),
+            loader.last_word.eq(self.last_column[config.pixel_bits :]),
+            loader.oldest.eq(walker.front),
+            loader.restart.eq(close),
+            emitter.last_column.eq(self.last_column),
+            emitter.end.eq(ending),
+            self.finished.eq(emitter.finished),
+            close.eq(self.i.valid & block.end & loader.finished & ~walker.closing),
+            walker.close.eq(close),
+            self.closing.eq(walker.closing),
+            self.oldest.eq(loader.front),
+        ]
+        m.d.sync += ending.eq(walker.over & ~self.finished)
+
+        # What is served beside the block: a beat of the initial raster, or one that leaves.
+        service = Signal(PlaceLayout(config))
+        serving = Signal()  # the former
+        m.d.comb += service.eq(walker.flush.payload)
+        with m.If(serving):
+            m.d.comb += [service.word.eq(load.word), service.line.eq(load.line)]
+        row_served = Signal(BLOCK)  # the row of lanes that it lies in
+        m.d.comb += row_served.eq(1 << service.line[:bits])
+
+        # Request: the block, and a load or a flush, in rows of lanes that differ.
+        offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
+        odd, even = Signal(BLOCK), Signal(BLOCK)  # rows where the block has pixels of such a word
+        wanted = Signal(BLOCK)  # of either
+        meeting, marking = Signal(), Signal()  # it wants the row of what leaves, of marks
+        lagging, first, marks_first = Signal(), Signal(), Signal()
+        pressing = Signal()  # a beat of the initial raster goes, and no block
+        drawn = Signal()  # in the cycle before
+        refused = Signal()  # a beat of the initial raster, in the cycle before
+        conflict, stopped = Signal(), Signal()
+        busy = Signal(BLOCK)
+        for q in range(BLOCK):
+            m.d.comb += [
+                odd[q].eq((block.mask[q] & block.odd[q]).any()),
+                even[q].eq((block.mask[q] & ~block.odd[q]).any()),
+            ]
+        m.d.comb += [
+            offered.eq(self.i.valid & ~block.end & ~pressing),
+            going.eq(
+                offered
+                & running
+                & ~swept
+                & ~conflict
+                & ~(first & meeting)
+                & ~(marks_first & marking)
+            ),
+            # What the lanes read is stale where they are still writing it: of the block before if
+            # that went one cycle ago, and of it or of a beat that left if all stood still since.
+            conflict.eq((drawn & block.meets) | stopped),
+            self.i.ready.eq(going | close),
+            wanted.eq(odd | even),
+            meeting.eq(wanted.bit_select(walker.flush.payload.line[:bits], 1)),
+            marking.eq(wanted.bit_select(walker.line[:bits], 1)),
+            first.eq(walker.flush.valid & lagging),
+            marks_first.eq(walker.takes & lagging),
+            # Whether the block goes is known late; its lanes are kept for it in any case.
+            busy.eq(wanted & offered.replicate(BLOCK) & ~(row_served & first.replicate(BLOCK))),
+            # In turn with beats that leave, where one of the two is refused.
+            serving.eq(loader.o.valid & (pressing | ~(walker.flush.valid & (refused | lagging)))),
+            # The line whose place it takes may have left since all stood still, while its last beat
+            # is still cleared: there the port that writes would meet the one that loads.
+            loading.eq(
+                serving
+                & running
+                & ~sweeping
+                & ~swept
+                & ~stopped
+                & ~(offered & wanted.bit_select(load.line[:bits], 1))
+            ),
+            loader.o.ready.eq(loading),
+            flushing.eq(walker.flush.valid & walker.flush.ready),
+            walker.flush.ready.eq(
+                running
+                & ~sweeping
+                & ~serving
+                & (first | ~(offered & meeting))
+                # The line of a block that stood still may leave since, while it is still written.
+                & ~(stopped & drawn)
+            ),
+            emitter.flush.eq(flushing),
+            emitter.request.pair.eq(service.word[1:]),
+            emitter.request.halves.eq(3),
+            emitter.request.line.eq(service.line),
+        ]
+        # Which of them goes first. Elements of up to four lines lie about the fifth line from
+        # ``top`` on and leave the rows of the lines one and two above ``top``: those leave beside
+        # them. What lies further above goes first, so that it comes to that; were all to go first,
+        # there would be none left to leave beside the elements. Of what is loaded the lines 14 and
+        # 15 below ``top`` go beside them, in the rows of those two, and nearer ones go first.
+        behind, distance = Signal(3), Signal(3)
+        m.d.comb += [
+            behind.eq(block.top[:3] - walker.oldest[:3]),
+            distance.eq(load.line[:3] - block.top[:3]),
+        ]
+        m.d.sync += [
+            stopped.eq(~running),
+            lagging.eq(behind >= 2),
+            # Known a cycle ahead, as all before a block waits for it.
+            pressing.eq(serving & ~loading & (distance < 6)),
+            refused.eq(serving & ~loading),
+        ]
+        with m.If(running):
+            m.d.sync += drawn.eq(going)
+
+        rows = [LaneRow(config) for _ in range(BLOCK)]
+        for q, row in enumerate(rows):
+            m.submodules[f"row_{q}"] = row
+            m.d.comb += [
+                row.enable.eq(running),
+                row.request.draw.eq(going),
+                row.request.mask.eq(block.mask[q]),
+                row.request.odd.eq(block.odd[q]),
+                row.request.load.eq(loading & row_served[q]),
+                row.request.clear.eq((flushing & row_served[q]) | sweeping),
+                row.new.depth.eq(block.z),
+                row.new.colour.eq(self.shade),
+            ]
+        place = Signal(row_address_bits(config))
+        m.d.comb += place.eq(
+            Mux(sweeping, sweep, Cat(service.word[1:], service.line[bits : config.slot_bits]))
+        )
+        for half, name in enumerate(HALVES):
+            # Of the block's two words the first one is the odd one, or both have one address.
+            word = block.words[1 - half]
+            for q, row in enumerate(rows):
+                loaded = getattr(row.loaded, name)
+                m.d.comb += [
+                    getattr(row.request.addresses, name).eq(
+                        Mux(busy[q], Cat(word[1:], block.group[q]), place)
+                    ),
+                    emitter.words[q + BLOCK * half].eq(getattr(row.leaving, name)),
+                    *(
+                        pixels[column].eq(load.pixels[kind][column + len(pixels) * half])
+                        for kind, pixels in (("depth", loaded.depth), ("colour", loaded.colour))
+                        for column in range(len(pixels))
+                    ),
+                ]
+
+        # The words that are written, for the walker.
+        for q in range(BLOCK):
+            group = load.line[bits : config.slot_bits]
+            m.d.comb += [
+                walker.touch[q].eq(Cat(odd[q], even[q])),
+                walker.group[q].eq(Mux(walker.lone[q], group, block.group[q])),
+            ]
+        m.d.comb += [
+            walker.top.eq(block.top),
+            walker.limit.eq(loader.limit),
+            walker.jump.eq(loader.finished),
+            walker.enable.eq(~sweeping & ~loading & (marks_first | ~(offered & marking))),
+            walker.wipe.eq(sweeping),
+            walker.wipe_row.eq(sweep),
+            walker.restart.eq(self.finished),
+            walker.drawing.eq(going),
+            walker.words.eq(block.words),
+            walker.reaching.eq(self.i.valid & ~block.end),
+            walker.load.eq(row_served & loading.replicate(BLOCK)),
+            walker.load_word.eq(load.word),
+            # Where no block draws, what would be loaded is what would be marked.
+            walker.lone.eq(~(wanted & offered.replicate(BLOCK))),
+        ]
+        return m

@@ -1,0 +1,163 @@
+"""The clock of a window of rows of lanes: an element a cycle, and which beats leave.
+
+Neither colours nor depths matter: a lane takes as long for a pixel that does not pass.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba as nb
+import numpy as np
+
+from ..host.unfold import unfold
+from ..rtl.format import BLOCK
+from .beat_walk import (
+    ASKED,
+    ASKING,
+    FLUSHED,
+    LINE,
+    TAKES,
+    TOP,
+    WRITTEN,
+    new_walk,
+    oldest_of,
+    reached,
+    step_walk,
+)
+from .pipeline_model import (
+    EMPTY,
+    END_WORD,
+    FIRST_STAGE,
+    FOLLOWING,
+    HEAD,
+    Machine,
+    advance,
+    new_front,
+)
+
+__all__ = ["walk_blocks"]
+
+PAIR = 2
+"""Words of a beat."""
+
+NOTHING, ELEMENT, END = range(3)
+"""What the window is given: nothing, an element or the end of the frame."""
+
+FIRST_LINE, COLUMN, ROWS = range(3)
+"""What is kept of an element: its block's first line and column, and from there on what of each row
+lies in the image, a bit a column."""
+
+LAGGING = 2
+"""A line that leaves goes before an element if it lies so many lines above it, modulo a block's."""
+
+
+@nb.njit(cache=True)
+def walk_blocks(words: Any, machine: Machine) -> int:
+    """Return the cycles from the first code word taken to the end beat, both included.
+
+    Parameters
+    ----------
+    words
+        Code words: shape (n,), int64 (the bits of unsigned ones).
+    machine
+        The engine and the image.
+
+    Returns
+    -------
+    int
+        0 if there is no end word.
+    """
+    walk = new_walk()
+    marks = np.zeros((machine.lines, machine.half_words), np.bool_)
+    block, coming = np.zeros(ROWS + BLOCK, np.int64), np.zeros(ROWS + BLOCK, np.int64)
+    given, meets, drawn, ending = NOTHING, False, False, False
+    lagging = False  # in the cycle before, for lines that leave to go before elements
+    left_before = False  # a beat left two cycles before
+    near = False  # the lines of the element at hand are in the window
+    front = new_front()
+    cycle = 0
+    while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
+        # The last pixels to be cleared are written one cycle after.
+        clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
+        if ending and not walk[FLUSHED] and not left_before:
+            return cycle + 2  # the end beat is on the port in the next cycle
+        left_before = walk[FLUSHED]
+        ending = given == END and walk[WRITTEN] == 0 and not walk[ASKING]
+
+        oldest = oldest_of(walk)
+        first, lagging = lagging, (walk[TOP] - oldest) % BLOCK >= LAGGING
+        # Whether the element wants the row of lanes of the beat that leaves, or marks of the row
+        # of which some are taken; and whether it waits for the one or the other.
+        meets_beat = given == ELEMENT and block[ROWS + (walk[ASKED] - block[FIRST_LINE]) % BLOCK]
+        meets_marks = given == ELEMENT and block[ROWS + (walk[LINE] - block[FIRST_LINE]) % BLOCK]
+        waits = first and ((walk[ASKING] and meets_beat) or (walk[TAKES] and meets_marks))
+        going = given == ELEMENT and not settling and not waits
+        going = going and not (machine.hazard and meets and drawn)
+        flushing = walk[ASKING] and not clearing and (first or not meets_beat)
+        enable = not clearing and ((first and walk[TAKES]) or not meets_marks)
+        reach = 0
+        if given == ELEMENT:
+            word = block[COLUMN] // machine.pixels
+            reach = reached(word // PAIR, (word + 1) % (PAIR * machine.half_words) // PAIR, marks)
+        step_walk(walk, marks, flushing, reach, enable)
+        if going:
+            _mark(block, walk, marks, machine)
+        drawn = going
+
+        # The next element.
+        done = False
+        if given == NOTHING or going:
+            head, top = front.held[HEAD], front.tops[HEAD]
+            ends = head != EMPTY and head == front.state[END_WORD]
+            done = ends or (head != EMPTY and near)
+            given = END if ends else ELEMENT if done else NOTHING
+            if head != EMPTY:
+                walk[TOP] = top
+            if given == ELEMENT:
+                _place(words[head], top, coming, machine)
+                meets = going and _meet(coming, block, machine)
+                block[:] = coming
+        waiting = front.held[HEAD] != EMPTY and not near
+        top = front.tops[HEAD if waiting else FIRST_STAGE]
+        moved = advance(words, front, done, machine)
+        if waiting or moved:
+            near = not (waiting and moved) and top - oldest < machine.lines - BLOCK
+        cycle += 1
+    return 0
+
+
+@nb.njit(cache=True)
+def _place(word: int, top: int, block: Any, machine: Machine) -> None:
+    """Set ``block`` to an element's, clipped to the image: its columns to the image's words."""
+    rows = np.empty((BLOCK, 2), np.int64)
+    unfold(word, rows)
+    x = word >> machine.x_lsb & machine.x_mask
+    block[FIRST_LINE], block[COLUMN] = top, x
+    room = max((machine.last_column // machine.pixels + 1) * machine.pixels - x, 0)
+    inside = (1 << min(room, BLOCK + 1)) - 1
+    for row in range(BLOCK):
+        first, last = rows[row]
+        filled = first <= last and 0 <= top + row <= machine.last_line
+        block[ROWS + row] = (2 << last) - (1 << first) & inside if filled else 0
+
+
+@nb.njit(cache=True)
+def _meet(block: Any, other: Any, machine: Machine) -> bool:
+    """Return whether two blocks may overlap, as the circuit sees it: by their distance."""
+    lines = (block[FIRST_LINE] - other[FIRST_LINE]) % machine.lines
+    columns = machine.pixels * 2 * machine.half_words
+    apart = (block[COLUMN] - other[COLUMN]) % columns
+    return lines < BLOCK and min(apart, columns - apart) <= BLOCK
+
+
+@nb.njit(cache=True)
+def _mark(block: Any, walk: Any, marks: Any, machine: Machine) -> None:
+    """Mark the beats that an element is drawn into."""
+    for row in range(BLOCK):
+        place, columns = (block[FIRST_LINE] + row) % machine.lines, block[ROWS + row]
+        for column in range(BLOCK + 1):
+            if columns >> column & 1:
+                beat = (block[COLUMN] + column) // (machine.pixels * PAIR)
+                marks[place, beat] = True
+                walk[WRITTEN] |= 1 << place

@@ -1,0 +1,281 @@
+"""A row of lanes: depth test and write back in two words at once, standing still in between."""
+
+import random
+
+import cocotb
+from presets import CONFIG, run_bench
+
+from splatline.rtl.lane import PixelLayout
+from splatline.rtl.lane_row import (
+    HALVES,
+    BeatWordsLayout,
+    LaneRow,
+    RowRequestLayout,
+    row_address_bits,
+)
+from splatline.rtl.variants import SWIFT_OF_LANES
+from splatline.sim.cosim.blocks import pack, unpack
+from splatline.sim.cosim.streams import StreamBench
+
+REQUEST, PIXEL, BEAT = RowRequestLayout(CONFIG), PixelLayout(CONFIG), BeatWordsLayout(CONFIG)
+PLACES = 1 << row_address_bits(CONFIG)
+COLUMNS = CONFIG.pixels_per_word
+DEPTHS = CONFIG.background_depth + 1
+BACKGROUND = (CONFIG.background_depth, 0)
+ALL = [(half, column) for half in (0, 1) for column in range(COLUMNS)]
+BLANK = dict.fromkeys(ALL, BACKGROUND)
+
+
+class Draw:
+    """A pixel for some columns, {column: half}: of the even word (0) or of the odd one."""
+
+    kind = "draw"
+
+    def __init__(self, columns, pixel, places):
+        self.columns, self.pixel, self.places = columns, pixel, places
+
+    @property
+    def reads(self):
+        """What is compared or copied, as (half, place, column)."""
+        return {(half, self.places[half], column) for column, half in self.columns.items()}
+
+    writes = reads
+
+
+class Clear:
+    """Both words leave."""
+
+    kind = "clear"
+
+    def __init__(self, places):
+        self.places = places
+
+    @property
+    def reads(self):
+        return {(half, self.places[half], column) for half, column in ALL}
+
+    writes = reads
+
+
+class Load:
+    """Two words of pixels, {(half, column): pixel}, which are there at once."""
+
+    kind = "load"
+    writes = frozenset()  # in the next cycle
+
+    def __init__(self, pixels, places):
+        self.pixels, self.places = pixels, places
+
+    @property
+    def reads(self):
+        return {(half, self.places[half], column) for half, column in ALL}
+
+
+class Operator:
+    """Sends requests a cycle at a time and keeps the pixels as they ought to be.
+
+    What leaves is compared in every cycle.
+    """
+
+    def __init__(self, dut, seed):
+        self.dut, self.random, self.bench = dut, random.Random(seed), StreamBench(dut, seed)
+        self.pixels = {}
+        self.flying = frozenset()  # pixels that are being written
+        self.coming, self.leaving = None, None  # words that leave; before the reset unknown
+
+    async def reset(self):
+        self.dut.enable.value = 1
+        self.dut.request.value = self.dut.new.value = self.dut.loaded.value = 0
+        await self.bench.reset()
+        self.coming = self.leaving = None
+        for place in range(PLACES):
+            self.pixels |= dict.fromkeys(Clear((place, place)).reads, BACKGROUND)
+            self.flying = frozenset()
+            await self.cycle(Clear((place, place)), known=False)
+        await self.cycle()
+
+    def may(self, request):
+        """Whether no pixel of it is being written."""
+        return not request.reads & self.flying
+
+    async def cycle(self, request=None, enable=1, known=True):
+        """One cycle: a request is taken if the row is enabled; what means nothing is random."""
+        rng, dut = self.random, self.dut
+        assert request is None or self.may(request)
+        places = request.places if request else [rng.randrange(PLACES) for _ in HALVES]
+        fields = {"addresses": dict(zip(HALVES, places, strict=True))}
+        fields |= {"mask": rng.getrandbits(COLUMNS), "odd": rng.getrandbits(COLUMNS)}
+        new, loaded = random_pixel(rng), {place: random_pixel(rng) for place in ALL}
+        if request:
+            fields[request.kind] = 1
+        if isinstance(request, Draw):
+            new = request.pixel
+            fields["mask"] = sum(1 << column for column in request.columns)
+            odd = sum(half << column for column, half in request.columns.items())
+            fields["odd"] = odd | fields["odd"] & ~fields["mask"]
+        if isinstance(request, Load):
+            loaded = request.pixels
+
+        def drive():
+            dut.enable.value = enable
+            dut.request.value = pack(REQUEST, **fields)
+            dut.new.value = pack(PIXEL, depth=new[0], colour=new[1])
+            dut.loaded.value = pack(
+                BEAT,
+                **{
+                    name: {
+                        kind: [loaded[half, column][part] for column in range(COLUMNS)]
+                        for part, kind in enumerate(("depth", "colour"))
+                    }
+                    for half, name in enumerate(HALVES)
+                },
+            )
+
+        def observe():
+            if self.leaving is not None:
+                words = unpack(BEAT, int(dut.leaving.value))
+                words = [getattr(words, name) for name in HALVES]
+                found = {(h, c): (words[h].depth[c], words[h].colour[c]) for h, c in ALL}
+                assert found == self.leaving
+
+        await self.bench.step(drive, observe)
+        if enable:
+            self.leaving, self.coming = self.coming, BLANK
+            self._take(request)
+            if not known:  # what stood there before the first clear
+                self.coming = None
+
+    def _take(self, request):
+        self.flying = frozenset()
+        if request is None:
+            return
+        self.flying = request.writes
+        for half, place, column in request.reads:
+            key = half, place, column
+            if isinstance(request, Load):
+                self.pixels[key] = request.pixels[half, column]
+            elif isinstance(request, Clear):
+                self.coming = {**self.coming, (half, column): self.pixels[key]}
+                self.pixels[key] = BACKGROUND
+            elif request.pixel[0] < self.pixels[key][0]:
+                self.pixels[key] = request.pixel
+
+    async def read(self, places):
+        """Clear two words, and let them leave."""
+        for request in (Clear(places), None, None):
+            await self.cycle(request)
+
+
+def random_pixel(rng, step=1):
+    return rng.randrange(0, DEPTHS, step), rng.randrange(1 << CONFIG.colour_bits)
+
+
+def random_request(rng, spread, step):
+    """Two places of as many as ``spread``; depths in steps, so that ties are common."""
+    places = [rng.randrange(spread) * (PLACES // spread) for _ in HALVES]
+    chance = rng.random()
+    if chance < 0.15:
+        return Clear(places)
+    if chance < 0.3:
+        return Load({place: random_pixel(rng, step) for place in ALL}, places)
+    share = rng.choice([0.2, 0.5, 1.0])
+    columns = {column: rng.randrange(2) for column in range(COLUMNS) if rng.random() < share}
+    return Draw(columns, random_pixel(rng, step), places)
+
+
+@cocotb.test()
+async def random_requests(dut):
+    """Few places, then all; few depths, so that ties are common; pauses now and then."""
+    for seed, (spread, step, rate) in enumerate(
+        [(2, 1, 1.0), (4, 100, 0.7), (PLACES, 128, 0.8), (8, 1, 0.3)]
+    ):
+        rng, operator, taken = random.Random(seed), Operator(dut, seed), 0
+        await operator.reset()
+        for _ in range(600):
+            request = random_request(rng, spread, step) if rng.random() < 0.9 else None
+            if request and not operator.may(request):
+                request = None
+            taken += request is not None
+            await operator.cycle(request, enable=rng.random() < rate)
+        assert taken > 300
+        await operator.cycle()
+        for place in range(0, PLACES, PLACES // spread):
+            await operator.read((place, place))
+            await operator.read((place, place))
+
+
+@cocotb.test()
+async def nearer_wins_and_equal_stays(dut):
+    """Z < stored draws, Z == stored and Z > stored do not; the background's depth never does."""
+    operator = Operator(dut, 9)
+    await operator.reset()
+    furthest = BACKGROUND[0]
+    for columns in ({column: column % 2 for column in range(COLUMNS)}, {3: 0}, {3: 1}):
+        for depths, stays in (
+            ((100, 100, 101, furthest), (100, 0)),
+            ((100, 99, 99, 0, 0), (0, 3)),
+            ((furthest, furthest), BACKGROUND),
+            ((furthest, furthest - 1), (furthest - 1, 1)),
+        ):
+            for colour, depth in enumerate(depths):
+                await operator.cycle(Draw(columns, (depth, colour), (7, 8)))
+                await operator.cycle()
+            expected = {operator.pixels[half, 7 + half, column] for column, half in columns.items()}
+            assert expected == {stays}
+            await operator.read((7, 8))
+
+
+@cocotb.test()
+async def neighbours_follow_without_a_gap(dut):
+    """Other columns, the other word or another place, in the cycle after a draw."""
+    operator = Operator(dut, 10)
+    await operator.reset()
+    last = PLACES - 1
+    for n, (columns, places) in enumerate(
+        [
+            ({0: 0, 1: 1}, (0, last)),
+            ({0: 1, 1: 0}, (0, last)),
+            ({2: 0, 7: 1}, (0, last)),
+            ({2: 0, 7: 1}, (last, 0)),
+        ]
+    ):
+        await operator.cycle(Draw(columns, (50 - n, n), places))
+    await operator.cycle()
+    for places in ((0, 0), (last, last)):
+        await operator.read(places)
+
+
+@cocotb.test()
+async def what_is_loaded_is_there_whatever_was(dut):
+    """Behind or before the old pixel, or background; while the pixel before it is written."""
+    operator = Operator(dut, 11)
+    await operator.reset()
+    columns = dict.fromkeys(range(COLUMNS), 0)
+    for pixel in ((100, 1), (200, 2), (50, 3), BACKGROUND):
+        await operator.cycle(Draw(columns, (300, 5), (12, 12)))
+        await operator.cycle(Load(dict.fromkeys(ALL, pixel), (13, 12)))
+        await operator.cycle(Draw(columns, (150, 6), (13, 12)))
+        await operator.cycle()
+        await operator.read((13, 12))
+        await operator.read((12, 13))
+    await operator.cycle(Load(dict.fromkeys(ALL, (7, 7)), (13, 13)), enable=0)
+    await operator.read((13, 13))
+
+
+@cocotb.test()
+async def a_paused_row_writes_once(dut):
+    """A request that stands still for many cycles comes out as if it had not; none is taken."""
+    operator = Operator(dut, 12)
+    await operator.reset()
+    columns = {column: column // 4 for column in range(COLUMNS)}
+    await operator.cycle(Draw(columns, (50, 8), (8, 8)))
+    for request in (Draw(columns, (40, 7), (7, 7)), Clear((8, 8)), None, None):
+        await operator.cycle(request)
+        for _ in range(4):
+            await operator.cycle(Draw(columns, (1, 1), (9, 9)), enable=0)
+    for place in (7, 8, 9):
+        await operator.read((place, place))
+
+
+def test_row_of_lanes_keeps_the_nearest():
+    run_bench(SWIFT_OF_LANES, LaneRow, __file__)
