@@ -52,6 +52,10 @@ class LaneWindowProperties(Properties):
     delay = 3
     """Cycles in which the raster is taken, from a pixel's line losing its place to its beat."""
 
+    window = LaneWindow
+    walker = Walker
+    """What is proven, and what in it says which lines leave."""
+
     def __init__(self, config, load, ordered=True):
         self.config = config
         self.load = load
@@ -60,16 +64,14 @@ class LaneWindowProperties(Properties):
     def describe(self, m):
         """Add the window and its properties."""
         config = self.config
-        self.slot = slot = any_constant(m, config.slot_bits, "slot")
+        self.slot = any_constant(m, config.slot_bits, "slot")
         self.word = any_constant(m, config.word_bits, "word")
         self.number = any_constant(m, config.pixel_bits, "number")
         self.last_column = any_constant(m, config.x_bits, "last_column")
         self.last_line = any_constant(m, config.line_bits, "last_line")
         self.last_word = self.last_column[config.pixel_bits :]
-        address = Signal(config.group_bits + config.word_bits)
-        m.d.comb += address.eq(Cat(self.word, slot[2:]))
-        self.memories = OneWord(address, init=-1)  # the background
-        self.dut = dut = LaneWindow(config)
+        self.memories = self._memories(m)
+        self.dut = dut = self.window(config)
         fragment = self.add(m, dut)
         self.free(
             m,
@@ -79,13 +81,26 @@ class LaneWindowProperties(Properties):
             load=Signal(init=self.load, reset_less=True, name="load"),
             shade=dut.i.payload.z,
         )
-        (walker,) = parts(fragment, Walker)
+        (walker,) = parts(fragment, self.walker)
         self._own(m, walker.oldest, walker.front)
-        # The walker takes for granted that nothing is loaded while it takes marks.
-        self.always(m, "markable", ~(walker.taking & walker.load.any()))
+        self._mark(m, walker)
         drawn = self._tiles(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
+
+    def _memories(self, m):
+        """Return what the lanes' memories are: the pixel's word, which is background."""
+        address = Signal(self.config.group_bits + self.config.word_bits)
+        m.d.comb += address.eq(Cat(self.word, self.slot[2:]))
+        return OneWord(address, init=-1)
+
+    def _mark(self, m, walker):
+        """Assert what the walker takes for granted: nothing is loaded while it takes marks."""
+        self.always(m, "markable", ~(walker.taking & walker.load.any()))
+
+    def _second(self, tile, row, column):
+        """Return whether a pixel of a tile lies in the second of its words."""
+        return tile.next.bit_select(column, 1)
 
     def _own(self, m, oldest, front):
         """Say which line has the place at the moment: of the frame drawn, or of that which leaves.
@@ -140,12 +155,14 @@ class LaneWindowProperties(Properties):
         self.given(m, "end_top", ~dut.i.valid | ~tile.end | (tile.top == lowest))
         self.given(m, "active", (dut.active >= opened) & (dut.active >= dut.i.valid))
         self.given(m, "words", tile.words[1] == (tile.words[0] + 1)[: config.word_bits])
-        for row in range(4):
+        rows = range(config.tile_lines)
+        bits = config.slot_bits - config.group_bits
+        for row in rows:
             # The line of the window that the tile's row is.
             place = Signal(config.slot_bits, name=f"place_{row}")
             line = Signal(signed(config.line_bits + 3), name=f"line_{row}")
             m.d.comb += [
-                place.eq(Cat(Const(row, 2), tile.group[row]) - tile.top),
+                place.eq(Cat(Const(row, bits), tile.group[row]) - tile.top),
                 line.eq(tile.top + place),
             ]
             masked = dut.i.valid & tile.mask[row].any()
@@ -155,26 +172,24 @@ class LaneWindowProperties(Properties):
             # And was there a cycle before; of a higher window that is loaded, not as the last one.
             lines = config.window_lines - self.load * (config.window_lines > BLOCK)
             self.given(m, f"settled_{row}", ~masked | (line < oldest + lines))
-        for column in range(config.pixels_per_word):
-            masked = dut.i.valid & Cat(tile.mask[row][column] for row in range(4)).any()
-            word = Mux(tile.next[column], tile.words[1], tile.words[0])
-            self.given(m, f"column_{column}", ~masked | (word <= self.last_word))
+            for column in range(config.pixels_per_word):
+                masked = dut.i.valid & tile.mask[row][column]
+                word = tile.words[self._second(tile, row, column)]
+                self.given(m, f"pixel_{row}_{column}", ~masked | (word <= self.last_word))
         # So the window may not move past a tile that waits.
         waits = ~dut.i.valid | tile.end | (tile.top < 0)
         self.always(m, "waits", waits | ((dut.oldest <= tile.top) & (self.front <= tile.top)))
 
         def mine(row):
             """Return whether the tile draws the pixel, if that is in a row of lanes."""
-            in_second = tile.next.bit_select(self.number, 1)
-            word = Mux(in_second, tile.words[1], tile.words[0])
             return (
-                (self.slot == Cat(Const(row, 2), tile.group[row]))
+                (self.slot == Cat(Const(row, bits), tile.group[row]))
                 & tile.mask[row].bit_select(self.number, 1)
-                & (word == self.word)
+                & (tile.words[self._second(tile, row, self.number)] == self.word)
             )
 
         draws = Signal()
-        m.d.comb += draws.eq(dut.i.valid & ~tile.end & Cat(mine(row) for row in range(4)).any())
+        m.d.comb += draws.eq(dut.i.valid & ~tile.end & Cat(mine(row) for row in rows).any())
         drew = Signal()
         m.d.sync += drew.eq(taken & draws)
         self.given(m, "meets", ~(drew & draws) | tile.meets)

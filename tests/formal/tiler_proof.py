@@ -7,7 +7,7 @@ from prove import Fault, Proof
 from splatline.rtl.format import BLOCK, PAPER
 from splatline.rtl.tiler import Tiler
 
-__all__ = ["PROOFS"]
+__all__ = ["PROOFS", "TilerProperties"]
 
 
 class TilerProperties(Properties):
@@ -17,13 +17,16 @@ class TilerProperties(Properties):
     that draws it must take out that depth: so it is drawn as often as it is to be, and not more.
     """
 
+    tiler = Tiler
+    """What is proven."""
+
     def __init__(self, config):
         self.config = config
 
     def describe(self, m):
         """Add the tiler and its properties."""
         config = self.config
-        m.submodules.dut = dut = Tiler(config)
+        m.submodules.dut = self.dut = dut = self.tiler(config)
         last_column = any_constant(m, config.x_bits, "last_column")
         last_line = any_constant(m, config.line_bits, "last_line")
         slot = any_constant(m, config.slot_bits, "slot")
@@ -68,11 +71,11 @@ class TilerProperties(Properties):
         )
         number = column[: config.pixel_bits]
         hits = []
-        for q in range(4):
-            in_second = tile.next.bit_select(number, 1)
-            word = Mux(in_second, tile.words[1], tile.words[0])
+        for q in range(config.tile_lines):
+            place = Cat(Const(q, config.slot_bits - config.group_bits), tile.group[q])
+            word = tile.words[self._second(tile, q, number)]
             hits.append(
-                (Cat(Const(q, 2), tile.group[q]) == slot)
+                (place == slot)
                 & tile.mask[q].bit_select(number, 1)
                 & (word == column[config.pixel_bits :])
             )
@@ -127,6 +130,10 @@ class TilerProperties(Properties):
         m.d.sync += drew.eq(drawn)
         self.always(m, "meets", ~(drew & draws) | tile.meets)
         self.always(m, "output_steady", self.steady(m, dut.o, "o"))
+
+    def _second(self, tile, row, column):
+        """Return whether a pixel of a tile lies in the second of its words."""
+        return tile.next.bit_select(column, 1)
 
 
 WORDS = [PAPER, PAPER.replace(pixels_per_word=2), PAPER.replace(pixels_per_word=8, window_lines=8)]

@@ -1,0 +1,131 @@
+"""The window of rows of lanes: its lines never mix, and no pixel is lost or invented."""
+
+from amaranth.hdl import Cat, Signal
+from lane_window_proof import LaneWindowProperties, Narrow
+from properties import OneWord
+from prove import Fault, Proof
+
+from splatline.rtl.beat_marks import residue_bits
+from splatline.rtl.beat_walker import BeatWalker
+from splatline.rtl.block_window import BlockWindow
+from splatline.rtl.format import BLOCK, ROWS
+from splatline.rtl.lane_row import LaneRow, row_address_bits
+from splatline.rtl.loader import Loader
+
+__all__ = ["PROOFS"]
+
+TINY = Narrow(
+    lanes=True,
+    banks=16,
+    raster_words=2,
+    pixels_per_word=2,
+    x_bits=3,
+    line_bits=5,
+    depth_bits=2,
+    channel_bits=1,
+)
+"""Two beats of two words of two pixels a line, sixteen lines in the window, an image of up to 32.
+
+So the blocks are two columns wide. A column knows nothing of the others.
+"""
+
+
+class BlockWindowProperties(LaneWindowProperties):
+    """Any one pixel of any one place in the window, followed from line to line.
+
+    As with lanes, but of blocks only what :class:`BlockLayout` says is assumed, which
+    ``block_tiler_proof`` proves.
+    """
+
+    delay = 4  # a stage more than with lanes: what leaves stands in a register
+    window = BlockWindow
+    walker = BeatWalker
+
+    def _memories(self, m):
+        """Return what the lanes' memories are: the pixel's word, which is background."""
+        address = Signal(row_address_bits(self.config))
+        m.d.comb += address.eq(Cat(self.word[1:], self.slot[residue_bits(self.config) :]))
+        return OneWord(address, init=self.config.background_depth)
+
+    def _mark(self, m, walker):
+        """Assert what the walker takes for granted while it may take marks.
+
+        Nothing is loaded, or drawn into lines of that residue.
+        """
+        residue = walker.line[: residue_bits(self.config)]
+        touched = Cat(touch.any() for touch in walker.touch).bit_select(residue, 1)
+        busy = (walker.drawing & touched) | walker.load.any()
+        self.always(m, "markable", ~(walker.enable & busy))
+
+    def _tiles(self, m):
+        """Assume of the blocks what they are; return whether one draws the pixel now.
+
+        One without pixels as well waits for its lines, and an end token is offered at once: else
+        ``top`` would be far below the window, and so would the lines that have left, as it comes.
+        """
+        config, dut = self.config, self.dut
+        block = dut.i.payload
+        top, passed = (Signal.like(block.top, name=name, init=-ROWS) for name in ("now", "passed"))
+        oldest = Signal.like(dut.oldest, name="oldest_then")
+        waited = Signal(name="block_waited")
+        m.d.sync += [
+            top.eq(block.top),
+            oldest.eq(dut.oldest),
+            waited.eq(dut.i.valid & ~dut.i.ready),
+        ]
+        with m.If(dut.i.valid & dut.i.ready):
+            m.d.sync += passed.eq(block.top)
+        with m.If(self.close):
+            m.d.sync += [top.eq(-ROWS), passed.eq(-ROWS)]
+        near = block.top - oldest < config.window_lines - BLOCK
+        self.given(m, "near", ~dut.i.valid | block.end | near)
+        self.given(m, "end_at_once", ~(dut.i.valid & block.end & ~waited) | (top == passed))
+        return super()._tiles(m)
+
+    def _second(self, tile, row, column):
+        """Return whether a pixel of a block lies in the second of its words."""
+        return tile.odd[row].bit_select(column, 1) ^ tile.words[0][0]
+
+
+SWEPT = (
+    Fault("the sweep's last cycle", BlockWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),
+    Fault("nothing was drawn before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
+)
+"""The lanes have been cleared but for their last pixels.
+
+What a row writes in the cycle after the reset, as its mask has none, is at the sweep's first
+address, and is cleared in the next.
+"""
+
+
+def plan(name, shows, load, depth, *faults, long=False):
+    """Return a proof of the window."""
+    return Proof(
+        name=name,
+        shows=shows,
+        build=lambda: BlockWindowProperties(TINY, load),
+        depth=depth,
+        engine="abc bmc3",
+        changes=SWEPT,
+        faults=faults,
+        slow=True,
+        long=long,
+    )
+
+
+PROOFS = [
+    plan(
+        "block window",
+        "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
+        0,
+        13,
+        Fault("no depth test", LaneRow, r"difference\[-1\] & ", ""),
+    ),
+    plan(
+        "block window, initial raster",
+        "the same for frames that start from an initial raster",
+        1,
+        12,
+        Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
+    ),
+]
