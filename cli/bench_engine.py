@@ -10,6 +10,7 @@ import click
 from ..host.errors import InputError, install_hint
 from ..host.quality import QUALITIES
 from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.variants import SWIFT_OF_LANES
 from .bench_engine_few import measure_few
 from .bench_engine_runs import CLOCK_HZ, Plan, count_luts, measure
 from .bench_options import folder_option, scenes_option, splats_option
@@ -25,7 +26,7 @@ SPLATS = (None, 2.0, 3.0, 4.0, 6.5)
 """Median diameters in pixels; None: the points' own spacing."""
 
 MEASURED_QUALITIES = ("fast", "exact")
-MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide", "swift"))
+MEASURED_PRESETS = (*(PRESETS[name] for name in ("paper", "wide", "swift")), SWIFT_OF_LANES)
 
 
 @click.command()
@@ -86,7 +87,7 @@ def engine(
         counts = count_luts(presets, counter.advance) if luts else {}
         runs = list(measure(plan, counts, counter.advance))
     from .bench_engine_page import page
-    from .bench_engine_targets import judge
+    from .bench_engine_targets import judge, rate
 
     report = {
         "size": list(size),
@@ -95,6 +96,7 @@ def engine(
         "runs": runs,
         "few": list(measure_few(presets, size)),
         "targets": judge(runs),
+        "rates": rate(runs),
     }
     text = page(report)
     out_dir.mkdir(parents=True, exist_ok=True)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import statistics
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-__all__ = ["TARGETS", "Target", "judge"]
+__all__ = ["LEAST_RATE", "TARGETS", "Target", "judge", "rate"]
 
 _Run = dict[str, Any]
 
@@ -53,6 +54,43 @@ TARGETS = {
     "bound": Target("cycles of the bound", "ratio", 1.08, below=True),
 }
 """By name."""
+
+
+LEAST_RATE = 30_000
+"""Elements a second for a LUT at 100 MHz; the paper has 11,600."""
+
+
+def rate(runs: Sequence[_Run]) -> list[dict[str, Any]]:
+    """Return what each preset's LUTs draw, of the runs that ``small`` covers; nothing without LUTs.
+
+    Returns
+    -------
+    list of dict
+        ``preset``, ``lut4``, ``runs`` that count and ``runs_met``; the ``most``, ``median`` and
+        ``least`` elements a second for a LUT, and the ``scene`` of the most.
+    """
+    rates = []
+    key = "elements_per_second_per_lut"
+    for preset in dict.fromkeys(run["preset"] for run in runs):
+        counted = [run for run in runs if run["preset"] == preset and run[key] is not None]
+        counted = [run for run in counted if TARGETS["small"].covers(run)]
+        if not counted:
+            continue
+        figures = [run[key] for run in counted]
+        best = max(counted, key=lambda run: run[key])
+        rates.append(
+            {
+                "preset": preset,
+                "lut4": best["lut4"],
+                "runs": len(counted),
+                "runs_met": sum(figure >= LEAST_RATE for figure in figures),
+                "most": best[key],
+                "scene": best["scene"],
+                "median": round(statistics.median(figures)),
+                "least": min(figures),
+            }
+        )
+    return rates
 
 
 def judge(runs: Sequence[_Run]) -> list[dict[str, Any]]:

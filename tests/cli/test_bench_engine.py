@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from splatline.cli import bench_engine, bench_engine_runs
-from splatline.cli.bench_engine_targets import TARGETS, judge
+from splatline.cli.bench_engine_targets import LEAST_RATE, TARGETS, judge, rate
 from splatline.cli.main import main
 from splatline.rtl.format import PAPER
 from splatline.sim.raster import Raster
@@ -66,7 +66,7 @@ def test_the_page_is_printed_and_its_tables_are_whole(outcome):
     for heading in ("What it must show", "Preset paper, 2,000 LUTs", "Preset rgb24, 2,000 LUTs"):
         assert f"\n## {heading}\n" in page
     tables = [block.splitlines() for block in page.split("\n\n") if block.startswith("| ")]
-    assert len(tables) == 4
+    assert len(tables) == 5
     assert all(row.count("|") == table[0].count("|") for table in tables for row in table)
 
 
@@ -136,6 +136,27 @@ def entry(quality, pixels, element=1.0, codeword=1.0, ratio=1.0, preset="paper")
         "preset": preset, "cycles_per_element": element, "cycles_per_codeword": codeword,
         "ratio": ratio,
     }  # fmt: skip
+
+
+def test_the_rates_are_those_of_small_splats():
+    def rated(quality, pixels, figure, scene="knot"):
+        run = entry(quality, pixels) | {"elements_per_second_per_lut": figure, "lut4": 2000}
+        return run | {"scene": scene}
+
+    runs = [
+        rated("fast", 2.0, LEAST_RATE),
+        rated("fast", 3.0, LEAST_RATE + 9, "terrain"),
+        rated("fast", 4.0, LEAST_RATE - 1),
+        rated("fast", 6.5, 9),
+        rated("exact", 3.0, 9),
+    ]
+    assert rate(runs) == [
+        {
+            "preset": "paper", "lut4": 2000, "runs": 3, "runs_met": 2, "most": LEAST_RATE + 9,
+            "scene": "terrain", "median": LEAST_RATE, "least": LEAST_RATE - 1,
+        }
+    ]  # fmt: skip
+    assert rate([run | {"elements_per_second_per_lut": None} for run in runs]) == []
 
 
 def test_the_verdicts_are_those_of_the_targets():
