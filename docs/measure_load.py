@@ -1,6 +1,6 @@
 """Measure what a dense frame pays for the picture that it leaves, and for the one it starts from.
 
-Run as ``.venv/bin/python docs/measure_load.py [PRESET ...]`` (``paper``, ``wide`` and ``swift`` if
+Run as ``.venv/bin/python docs/measure_load.py [ENGINE ...]`` (``paper``, ``wide`` and ``swift`` if
 none is named). It draws the built-in scenes, 512 x 512, in the generated Verilog: each as an
 engine's second frame, once over nothing and once over its own picture, whose words are all loaded
 and then leave again. It prints cycles, and what they are more than one for each code word, which no
@@ -13,9 +13,12 @@ import sys
 
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.scenes import SCENES
-from splatline.rtl.format import get_preset
+from splatline.rtl.format import PRESETS
+from splatline.rtl.variants import VARIANTS
 from splatline.sim import golden
 from splatline.sim.cosim.frames import Job, play
+
+ENGINES = PRESETS | {config.name: config for config in VARIANTS}
 
 SCALES = (0.7, 1.0, 4 / 3)
 
@@ -26,7 +29,7 @@ def main() -> None:
     print("| " + " | ".join([*heads, "over a picture", "more"]) + " |")
     print("|---|---:|---|" + "---:|" * 6)
     for name in sys.argv[1:] or ("paper", "wide", "swift"):
-        config = get_preset(name)
+        config = ENGINES[name]
         for scene_name in SCENES:
             scene = load_scene(scene_name)
             seen = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, "zoom": scene.zoom}
