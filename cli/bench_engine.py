@@ -10,7 +10,6 @@ import click
 from ..host.errors import InputError, install_hint
 from ..host.quality import QUALITIES
 from ..rtl.format import PRESETS, EngineConfig
-from ..rtl.variants import SWIFT_OF_LANES
 from .bench_engine_few import measure_few
 from .bench_engine_runs import CLOCK_HZ, Plan, count_luts, measure
 from .bench_options import folder_option, scenes_option, splats_option
@@ -26,7 +25,7 @@ SPLATS = (None, 2.0, 3.0, 4.0, 6.5)
 """Median diameters in pixels; None: the points' own spacing."""
 
 MEASURED_QUALITIES = ("fast", "exact")
-MEASURED_PRESETS = (*(PRESETS[name] for name in ("paper", "wide", "swift")), SWIFT_OF_LANES)
+MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "wide", "swift"))
 
 
 @click.command()

@@ -34,7 +34,8 @@ class BeatMarks(wiring.Component):
 
     As :class:`Marks`, but for eight residues of lines, with a mark a beat (a pair of words), a
     memory a mark, so that nothing is read to be written, and an address a residue, so that marks
-    are taken of one while a block is drawn into others.
+    are taken of one while a block is drawn into others. They are read by an address of their own,
+    which hangs on nothing that is known late: the way from there to what is taken is long.
 
     **Latency**: 1 cycle from a touch to the mark, 0 from ``take`` to ``taken``. **Throughput**: a
     block, and a stretch or a beat of the initial raster in another residue's line, a cycle.
@@ -58,7 +59,7 @@ class BeatMarks(wiring.Component):
     lone : In(8)
         By residue of the line: the block is not drawn into it. Known sooner than that it is.
     look : In(1)
-        Give a stretch's marks; nothing is written in lines of its residue.
+        A stretch's marks may be taken; nothing is written in lines of its residue.
     take : In(1)
         Clear them as well; with ``look`` alone. Known later.
     line : In(slot_bits)
@@ -147,7 +148,7 @@ class BeatMarks(wiring.Component):
                 )
                 m.d.comb += [
                     touched.eq(Mux(own, odd | (even & ~apart), even & apart)),
-                    read.addr.eq(address),
+                    read.addr.eq(Cat(self.stretch, self.line[own_bits:])),
                     write.addr.eq(address),
                     write.data.eq((~seen[residue]).replicate(1 << low_bits)),
                     write.en.eq(

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from .beat_marks import BeatMarks, mark_bits, residue_bits, stretch_bits
 from .changeover import Changeover
 from .choose import number_of
-from .format import ROWS, EngineConfig
+from .format import EngineConfig
 from .layouts import PlaceLayout
 
 __all__ = ["BeatWalker"]
@@ -23,16 +23,17 @@ class BeatWalker(wiring.Component):
     leaves in one cycle, and all at once if none was written.
 
     Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
-    asked for: ``line`` is up to a few lines ahead of ``oldest``. A stretch that nothing has reached
-    for long is passed over (``_reached``).
+    asked for: ``line`` is ``oldest``, or the line below it. A stretch that nothing has reached for
+    long is passed over (``_reached``).
 
-    **Latency**: 3 cycles from a complete line to its first beat. **Throughput**: one beat a cycle,
+    **Latency**: 2 cycles from a complete line to its first beat. **Throughput**: one beat a cycle,
     or a stretch without marks.
 
     Members
     -------
     top : In(signed(line_bits + 2))
-        Lines above this one are complete. Never falls during a frame.
+        Lines above this one are complete: nothing is drawn into them in this cycle, nor later.
+        Never falls during a frame.
     close : In(1)
         The frame at hand is complete; not while ``closing``.
     limit : In(signed(line_bits + 2))
@@ -70,7 +71,7 @@ class BeatWalker(wiring.Component):
     line : Out(line_bits + 1)
         The line whose marks are taken next.
     takes : Out(1)
-        They were about to be taken in the cycle before, and so may be in this one.
+        They are about to be taken; if ``enable`` and what is asked for let them, in this cycle.
     front : Out(signed(line_bits + 2))
         First line in the window, of the frame that is drawn.
     closing : Out(1)
@@ -116,28 +117,41 @@ class BeatWalker(wiring.Component):
         m.submodules.marks = marks = BeatMarks(config)
         m.submodules.changeover = changeover = Changeover(config)
         line = Signal.like(self.line)
-        # A cycle old: so whatever reached a complete line is known.
-        top = Signal.like(self.top, init=-ROWS)
-        m.d.sync += top.eq(self.top)
         place = line[: config.slot_bits]
         written = Signal(config.window_lines)
-        leaving = Signal()  # the line is on its way out
-        here = Signal()  # and was written
         clean = Signal()
+        m.d.comb += [self.line.eq(line), clean.eq(~written.any())]
+
+        # What is to be done with the line at hand is known a cycle ahead: it is looked at while the
+        # line above it is still there.
+        here, empty = Signal(), Signal()  # it is on its way out, and was written or was not
         left = Signal()  # the last of its marks are taken
+        known, goes = Signal(), Signal()
+        leaving, jumps = Signal(), Signal()
+        looked_at = Signal.like(line)  # the line at hand, or once that is known the next one
+        complete, loaded = Signal(), Signal()  # it is
         m.d.comb += [
-            self.line.eq(line),
+            known.eq(here | empty),
+            goes.eq(left | empty),
+            jumps.eq((empty | complete) & self.jump & clean & ~changeover.closing),
+            looked_at.eq(line + known),
+            complete.eq(looked_at < self.top),
+            loaded.eq(looked_at < self.limit),
             leaving.eq(
-                (changeover.closing | ((line < top) & (self.jump | (line < self.limit))))
+                (changeover.closing | (complete & (self.jump | loaded)))
                 & ~changeover.halted
+                & ~(goes & changeover.last)
+                & ~jumps
             ),
-            here.eq(leaving & written.bit_select(place, 1)),
-            clean.eq(~written.any()),
         ]
-        m.d.sync += self.takes.eq(here)
+        with m.If(self.restart):
+            m.d.sync += [here.eq(0), empty.eq(0)]
+        with m.Elif(~known | goes):
+            is_written = written.bit_select(looked_at[: config.slot_bits], 1)
+            m.d.sync += [here.eq(leaving & is_written), empty.eq(leaving & ~is_written)]
 
         # Its stretches that are still to be taken: none that nothing reached. The first of them is
-        # known a cycle ahead, if it was reached before.
+        # known a cycle ahead.
         ahead = Signal(1 << stretch_bits(config), init=-1)
         reached, wanted, rest, soon = (
             Signal.like(ahead, init=0, name=name) for name in ("reached", "wanted", "rest", "soon")
@@ -148,43 +162,46 @@ class BeatWalker(wiring.Component):
         m.d.comb += [
             reached.eq(self._reached(m, line, clean)),
             wanted.eq(reached & ahead),
-            rest.eq(wanted & ~Mux(take, stretch_bit, 0)),
-            left.eq(here & ~rest.any()),
-            soon.eq(Mux(rest.any(), rest, reached)),
+            rest.eq(wanted & ~stretch_bit),
+            left.eq(take & ~rest.any()),
+            soon.eq(Mux(here & rest.any(), rest, reached)),
         ]
         lowest = soon & (~soon + 1)
-        m.d.sync += [stretch_bit.eq(lowest), stretch.eq(number_of(lowest, len(stretch)))]
+        with m.If(take | ~here):
+            m.d.sync += [stretch_bit.eq(lowest), stretch.eq(number_of(lowest, len(stretch)))]
         with m.If(left):
             m.d.sync += ahead.eq(-1)
         with m.Elif(take):
-            m.d.sync += ahead.eq(ahead & ~stretch_bit)
+            m.d.sync += ahead.eq(rest)
 
-        # The beats at hand: those of the marks taken last, but for the one that is asked for. The
-        # next marks are taken as that moves on, if none is behind it.
-        asking, moves = Signal(), Signal()
-        beats, source, first = (
-            Signal(1 << mark_bits(config), name=name) for name in ("beats", "source", "first")
+        # The beats of the marks taken last that are still to be asked for. The next marks are taken
+        # as the last of them goes.
+        beats, first, behind = (
+            Signal(1 << mark_bits(config), name=name) for name in ("beats", "first", "behind")
         )
-        beat = Signal(mark_bits(config))
-        asked_stretch, asked_line = Signal.like(stretch), Signal.like(line)
+        asked_stretch, oldest = Signal.like(stretch), Signal.like(line)
+        turns = Signal()
         m.d.comb += [
-            moves.eq(~asking | self.flush.ready),
-            take.eq(here & (stretch_bit & wanted).any() & ~beats.any() & moves & self.enable),
-            source.eq(Mux(take, marks.taken, beats)),
-            first.eq(source & (~source + 1)),
-            self.flush.valid.eq(asking),
-            self.flush.payload.word.eq(Cat(Const(0, 1), beat, asked_stretch)),
-            self.flush.payload.line.eq(asked_line),
-            self.oldest.eq(Mux(asking, asked_line, line)),
+            first.eq(beats & (~beats + 1)),
+            behind.eq(beats & ~first),
+            turns.eq(~beats.any() | (self.flush.ready & ~behind.any())),
+            take.eq(here & turns & self.enable),
+            self.takes.eq(here),
+            self.flush.valid.eq(beats.any()),
+            self.flush.payload.word.eq(
+                Cat(Const(0, 1), number_of(first, mark_bits(config)), asked_stretch)
+            ),
+            self.flush.payload.line.eq(oldest),
+            self.oldest.eq(oldest),
         ]
-        with m.If(moves):
-            m.d.sync += [
-                asking.eq(source.any()),
-                beat.eq(number_of(first, len(beat))),
-                beats.eq(source & ~first),
-            ]
         with m.If(take):
-            m.d.sync += [asked_stretch.eq(stretch), asked_line.eq(line)]
+            m.d.sync += beats.eq(marks.taken)
+        with m.Elif(self.flush.ready):
+            m.d.sync += beats.eq(behind)
+        with m.If(self.restart):
+            m.d.sync += oldest.eq(0)
+        with m.Elif(turns):
+            m.d.sync += [oldest.eq(Mux(jumps, self.top, line)), asked_stretch.eq(stretch)]
 
         m.d.comb += [
             marks.look.eq(self.enable | self.wipe),
@@ -204,32 +221,35 @@ class BeatWalker(wiring.Component):
             ),
             changeover.oldest.eq(self.oldest),
             changeover.line.eq(line),
-            changeover.leaves.eq(left | (leaving & ~here)),
+            changeover.leaves.eq(goes),
             changeover.wraps.eq(Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()),
             changeover.clean.eq(clean),
             changeover.close.eq(self.close),
             changeover.restart.eq(self.restart),
             self.front.eq(changeover.front),
             self.closing.eq(changeover.closing),
-            self.over.eq(changeover.over & ~asking),
+            self.over.eq(changeover.over & ~beats.any()),
         ]
         for slot in range(config.window_lines):
             group, residue = divmod(slot, config.tile_lines)
             touched = self._written(residue) & (self.group[residue] == group)
             gone = left & (place == slot)
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
-        with m.If(leaving & self.jump & clean & ~changeover.closing):
-            m.d.sync += line.eq(top)
-        with m.Elif(changeover.leaves & ~changeover.last):
-            m.d.sync += line.eq(line + 1)
+        with m.If(jumps):
+            m.d.sync += line.eq(self.top)
+        with m.Elif(goes & ~changeover.last):
+            m.d.sync += line.eq(looked_at)
         with m.If(self.restart):
             m.d.sync += line.eq(0)
         return m
 
     def _wraps(self, residue, place):
         """Return whether a line is written whose place is before one."""
-        written = Cat(Const(residue, residue_bits(self.config)), self.group[residue])
-        return self._written(residue) & (written < place)
+        bits = residue_bits(self.config)
+        group, own = self.group[residue], place[bits:]
+        return self._written(residue) & (
+            (group < own) | ((group == own) & (place[:bits] > residue))
+        )
 
     def _written(self, residue):
         """Return whether something is written into a line of this residue."""
@@ -245,12 +265,16 @@ class BeatWalker(wiring.Component):
         now, before = (Signal(1 << stretch_bits(config), name=name) for name in ("now", "before"))
         reach = Signal.like(now)
         turn, turned = Signal(), Signal()
-        own = [1 << word[1 + mark_bits(config) :] for word in self.words]
-        loaded = 1 << self.load_word[1 + mark_bits(config) :]
+        low = 1 + mark_bits(config)  # of a word's number, within its stretch
+        own, beyond = Signal.like(now), Signal()
+        loaded = 1 << self.load_word[low:]
         m.d.comb += [
             turned.eq(line[config.slot_bits] != turn),
+            own.eq(Mux(self.reaching, 1 << self.words[0][low:], 0)),
+            beyond.eq(self.words[0][:low].all()),
             reach.eq(
-                ((own[0] | own[1]) & self.reaching.replicate(len(reach)))
+                own
+                | Mux(beyond, own.rotate_left(1), 0)
                 | (loaded & self.load.any().replicate(len(reach)))
             ),
         ]

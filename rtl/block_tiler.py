@@ -22,7 +22,7 @@ class BlockTiler(wiring.Component):
     An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
     so that the lines above it may leave.
 
-    **Latency**: 2 cycles. **Throughput**: one element a cycle; a frame's first comes three cycles
+    **Latency**: 3 cycles. **Throughput**: one element a cycle; a frame's first comes two cycles
     after the ``end`` token before it at the soonest, as the window must have moved on.
 
     Members
@@ -32,7 +32,9 @@ class BlockTiler(wiring.Component):
     o : Out(stream of BlockLayout)
         Blocks; for an ``end`` token one without pixels, to be taken when the frame before is out.
     moves : Out(1)
-        What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
+        An element's pixels are in lanes in the next cycle, or none's: its colour moves on.
+    settles : Out(1)
+        What ``o`` has in the next cycle is of the element behind, or nothing: so again.
     oldest : In(signed(line_bits + 2))
         First line of the window as far as it was loaded, of the frame that is drawn: which is the
         next one as soon as an ``end`` token was taken from ``o``.
@@ -49,6 +51,7 @@ class BlockTiler(wiring.Component):
                 "i": In(stream.Signature(GeometryLayout(config))),
                 "o": Out(stream.Signature(BlockLayout(config))),
                 "moves": Out(1),
+                "settles": Out(1),
                 "oldest": In(signed(config.line_bits + 2)),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
@@ -59,108 +62,110 @@ class BlockTiler(wiring.Component):
         """Build the circuit."""
         m = Module()
         element = self.i.payload
-        block = Signal(BlockLayout(self.config))
-        there = Signal()  # an element, or the end
-        near = Signal()  # its lines are in the window
-        may, step, valid = Signal(), Signal(), Signal()
-        held = {
-            name: Signal.like(getattr(element, name), name=name, reset_less=True)
-            for name in ("x", "z", "top", "end")
-        }
+        # Three stages: the element's rows, its pixels in lanes, and those with all that is said of
+        # them together.
+        there, laid, offered = Signal(), Signal(), Signal()
+        taken, steps = Signal(), Signal()  # what the last stage has is; it moves on
         m.d.comb += [
-            may.eq(held["end"] | near),
-            step.eq(~valid | self.o.ready),
-            self.moves.eq(step),
-            self.i.ready.eq(~there | (step & may)),
-            *(block[name].eq(held[name]) for name in ("z", "end")),
+            taken.eq(self.o.valid & self.o.ready),
+            steps.eq(~offered | taken),
+            self.settles.eq(steps),
+            self.moves.eq(steps | ~laid),
+            self.i.ready.eq(self.moves | ~there),
         ]
+        x, place, last_place = (
+            Signal.like(element.x, name=f"x_{stage}", reset_less=True) for stage in range(3)
+        )
+        names = ("z", "top", "end")
+        held = {name: Signal.like(element[name], name=name, reset_less=True) for name in names}
+        block = Signal(BlockLayout(self.config))
+        lanes = Signal(BlockLayout(self.config), reset_less=True)
+        last = Signal(BlockLayout(self.config), reset_less=True)
+        top = Signal.like(last.top, name="last_top", init=-ROWS)  # it stays where nothing follows
+        m.d.comb += [block[name].eq(held[name]) for name in names]
         with m.If(self.i.ready):
-            m.d.sync += [held[name].eq(getattr(element, name)) for name in held]
-            m.d.sync += there.eq(self.i.valid)
-
-        given = Signal(BlockLayout(self.config), reset_less=True)
-        top = Signal(element.top.shape(), name="given_top", init=-ROWS)
-        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
-        place = Signal.like(held["x"], name="given_x", reset_less=True)
-        with m.If(step):
+            m.d.sync += [held[name].eq(element[name]) for name in names]
+            m.d.sync += [there.eq(self.i.valid), x.eq(element.x)]
+        with m.If(self.moves):
+            m.d.sync += [laid.eq(there), lanes.eq(block), place.eq(x)]
+        with m.If(steps):
+            m.d.sync += [offered.eq(laid), last.eq(lanes), last_place.eq(place)]
             m.d.sync += [
-                valid.eq(there & may),
-                given.eq(block),
-                place.eq(held["x"]),
-                given.meets.eq(
-                    self._meets(m, held["top"] - top, held["x"] - place) & valid & self.o.ready
-                ),
+                touch.eq(Cat((mask & odd).any(), (mask & ~odd).any()))
+                for touch, mask, odd in zip(last.touch, lanes.mask, lanes.odd, strict=True)
             ]
-            with m.If(there):
-                m.d.sync += top.eq(held["top"])
-            with m.Elif(valid & given.end):
+            m.d.sync += last.meets.eq(self._meets(m, lanes.top - top, place - last_place) & taken)
+            with m.If(laid):
+                m.d.sync += top.eq(lanes.top)
+            with m.Elif(offered & last.end):
                 m.d.sync += top.eq(-ROWS)  # of the next frame
 
-        # Known a cycle ahead, because all before it waits for it. While the element at hand waits,
-        # the one behind it is not looked at, and comes as one whose lines are not there.
-        waiting = Signal()
-        behind = Signal(signed(len(held["top"]) + 1))
+        # Whether the lines of what the last stage has are in the window is known a cycle ahead,
+        # because all before it waits for it. While it waits itself, what is behind it is not looked
+        # at, and comes as one whose lines are not there.
+        near, waiting = Signal(), Signal()
+        behind = Signal(signed(len(top) + 1))
         m.d.comb += [
-            waiting.eq(there & ~near),
-            behind.eq(self.oldest - Mux(waiting, held["top"], element.top)),
+            waiting.eq(offered & ~near),
+            behind.eq(self.oldest - Mux(waiting, top, lanes.top)),
+            self.o.valid.eq(offered & (near | last.end)),
+            self.o.payload.eq(last),
+            self.o.payload.top.eq(top),
         ]
         # Until an end token was taken, ``oldest`` is not of the frame behind it.
-        ending = (there & held["end"]) | (valid & given.end)
-        with m.If((waiting & self.i.ready) | ending):
+        with m.If(offered & last.end):
             m.d.sync += near.eq(0)
-        with m.Elif(waiting | self.i.ready):
+        with m.Elif(waiting | steps):
             # A line takes the place of one that left some cycles ago: so less than that many lines
             # ahead of the window.
             bits = self.config.slot_bits
             within = behind[:bits] > BLOCK
             m.d.sync += near.eq(~behind[-1] | (behind[bits:].all() & within))
-        self._place(m, element, held, block)
+        self._place(m, element, x, held["top"], block)
         return m
 
-    def _place(self, m, element, held, block):
+    def _place(self, m, element, x, line, block):
         """Lay the rows out in ``block``, from what was registered of the element."""
         bits = self.config.pixel_bits
         shape = ShapeRows(m, element)
-        shifted = Signal(reset_less=True)
-        rows = [Signal(BLOCK, name=f"row_{k}", reset_less=True) for k in range(2 * ROWS)]
-        words_left = Signal(signed(self.config.word_bits + 1))
-        inside = Signal(2, reset_less=True)  # which of the block's two words lie in the image
-        m.d.comb += words_left.eq(self.last_column[bits:] - element.x[bits:])
         masks = [Signal(BLOCK, name=f"mask_{k}") for k in range(ROWS)]
         for row, mask in zip(shape.rows, masks, strict=True):
             m.d.comb += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
+        # A raised shape's row 3 is in its middle and has no half turn.
         turned = [mask[::-1] for mask in masks[::-1]]
-        with m.If(self.i.ready):
-            m.d.sync += [
-                shifted.eq(shape.shifted),
-                inside.eq(Cat(words_left >= word for word in range(2))),
-            ]
-            for k in range(ROWS):
-                # A raised shape's row 3 is in its middle and has no half turn.
-                raised = turned[k + 1] if k + 1 < ROWS else 0
-                lower = Mux(shape.raised, raised, turned[k])
-                m.d.sync += [
-                    rows[k].eq(masks[k]),
-                    rows[ROWS + k].eq(Mux(element.mode, 0, lower)),
-                ]
+        raised = [*turned[1:], 0]
+        lower = [
+            Mux(element.mode, 0, Mux(shape.raised, high, low))
+            for high, low in zip(raised, turned, strict=True)
+        ]
 
-        # To the columns of the lanes. Of the lower rows each may lie a column further right.
-        x, line = held["x"], held["top"]
-        m.d.comb += [block.words[0].eq(x[bits:]), block.words[1].eq(x[bits:] + 1)]
-        columns, halves = [], []
-        for part, shift in ((0, 0), (1, shifted)):
+        # To the columns of the lanes, clipped. The lower rows may lie a column further right.
+        words_left = Signal(signed(self.config.word_bits + 1))
+        inside = Signal(2)  # which of the block's two words lie in the image
+        m.d.comb += [
+            words_left.eq(self.last_column[bits:] - element.x[bits:]),
+            inside.eq(Cat(words_left >= word for word in range(2))),
+            block.words[0].eq(x[bits:]),
+            block.words[1].eq(x[bits:] + 1),
+        ]
+        columns = [Signal(BLOCK, name=f"row_{k}", reset_less=True) for k in range(2 * ROWS)]
+        halves = []
+        for part, (rows, shift) in enumerate(((masks, 0), (lower, shape.shifted))):
             begin = Signal(bits + 1, name=f"begin_{part}")
             beyond = Signal(BLOCK, name=f"beyond_{part}")  # in the second word
+            half = Signal(BLOCK, name=f"half_{part}", reset_less=True)
             m.d.comb += [
-                begin.eq(x[:bits] + shift),
+                begin.eq(element.x[:bits] + shift),
                 beyond.eq(Cat(begin > column for column in range(BLOCK))),
             ]
-            halves.append(beyond ^ x[bits].replicate(BLOCK))
             clip = Mux(inside[1], -1, ~beyond) & Mux(inside[0], -1, beyond)
-            columns += [
-                _turn(row, begin[:bits]) & clip[:BLOCK]
-                for row in rows[part * ROWS : (part + 1) * ROWS]
-            ]
+            with m.If(self.i.ready):
+                m.d.sync += half.eq(beyond ^ element.x[bits].replicate(BLOCK))
+                m.d.sync += [
+                    column.eq(_turn(row, begin[:bits]) & clip[:BLOCK])
+                    for column, row in zip(columns[part * ROWS :][:ROWS], rows, strict=True)
+                ]
+            halves.append(half)
 
         # To the lines of the lanes: a multiplier turns the pixels of a column, by a power of two.
         turn = Signal(BLOCK)
@@ -189,8 +194,10 @@ class BlockTiler(wiring.Component):
         groups = Signal(signed(len(top)))
         left = Signal(2, reset_less=True)
         m.d.comb += groups.eq((self.last_line >> 3) - (element.top >> 3) + 1)
+        more = groups[2:-1].any()
         with m.If(self.i.ready):
-            m.d.sync += left.eq(Mux(groups < 0, 0, Mux(groups > 3, 3, groups)))
+            # Not as a choice, which would clear the register from where ``ready`` is known last.
+            m.d.sync += left.eq(Cat(groups[0] | more, groups[1] | more) & ~groups[-1].replicate(2))
         here, past = Signal(BLOCK), Signal(BLOCK)
         for q in range(BLOCK):
             low = self.last_line[:3] >= q

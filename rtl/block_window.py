@@ -4,11 +4,12 @@ from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
+from .beat_emitter import BeatEmitter
 from .beat_marks import residue_bits
 from .beat_walker import BeatWalker
-from .emitter import Emitter
 from .format import BLOCK, EngineConfig
-from .lane_row import HALVES, LaneRow, row_address_bits
+from .lane import PixelLayout
+from .lane_row import HALVES, BeatWordsLayout, LaneRow, RowRequestLayout, row_address_bits
 from .layouts import BlockLayout, PlaceLayout, RasterLayout
 from .loader import Loader
 
@@ -20,18 +21,20 @@ class BlockWindow(wiring.Component):
 
     A line's row of lanes is its residue modulo 8, a pixel's lane in it that of its column modulo a
     word's pixels; so a block has each lane once, wherever it lies. Each lane has two memories, for
-    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`). Four
-    stages: *request* (an address a row and half), *write* (the lanes write over what is behind),
-    *leave* (what was flushed stands in a register of its own) and *emit* (the beat waits on
-    ``raster``). A block and a beat that is flushed go together if their rows differ; if not, the
-    block goes first, or the beat (see ``lagging``). In place of that beat one of the initial raster
-    goes, into a row that the block leaves free, or alone (see ``pressing``). A beat that ``raster``
-    does not take stops all stages.
+    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`). Five
+    stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
+    half), *read*, *write* (the lanes write over what is behind), *leave* (what was flushed stands
+    in a register of its own) and *emit* (it waits for ``raster`` in a queue, see
+    :class:`BeatEmitter`). A block and a beat that is flushed go together if their rows differ; if
+    not, the block goes first, or the beat (see ``lagging``). In place of that beat one of the
+    initial raster goes, into a row that the block leaves free, or alone (see ``pressing``). Where
+    ``raster`` takes nothing, beats are flushed until the queue is half full, and blocks go on as
+    long as their lines are in the window.
 
     A block waits for a cycle if it may have a pixel that the block before it draws as well. After
     reset the lanes are cleared, which takes as many cycles as one of their memories has pixels.
 
-    **Latency**: 6 cycles from a retired line to its first beat. **Throughput**: a block a cycle but
+    **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle but
     for that and for beats that go first; a beat of the initial raster in two cycles; and a beat a
     cycle of ``raster``, of those that were written, but for blocks that go first.
 
@@ -59,7 +62,7 @@ class BlockWindow(wiring.Component):
     closing : Out(1)
         A frame whose ``end`` token was taken is not out.
     finished : Out(1)
-        High for one cycle: the frame's end beat goes into the emit stage.
+        High for one cycle: the frame's end beat goes into the queue.
     """
 
     def __init__(self, config: EngineConfig):
@@ -89,8 +92,7 @@ class BlockWindow(wiring.Component):
 
         m.submodules.walker = walker = BeatWalker(config)
         m.submodules.loader = loader = Loader(config)
-        m.submodules.emitter = emitter = Emitter(config)
-        running = emitter.running
+        m.submodules.emitter = emitter = BeatEmitter(config)
         close = Signal()  # the end token is taken
         ending = Signal()
 
@@ -135,69 +137,40 @@ class BlockWindow(wiring.Component):
         row_served = Signal(BLOCK)  # the row of lanes that it lies in
         m.d.comb += row_served.eq(1 << service.line[:bits])
 
-        # Request: the block, and a load or a flush, in rows of lanes that differ.
+        # Who may go: the block, and a load or a flush, in rows of lanes that differ.
         offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
-        odd, even = Signal(BLOCK), Signal(BLOCK)  # rows where the block has pixels of such a word
-        wanted = Signal(BLOCK)  # of either
+        wanted = Signal(BLOCK)  # rows of lanes where the block has pixels
         meeting, marking = Signal(), Signal()  # it wants the row of what leaves, of marks
+        leaves = Signal()  # a beat that is asked for, if nothing goes before it
         lagging, first, marks_first = Signal(), Signal(), Signal()
         pressing = Signal()  # a beat of the initial raster goes, and no block
         drawn = Signal()  # in the cycle before
         refused = Signal()  # a beat of the initial raster, in the cycle before
-        conflict, stopped = Signal(), Signal()
+        conflict = Signal()
         busy = Signal(BLOCK)
-        for q in range(BLOCK):
-            m.d.comb += [
-                odd[q].eq((block.mask[q] & block.odd[q]).any()),
-                even[q].eq((block.mask[q] & ~block.odd[q]).any()),
-            ]
         m.d.comb += [
-            offered.eq(self.i.valid & ~block.end & ~pressing),
-            going.eq(
-                offered
-                & running
-                & ~swept
-                & ~conflict
-                & ~(first & meeting)
-                & ~(marks_first & marking)
-            ),
-            # What the lanes read is stale where they are still writing it: of the block before if
-            # that went one cycle ago, and of it or of a beat that left if all stood still since.
-            conflict.eq((drawn & block.meets) | stopped),
+            # Until all is swept the lanes' addresses are the sweep's.
+            offered.eq(self.i.valid & ~block.end & ~pressing & ~swept),
+            going.eq(offered & ~conflict & ~(first & meeting) & ~(marks_first & marking)),
+            # What the lanes read is stale where they are still writing it.
+            conflict.eq(drawn & block.meets),
             self.i.ready.eq(going | close),
-            wanted.eq(odd | even),
+            wanted.eq(Cat(touch.any() for touch in block.touch)),
             meeting.eq(wanted.bit_select(walker.flush.payload.line[:bits], 1)),
             marking.eq(wanted.bit_select(walker.line[:bits], 1)),
-            first.eq(walker.flush.valid & lagging),
+            leaves.eq(walker.flush.valid & emitter.room),
+            first.eq(leaves & lagging),
             marks_first.eq(walker.takes & lagging),
             # Whether the block goes is known late; its lanes are kept for it in any case.
             busy.eq(wanted & offered.replicate(BLOCK) & ~(row_served & first.replicate(BLOCK))),
             # In turn with beats that leave, where one of the two is refused.
-            serving.eq(loader.o.valid & (pressing | ~(walker.flush.valid & (refused | lagging)))),
-            # The line whose place it takes may have left since all stood still, while its last beat
-            # is still cleared: there the port that writes would meet the one that loads.
-            loading.eq(
-                serving
-                & running
-                & ~sweeping
-                & ~swept
-                & ~stopped
-                & ~(offered & wanted.bit_select(load.line[:bits], 1))
-            ),
+            serving.eq(loader.o.valid & (pressing | ~(leaves & (refused | lagging)))),
+            loading.eq(serving & ~swept & ~(offered & wanted.bit_select(load.line[:bits], 1))),
             loader.o.ready.eq(loading),
             flushing.eq(walker.flush.valid & walker.flush.ready),
-            walker.flush.ready.eq(
-                running
-                & ~sweeping
-                & ~serving
-                & (first | ~(offered & meeting))
-                # The line of a block that stood still may leave since, while it is still written.
-                & ~(stopped & drawn)
-            ),
+            walker.flush.ready.eq(emitter.room & ~serving & (first | ~(offered & meeting))),
             emitter.flush.eq(flushing),
-            emitter.request.pair.eq(service.word[1:]),
-            emitter.request.halves.eq(3),
-            emitter.request.line.eq(service.line),
+            emitter.place.eq(walker.flush.payload),
         ]
         # Which of them goes first. Elements of up to four lines lie about the fifth line from
         # ``top`` on and leave the rows of the lines one and two above ``top``: those leave beside
@@ -210,27 +183,37 @@ class BlockWindow(wiring.Component):
             distance.eq(load.line[:3] - block.top[:3]),
         ]
         m.d.sync += [
-            stopped.eq(~running),
             lagging.eq(behind >= 2),
             # Known a cycle ahead, as all before a block waits for it.
             pressing.eq(serving & ~loading & (distance < 6)),
             refused.eq(serving & ~loading),
+            drawn.eq(going),
         ]
-        with m.If(running):
-            m.d.sync += drawn.eq(going)
 
         rows = [LaneRow(config) for _ in range(BLOCK)]
-        for q, row in enumerate(rows):
+        # What goes is requested in the next cycle: the way to an address is long, and so is the one
+        # from there to the lanes, of which there are many.
+        requests = [
+            Signal(RowRequestLayout(config), name=f"request_{q}", reset_less=True)
+            for q in range(BLOCK)
+        ]
+        new = Signal(PixelLayout(config), reset_less=True)
+        loaded = Signal(BeatWordsLayout(config), reset_less=True)
+        m.d.sync += [new.depth.eq(block.z), new.colour.eq(self.shade)]
+        for q, (row, request) in enumerate(zip(rows, requests, strict=True)):
             m.submodules[f"row_{q}"] = row
             m.d.comb += [
-                row.enable.eq(running),
-                row.request.draw.eq(going),
-                row.request.mask.eq(block.mask[q]),
-                row.request.odd.eq(block.odd[q]),
-                row.request.load.eq(loading & row_served[q]),
-                row.request.clear.eq((flushing & row_served[q]) | sweeping),
-                row.new.depth.eq(block.z),
-                row.new.colour.eq(self.shade),
+                row.request.eq(request),
+                row.new.eq(new),
+                row.loaded.eq(loaded),
+                emitter.rows[q].eq(row.leaving),
+            ]
+            m.d.sync += [
+                request.draw.eq(going),
+                request.mask.eq(block.mask[q]),
+                request.odd.eq(block.odd[q]),
+                request.load.eq(loading & row_served[q]),
+                request.clear.eq((flushing & row_served[q]) | sweeping),
             ]
         place = Signal(row_address_bits(config))
         m.d.comb += place.eq(
@@ -239,37 +222,34 @@ class BlockWindow(wiring.Component):
         for half, name in enumerate(HALVES):
             # Of the block's two words the first one is the odd one, or both have one address.
             word = block.words[1 - half]
-            for q, row in enumerate(rows):
-                loaded = getattr(row.loaded, name)
-                m.d.comb += [
-                    getattr(row.request.addresses, name).eq(
-                        Mux(busy[q], Cat(word[1:], block.group[q]), place)
-                    ),
-                    emitter.words[q + BLOCK * half].eq(getattr(row.leaving, name)),
-                    *(
-                        pixels[column].eq(load.pixels[kind][column + len(pixels) * half])
-                        for kind, pixels in (("depth", loaded.depth), ("colour", loaded.colour))
-                        for column in range(len(pixels))
-                    ),
-                ]
+            m.d.sync += [
+                getattr(request.addresses, name).eq(
+                    Mux(busy[q], Cat(word[1:], block.group[q]), place)
+                )
+                for q, request in enumerate(requests)
+            ]
+            left = config.pixels_per_word * half
+            m.d.sync += [
+                getattr(loaded, name)[kind][column].eq(load.pixels[kind][left + column])
+                for kind in ("depth", "colour")
+                for column in range(config.pixels_per_word)
+            ]
 
         # The words that are written, for the walker.
         for q in range(BLOCK):
             group = load.line[bits : config.slot_bits]
-            m.d.comb += [
-                walker.touch[q].eq(Cat(odd[q], even[q])),
-                walker.group[q].eq(Mux(walker.lone[q], group, block.group[q])),
-            ]
+            m.d.comb += walker.group[q].eq(Mux(walker.lone[q], group, block.group[q]))
         m.d.comb += [
             walker.top.eq(block.top),
             walker.limit.eq(loader.limit),
             walker.jump.eq(loader.finished),
-            walker.enable.eq(~sweeping & ~loading & (marks_first | ~(offered & marking))),
+            walker.enable.eq(~loading & (marks_first | ~(offered & marking))),
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),
             walker.drawing.eq(going),
             walker.words.eq(block.words),
+            walker.touch.eq(block.touch),
             walker.reaching.eq(self.i.valid & ~block.end),
             walker.load.eq(row_served & loading.replicate(BLOCK)),
             walker.load_word.eq(load.word),

@@ -9,7 +9,7 @@ from .block_tiler import BlockTiler
 from .block_window import BlockWindow
 from .colour import ColourUnit
 from .decoder import Decoder
-from .format import BLOCK, PAPER, EngineConfig
+from .format import PAPER, EngineConfig
 from .lane import lane_address_bits
 from .lane_row import row_address_bits
 from .lane_window import LaneWindow
@@ -25,7 +25,8 @@ __all__ = ["Engine", "engine_latency"]
 
 def engine_latency(config: EngineConfig) -> int:
     """Return ``Engine(config).latency`` without building the engine."""
-    return 4 + (ROM_LATENCY if config.shapes != "none" else 0)
+    latency = 6 if config.rows_of_lanes else 4
+    return latency + (ROM_LATENCY if config.shapes != "none" else 0)
 
 
 class Engine(wiring.Component):
@@ -35,12 +36,13 @@ class Engine(wiring.Component):
     opens right behind its end word, while its last lines are still on their way out; or, where a
     table write is offered, behind that, which waits until nothing is left of the frame.
 
-    **Latency**: 4 cycles from a code word to its pixels, and 3 more with a shape ROM;
+    **Latency**: 4 cycles from a code word to its pixels, 6 with rows of lanes, and 3 more with a
+    shape ROM;
     a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
-    **Throughput**: with lanes a cycle a tile of ``pixels_per_word`` x 4 pixels, so 1 to 4 a code
-    word with words of four pixels, up to 8 with two; with eight banks 1 to 3 a code word, with
-    sixteen 1 or 2, or 1 if their words have eight pixels; where two follow each other into the same
-    pixel of a lane, or word of a bank, one more.
+    **Throughput**: with rows of lanes a cycle a code word; with other lanes a cycle a tile of
+    ``pixels_per_word`` x 4 pixels, so 1 to 4 a code word with words of four pixels, up to 8 with
+    two; with eight banks 1 to 3 a code word, with sixteen 1 or 2, or 1 if their words have eight
+    pixels; where two follow each other into the same pixel of a lane, or word of a bank, one more.
     Where ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes
     its bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is
     drawn.
@@ -79,7 +81,7 @@ class Engine(wiring.Component):
         """Cycles after reset in which the window's memory is cleared; code words wait."""
         bits = bank_address_bits
         if self.config.lanes:
-            bits = row_address_bits if self.config.tile_lines == BLOCK else lane_address_bits
+            bits = row_address_bits if self.config.rows_of_lanes else lane_address_bits
         return 1 << bits(self.config)
 
     def __init__(self, config: EngineConfig = PAPER, *, load: bool | None = None):
@@ -103,9 +105,10 @@ class Engine(wiring.Component):
         m.submodules.sequencer = sequencer = Sequencer(config)
         m.submodules.colour = colour = ColourUnit(config)
         decoder_of, window_of = Decoder, Window
-        if config.lanes:
-            whole = config.tile_lines == BLOCK
-            decoder_of, window_of = (BlockTiler, BlockWindow) if whole else (Tiler, LaneWindow)
+        if config.rows_of_lanes:
+            decoder_of, window_of = BlockTiler, BlockWindow
+        elif config.lanes:
+            decoder_of, window_of = Tiler, LaneWindow
         m.submodules.decoder = decoder = decoder_of(config)
         m.submodules.window = window = window_of(config)
 
@@ -126,13 +129,21 @@ class Engine(wiring.Component):
         m.d.comb += [
             decoder.oldest.eq(window.oldest),
             colour.moves.eq((decoder if config.lanes else window).moves),
-            window.shade.eq(colour.shade),
         ]
+        if config.rows_of_lanes:
+            # A stage more.
+            shade = Signal.like(colour.shade, reset_less=True)
+            with m.If(decoder.settles):
+                m.d.sync += shade.eq(colour.shade)
+            m.d.comb += window.shade.eq(shade)
+        else:
+            m.d.comb += window.shade.eq(colour.shade)
         if not config.lanes:
             m.d.comb += decoder.running.eq(window.running)
 
         # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
         frames = Signal(2)
+        unfinished = frames
         opens = Signal()
         waits = Signal()  # an element was offered, and stays so, whatever tables ask
         registers = tables.registers
@@ -141,11 +152,16 @@ class Engine(wiring.Component):
             frames.eq(frames + opens - window.finished),
             waits.eq(sequencer.o.valid & ~sequencer.o.ready),
         ]
+        if config.rows_of_lanes:
+            # They have an end beat from its place in a queue on, but it is still to leave.
+            unfinished = Signal(2)
+            end_taken = self.raster.valid & self.raster.ready & self.raster.payload.end
+            m.d.sync += unfinished.eq(unfinished + opens - end_taken)
         m.d.comb += [
             self.in_frame.eq(sequencer.open),
             # A size that is written while the end beat waits would change the beat.
-            tables.idle.eq((frames == 0) & ~(self.raster.valid & self.raster.payload.end)),
-            sequencer.admit.eq((~self.tables.valid | waits) & ~frames[1]),
+            tables.idle.eq((unfinished == 0) & ~(self.raster.valid & self.raster.payload.end)),
+            sequencer.admit.eq((~self.tables.valid | waits) & ~unfinished[1]),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
             decoder.last_column.eq(registers.last_column),

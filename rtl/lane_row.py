@@ -66,13 +66,13 @@ class LaneRow(wiring.Component):
     A beat is loaded through the port that reads, which has no other use for that cycle: so it takes
     no multiplexer, and the other port may write at the same time, but not the same pixel.
 
+    Nothing ever stands still: whoever has a word cleared must have room for it.
+
     **Latency**: 2 cycles to ``leaving`` and to the memory, 1 for a load. **Throughput**: one
     request a cycle.
 
     Members
     -------
-    enable : In(1)
-        Low: everything stands still, and ``request`` is not taken.
     request : In(RowRequestLayout)
         What to do.
     new : In(PixelLayout)
@@ -88,7 +88,6 @@ class LaneRow(wiring.Component):
         self.config = config
         super().__init__(
             {
-                "enable": In(1),
                 "request": In(RowRequestLayout(config)),
                 "new": In(PixelLayout(config)),
                 "loaded": In(BeatWordsLayout(config)),
@@ -113,13 +112,12 @@ class LaneRow(wiring.Component):
             BeatWordsLayout(config), init=dict.fromkeys(HALVES, blank), reset_less=True
         )
         m.d.comb += self.leaving.eq(leaving)
-        with m.If(self.enable):
-            m.d.sync += [
-                taken.eq(request),
-                mask.eq(Mux(request.draw, request.mask, 0)),
-                depth.eq(Mux(request.clear, background, self.new.depth)),
-                colour.eq(Mux(request.clear, 0, self.new.colour)),
-            ]
+        m.d.sync += [
+            taken.eq(request),
+            mask.eq(Mux(request.draw, request.mask, 0)),
+            depth.eq(Mux(request.clear, background, self.new.depth)),
+            colour.eq(Mux(request.clear, 0, self.new.colour)),
+        ]
         for column in columns:
             ports = {}
             for half in HALVES:
@@ -139,10 +137,9 @@ class LaneRow(wiring.Component):
                 loaded = getattr(self.loaded, half)
                 m.d.comb += [
                     read.addr.eq(getattr(request.addresses, half)),
-                    read.en.eq(self.enable),
-                    # Of the same address and enable: the two are one port of the block RAM.
+                    # Of the same address: the two are one port of the block RAM.
                     load.addr.eq(getattr(request.addresses, half)),
-                    load.en.eq(self.enable & request.load),
+                    load.en.eq(request.load),
                     load.data.depth.eq(loaded.depth[column]),
                     load.data.colour.eq(loaded.colour[column]),
                     write.addr.eq(getattr(taken.addresses, half)),
@@ -150,11 +147,10 @@ class LaneRow(wiring.Component):
                     write.data.colour.eq(colour),
                 ]
                 word = getattr(leaving, half)
-                with m.If(self.enable):
-                    m.d.sync += [
-                        word.depth[column].eq(Mux(taken.clear, read.data.depth, background)),
-                        word.colour[column].eq(Mux(taken.clear, read.data.colour, 0)),
-                    ]
+                m.d.sync += [
+                    word.depth[column].eq(Mux(taken.clear, read.data.depth, background)),
+                    word.colour[column].eq(Mux(taken.clear, read.data.colour, 0)),
+                ]
             (even, _, write_even), (odd, _, write_odd) = ports.values()
             is_odd = taken.odd[column]
             # Not ``<``: in this order the choice rides on the LUTs of the carry chain.
@@ -163,7 +159,6 @@ class LaneRow(wiring.Component):
             m.d.comb += [
                 difference.eq(depth - Mux(is_odd, odd.data.depth, even.data.depth)),
                 passes.eq(difference[-1] & mask[column]),
-                # Written every cycle while standing still, the pixel comes out the same each time.
                 write_even.en.eq(taken.clear | (passes & ~is_odd)),
                 write_odd.en.eq(taken.clear | (passes & is_odd)),
             ]

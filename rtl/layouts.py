@@ -270,8 +270,10 @@ class BlockLayout(data.StructLayout):
     ``mask[q][p]``: the pixel on the line with residue q modulo 8 and in the column with residue p
     is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
     the window but for its three lowest bits. ``words``: the two words that the block's columns lie
-    in. ``meets``: it may have a pixel in common with the block before it, which was taken in the
-    cycle before this one came. ``end`` and ``top`` as in :class:`TileLayout`.
+    in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one.
+    ``meets``: it may have a pixel in common with the block before it, if that was taken in the
+    cycle before this one came; else it means nothing. ``end`` and ``top`` as in
+    :class:`TileLayout`.
     """
 
     def __init__(self, config: EngineConfig):
@@ -280,6 +282,7 @@ class BlockLayout(data.StructLayout):
             {
                 "mask": data.ArrayLayout(row, BLOCK),
                 "odd": data.ArrayLayout(row, BLOCK),
+                "touch": data.ArrayLayout(2, BLOCK),
                 "group": data.ArrayLayout(config.group_bits, BLOCK),
                 "words": data.ArrayLayout(config.word_bits, 2),
                 "meets": 1,

@@ -37,13 +37,15 @@ class Queue(wiring.Component):
         Beats that come.
     o : Out(stream of RasterLayout)
         The same beats.
+    level : Out(range(depth + 2))
+        How many it holds, but for the one on the way out that a long queue has.
     """
 
     def __init__(self, config: EngineConfig, depth: int):
         self.config = config
         self.depth = depth
         beats = stream.Signature(RasterLayout(config))
-        super().__init__({"i": In(beats), "o": Out(beats)})
+        super().__init__({"i": In(beats), "o": Out(beats), "level": Out(range(depth + 2))})
 
     def elaborate(self, platform):
         """Build the circuit."""
@@ -54,6 +56,7 @@ class Queue(wiring.Component):
             fifo.w_data.eq(self.i.payload),
             fifo.w_en.eq(self.i.valid),
             self.i.ready.eq(fifo.w_rdy),
+            self.level.eq(fifo.level),
         ]
         if self.depth <= SHORT:
             m.d.comb += [

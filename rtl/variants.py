@@ -6,9 +6,9 @@ configurations`` compares.
 
 from __future__ import annotations
 
-from .format import PAPER, PRESETS, SWIFT, EngineConfig
+from .format import PAPER, PRESETS, SWIFT, WIDE, EngineConfig
 
-__all__ = ["ALL_OF_EIGHT", "SHAPED", "SWIFT_OF_FOUR", "SWIFT_OF_LANES", "VARIANTS"]
+__all__ = ["ALL_OF_EIGHT", "BANKS16", "BANKS16_WORD4", "SHAPED", "VARIANTS"]
 
 
 def _large(name: str, **changes: object) -> EngineConfig:
@@ -33,11 +33,12 @@ _DEEP: dict[str, object] = {
 }
 """16 bits of depth, given up by intensities and materials."""
 
-SWIFT_OF_LANES = SWIFT.replace(name="swift-lanes", lanes=True)
-"""As many cycles as ``swift`` in half the LUTs and twice the block RAMs, at a lower clock."""
+BANKS16 = WIDE.replace(name="banks16", banks=16, pixels_per_word=8)
+"""As many cycles as ``swift`` with half the block RAMs and twice the LUTs: in banks, words are
+merged."""
 
-SWIFT_OF_FOUR = SWIFT.replace(name="swift-word4", pixels_per_word=4)
-"""Half the block RAMs of ``swift``."""
+BANKS16_WORD4 = BANKS16.replace(name="banks16-word4", pixels_per_word=4)
+"""Half the block RAMs of ``banks16``."""
 
 VARIANTS = (
     PAPER.replace(name="lines8", window_lines=8),
@@ -52,12 +53,12 @@ VARIANTS = (
         "largest", pixels_per_word=8, window_lines=32,
         depth_bits=16, intensity_bits=4, material_bits=4, colour_shift=7,
     ),
-    SWIFT_OF_FOUR,
-    SWIFT_OF_LANES,
+    BANKS16,
+    BANKS16_WORD4,
 )  # fmt: skip
 """By name: windows of 8 and of 32 lines, words of 2 and of 8 pixels, both as small as can be; 16
 bits of depth; 2048 columns, with a window that stays as small; the largest of everything, all with
-lanes; sixteen banks of words of four pixels; and sixteen banks of lanes."""
+lanes; and sixteen banks of words of eight pixels, and of four."""
 
 SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
 """Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,
@@ -67,8 +68,8 @@ ALL_OF_EIGHT = (
     PRESETS["rgb24"].replace(
         name="planes-word8", banks=16, pixels_per_word=8, dither=True, mark_words=2
     ),
-    SWIFT.replace(name="dither-word8", dither=True, mark_words=4, shapes="small"),
-    SWIFT.replace(name="narrow-word8", raster_words=1, x_bits=5, depth_bits=13),
-    SWIFT_OF_LANES.replace(name="narrow-lanes", window_lines=32, x_bits=5, depth_bits=13),
+    BANKS16.replace(name="dither-word8", dither=True, mark_words=4, shapes="small"),
+    BANKS16.replace(name="narrow-word8", raster_words=1, x_bits=5, depth_bits=13),
+    SWIFT.replace(name="narrow-lanes", window_lines=32, x_bits=5, depth_bits=13),
 )
 """Sixteen banks of words of eight with all that may be combined with them."""

@@ -7,19 +7,14 @@ from typing import Any
 import numba as nb
 import numpy as np
 
-from .pipeline_model import ABOVE
-
 __all__ = [
-    "ASKED",
-    "ASKING",
+    "BEATS",
     "FLUSHED",
+    "HERE",
     "LINE",
-    "TAKES",
-    "TOP",
+    "OLDEST",
     "WRITTEN",
-    "is_here",
     "new_walk",
-    "oldest_of",
     "reached",
     "step_walk",
 ]
@@ -29,47 +24,32 @@ STRETCH = 4
 
 (
     LINE,
-    TOP,
-    COMPLETE,
+    HERE,
+    EMPTY,
     WRITTEN,
-    ASKING,
-    ASKED,
-    BEATS,
-    FLUSHED,
-    TAKES,
     AHEAD,
     FIRST,
+    BEATS,
+    OLDEST,
+    FLUSHED,
     NOW,
     BEFORE,
     TURN,
-) = range(14)
-"""Registers of the walker: the line whose marks are taken next; the line above which all lines are
-complete, and that of a cycle before; a bit a place that was written into; whether a beat is asked
-for, and its line; how many are behind it; whether one left one cycle before, and whether marks were
-about to be taken then; stretches that the line still has, a bit each, and the first of them that
-was reached; stretches reached since the window moved on by its own height, and those before; and
-which of these heights it is in, modulo 2."""
+) = range(12)
+"""Registers of the walker: the line whose marks are taken next, and whether it is on its way out
+and was written, or was not; a bit a place that was written into; stretches that the line still has,
+a bit each, and the first of them; how many beats of the marks taken last are still asked for, and
+their line, or else the first in the window; whether one left one cycle before; stretches reached
+since the window moved on by its own height, and those before; and which of these heights it is in,
+modulo 2."""
 
 
 @nb.njit(cache=True)
 def new_walk() -> Any:
     """Return the walker's registers before the first element: see ``LINE``."""
     walk = np.zeros(TURN + 1, np.int64)
-    walk[TOP] = walk[COMPLETE] = -ABOVE
     walk[AHEAD] = -1
     return walk
-
-
-@nb.njit(cache=True, inline="always")
-def oldest_of(walk: Any) -> int:
-    """Return the first line in the window."""
-    return walk[ASKED] if walk[ASKING] else walk[LINE]
-
-
-@nb.njit(cache=True, inline="always")
-def is_here(walk: Any, lines: int) -> bool:
-    """Return whether the line is complete and was written into."""
-    return walk[LINE] < walk[COMPLETE] and walk[WRITTEN] >> walk[LINE] % lines & 1 == 1
 
 
 @nb.njit(cache=True)
@@ -80,7 +60,7 @@ def reached(beat: int, next_beat: int, marks: Any) -> int:
 
 
 @nb.njit(cache=True)
-def step_walk(walk: Any, marks: Any, flushing: bool, reach: int, enable: bool) -> None:
+def step_walk(walk: Any, marks: Any, top: int, flushing: bool, reach: int, enable: bool) -> None:
     """Move the walker on: by a beat, a stretch, a line that has left, or over all not written.
 
     Parameters
@@ -89,6 +69,8 @@ def step_walk(walk: Any, marks: Any, flushing: bool, reach: int, enable: bool) -
         Changed.
     marks
         Beats that were written, by place of their line: shape (lines, beats). Changed.
+    top
+        The lines above it are complete.
     flushing
         The beat that is asked for leaves.
     reach
@@ -96,15 +78,23 @@ def step_walk(walk: Any, marks: Any, flushing: bool, reach: int, enable: bool) -
     enable
         Marks may be taken.
     """
-    line = walk[LINE]
-    place = line % len(marks)
-    leaving, here = line < walk[COMPLETE], is_here(walk, len(marks))
+    line, here, empty = walk[LINE], walk[HERE], walk[EMPTY]
+    place, lines = line % len(marks), len(marks)
+    clean = walk[WRITTEN] == 0
+    turns = walk[BEATS] - flushing <= 0
     known = walk[NOW] | walk[BEFORE]
     wanted, first = known & walk[AHEAD], walk[FIRST]
-    moves = not walk[ASKING] or flushing
-    take = here and first & wanted and walk[BEATS] == 0 and moves and enable
+    rest = wanted & ~first
+    take = here and turns and enable
+    left = take and rest == 0
+    looked_at = line + (here or empty)
+    goes, jumps = left or empty, (empty or looked_at < top) and clean
+
+    # The beats.
     walk[FLUSHED] = flushing
-    walk[TAKES] = here
+    walk[BEATS] -= flushing
+    if turns:
+        walk[OLDEST] = top if jumps else line
     if take:
         stretch = 0
         while not first >> stretch & 1:
@@ -112,27 +102,31 @@ def step_walk(walk: Any, marks: Any, flushing: bool, reach: int, enable: bool) -
         found = marks[place, stretch * STRETCH : (stretch + 1) * STRETCH]
         walk[BEATS] = found.sum()
         found[:] = False
-        walk[ASKED] = line
-        wanted &= ~first
-        walk[AHEAD] &= ~first
-    if moves:
-        walk[ASKING] = walk[BEATS] > 0
-        walk[BEATS] -= walk[ASKING]
-    left = here and not wanted
-    soon = wanted if wanted else known
-    walk[FIRST] = soon & -soon
-    turn = line // len(marks) % 2
-    if walk[WRITTEN] == 0:
+
+    # The stretches.
+    if take or not here:
+        soon = rest if here and rest else known
+        walk[FIRST] = soon & -soon
+    if left:
+        walk[AHEAD] = -1
+    elif take:
+        walk[AHEAD] = rest
+    turn = line // lines % 2
+    if clean:
         walk[NOW] = walk[BEFORE] = 0
     elif turn != walk[TURN]:
         walk[BEFORE], walk[NOW] = walk[NOW], 0
     walk[NOW] |= reach
     walk[TURN] = turn
-    if leaving and walk[WRITTEN] == 0:
-        walk[LINE] = walk[COMPLETE]
-    elif left or (leaving and not here):
-        walk[LINE] = line + 1
-    walk[COMPLETE] = walk[TOP]
+
+    # The line.
+    if goes or not (here or empty):
+        leaving = looked_at < top and not jumps
+        written = walk[WRITTEN] >> looked_at % lines & 1
+        walk[HERE], walk[EMPTY] = leaving and written, leaving and not written
     if left:
-        walk[AHEAD] = -1
         walk[WRITTEN] &= ~(1 << place)
+    if jumps:
+        walk[LINE] = top
+    elif goes:
+        walk[LINE] = line + 1

@@ -13,22 +13,20 @@ import numpy as np
 from ..host.unfold import unfold
 from ..rtl.format import BLOCK
 from .beat_walk import (
-    ASKED,
-    ASKING,
+    BEATS,
     FLUSHED,
+    HERE,
     LINE,
-    TAKES,
-    TOP,
+    OLDEST,
     WRITTEN,
     new_walk,
-    oldest_of,
     reached,
     step_walk,
 )
 from .pipeline_model import (
+    ABOVE,
     EMPTY,
     END_WORD,
-    FIRST_STAGE,
     FOLLOWING,
     HEAD,
     Machine,
@@ -37,6 +35,9 @@ from .pipeline_model import (
 )
 
 __all__ = ["walk_blocks"]
+
+QUEUED = 3
+"""Cycles from the one in which the end beat goes into the queue to the one in which it leaves."""
 
 PAIR = 2
 """Words of a beat."""
@@ -71,58 +72,64 @@ def walk_blocks(words: Any, machine: Machine) -> int:
     walk = new_walk()
     marks = np.zeros((machine.lines, machine.half_words), np.bool_)
     block, coming = np.zeros(ROWS + BLOCK, np.int64), np.zeros(ROWS + BLOCK, np.int64)
-    given, meets, drawn, ending = NOTHING, False, False, False
+    laid, laid_top = EMPTY, -ABOVE  # the code word whose pixels are in lanes
+    given, top = NOTHING, -ABOVE  # what the window is given
+    meets, drawn, ending = False, False, False
     lagging = False  # in the cycle before, for lines that leave to go before elements
-    left_before = False  # a beat left two cycles before
-    near = False  # the lines of the element at hand are in the window
+    left, left_before = False, False  # a beat left two cycles before, and three
+    near = False  # the lines of what the window is given are there
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         # The last pixels to be cleared are written one cycle after.
         clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
-        if ending and not walk[FLUSHED] and not left_before:
-            return cycle + 2  # the end beat is on the port in the next cycle
-        left_before = walk[FLUSHED]
-        ending = given == END and walk[WRITTEN] == 0 and not walk[ASKING]
+        if ending and not (walk[FLUSHED] or left or left_before):
+            return cycle + QUEUED + 1
+        left, left_before = walk[FLUSHED], left
+        ending = given == END and walk[WRITTEN] == 0 and not walk[BEATS]
 
-        oldest = oldest_of(walk)
-        first, lagging = lagging, (walk[TOP] - oldest) % BLOCK >= LAGGING
+        oldest = walk[OLDEST]
+        first, lagging = lagging, (top - oldest) % BLOCK >= LAGGING
         # Whether the element wants the row of lanes of the beat that leaves, or marks of the row
         # of which some are taken; and whether it waits for the one or the other.
-        meets_beat = given == ELEMENT and block[ROWS + (walk[ASKED] - block[FIRST_LINE]) % BLOCK]
-        meets_marks = given == ELEMENT and block[ROWS + (walk[LINE] - block[FIRST_LINE]) % BLOCK]
-        waits = first and ((walk[ASKING] and meets_beat) or (walk[TAKES] and meets_marks))
-        going = given == ELEMENT and not settling and not waits
+        offered = given == ELEMENT and near
+        meets_beat = offered and block[ROWS + (oldest - block[FIRST_LINE]) % BLOCK]
+        meets_marks = offered and block[ROWS + (walk[LINE] - block[FIRST_LINE]) % BLOCK]
+        waits = first and ((walk[BEATS] and meets_beat) or (walk[HERE] and meets_marks))
+        going = offered and not settling and not waits
         going = going and not (machine.hazard and meets and drawn)
-        flushing = walk[ASKING] and not clearing and (first or not meets_beat)
-        enable = not clearing and ((first and walk[TAKES]) or not meets_marks)
+        flushing = walk[BEATS] > 0 and not clearing and (first or not meets_beat)
+        enable = not clearing and ((first and walk[HERE]) or not meets_marks)
         reach = 0
-        if given == ELEMENT:
+        if offered:
             word = block[COLUMN] // machine.pixels
             reach = reached(word // PAIR, (word + 1) % (PAIR * machine.half_words) // PAIR, marks)
-        step_walk(walk, marks, flushing, reach, enable)
+        step_walk(walk, marks, top, flushing, reach, enable)
         if going:
             _mark(block, walk, marks, machine)
         drawn = going
 
         # The next element.
-        done = False
-        if given == NOTHING or going:
-            head, top = front.held[HEAD], front.tops[HEAD]
-            ends = head != EMPTY and head == front.state[END_WORD]
-            done = ends or (head != EMPTY and near)
-            given = END if ends else ELEMENT if done else NOTHING
-            if head != EMPTY:
-                walk[TOP] = top
+        steps = given == NOTHING or going
+        moves = steps or laid == EMPTY
+        waiting = given != NOTHING and not near
+        if given == END:
+            near = False
+        elif waiting or steps:
+            near = (top if waiting else laid_top) - oldest < machine.lines - BLOCK
+        if steps:
+            given = NOTHING
+            if laid != EMPTY:
+                given, top = END if laid == front.state[END_WORD] else ELEMENT, laid_top
             if given == ELEMENT:
-                _place(words[head], top, coming, machine)
+                _place(words[laid], top, coming, machine)
                 meets = going and _meet(coming, block, machine)
                 block[:] = coming
-        waiting = front.held[HEAD] != EMPTY and not near
-        top = front.tops[HEAD if waiting else FIRST_STAGE]
-        moved = advance(words, front, done, machine)
-        if waiting or moved:
-            near = not (waiting and moved) and top - oldest < machine.lines - BLOCK
+        if moves:
+            laid = front.held[HEAD]
+            if laid != EMPTY:
+                laid_top = front.tops[HEAD]
+        advance(words, front, moves, machine)
         cycle += 1
     return 0
 

@@ -47,7 +47,7 @@ def bound_cycles(frame: Frame) -> int:
     config = frame.config
     frame = _until_the_end(expand_frame(frame))
     fields, line, places = elements_of(frame)
-    if config.lanes and config.tile_lines == BLOCK:
+    if config.rows_of_lanes:
         # Wherever a block lies, it has each lane once at most.
         costs = np.ones(len(places), np.int64)
         memories, of_a_word = BLOCK * config.raster_pixels, config.pixels_per_word

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..host.errors import InputError
 from ..host.frame import Frame
-from ..rtl.format import BLOCK, EngineConfig
+from ..rtl.format import EngineConfig
 from .bank_model import walk_banks
 from .block_model import walk_blocks
 from .expand import slots
@@ -51,7 +51,7 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     machine = machine_of(config, frame.width, frame.height, clearing)
     walk = walk_banks
     if config.lanes:
-        walk = walk_blocks if config.tile_lines == BLOCK else walk_lanes
+        walk = walk_blocks if config.rows_of_lanes else walk_lanes
     cycles = walk(words.view(np.int64), machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")

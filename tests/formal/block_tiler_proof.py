@@ -1,12 +1,11 @@
 """The tiler of blocks against the contract: an element's block has its pixels, each once."""
 
-from amaranth.hdl import Signal
+from amaranth.hdl import Cat, Signal
 from prove import Fault, Proof
 from tiler_proof import TilerProperties
 
 from splatline.rtl.block_tiler import BlockTiler
-from splatline.rtl.format import BLOCK, ROWS
-from splatline.rtl.variants import SWIFT_OF_LANES
+from splatline.rtl.format import BLOCK, ROWS, SWIFT
 
 __all__ = ["PROOFS"]
 
@@ -19,6 +18,7 @@ class BlockTilerProperties(TilerProperties):
     """
 
     tiler = BlockTiler
+    inside = 3
 
     def describe(self, m):
         """Add the tiler and its properties."""
@@ -32,6 +32,10 @@ class BlockTilerProperties(TilerProperties):
             m.d.sync += passed.eq(block.top)
             with m.If(block.end):
                 m.d.sync += [top.eq(-ROWS), passed.eq(-ROWS)]
+        for row, touch in enumerate(block.touch):
+            mask, odd = block.mask[row], block.odd[row]
+            touches = touch == Cat((mask & odd).any(), (mask & ~odd).any())
+            self.always(m, f"touch_{row}", ~offered | touches)
         near = block.top - oldest < self.config.window_lines - BLOCK
         self.always(m, "near", ~offered | block.end | near)
         self.always(m, "end_at_once", ~(offered & block.end & ~waited) | (top == passed))
@@ -45,8 +49,8 @@ PROOFS = [
     Proof(
         name="block tiler: pixels",
         shows="an element's block has the contract's pixels, each once, in order, in the window",
-        build=lambda: BlockTilerProperties(SWIFT_OF_LANES),
-        depth=7,
+        build=lambda: BlockTilerProperties(SWIFT),
+        depth=8,
         engine="abc bmc3",
         slow=True,
         faults=(
@@ -63,23 +67,23 @@ PROOFS = [
             Fault(
                 "not raised",
                 BlockTiler,
-                r"Mux\(shape\.raised, raised, turned\[k\]\)",
-                "turned[k]",
+                r"Mux\(shape\.raised, high, low\)",
+                "low",
                 "_place",
             ),
-            Fault("not shifted", BlockTiler, r"\(1, shifted\)", "(1, 0)", "_place"),
+            Fault("not shifted", BlockTiler, r"\(lower, shape\.shifted\)", "(lower, 0)", "_place"),
             Fault(
                 "the middle drawn twice",
                 BlockTiler,
-                r"k \+ 1 < ROWS else 0",
-                "k + 1 < ROWS else turned[k]",
+                r"\*turned\[1:\], 0\]",
+                "*turned[1:], turned[3]]",
                 "_place",
             ),
             Fault(
                 "a fraction's lower half",
                 BlockTiler,
-                r"Mux\(element\.mode, 0, lower\)",
-                "lower",
+                r"Mux\(element\.mode, 0, (.*)\)",
+                r"\1",
                 "_place",
             ),
             Fault(
@@ -89,13 +93,18 @@ PROOFS = [
                 "halves[0]",
                 "_place",
             ),
-            Fault("not yet the next frame's window", BlockTiler, r" \| \(valid & given\.end\)", ""),
+            Fault(
+                "not yet the next frame's window",
+                BlockTiler,
+                r"with m\.If\(offered & last\.end\)",
+                "with m.If(0)",
+            ),
             Fault("in the window's last line", BlockTiler, r"> BLOCK\b", ">= BLOCK"),
             Fault(
                 "the element behind it",
                 BlockTiler,
-                r"Mux\(waiting, held\[\"top\"\], element\.top\)",
-                "element.top",
+                r"Mux\(waiting, top, lanes\.top\)",
+                "lanes.top",
             ),
             Fault("never meets", BlockTiler, r"meets\.eq\(", "meets.eq(0 & "),
             Fault(
@@ -105,7 +114,7 @@ PROOFS = [
                 "~apart[3]",
                 "_meets",
             ),
-            Fault("empty, and no end in sight", BlockTiler, r"there & may\)", "there)"),
+            Fault("empty, and no end in sight", BlockTiler, r"\(near \| last\.end\)", "1"),
         ),
     )
 ]

@@ -1,18 +1,23 @@
 """The window of rows of lanes: its lines never mix, and no pixel is lost or invented."""
 
-from amaranth.hdl import Cat, Signal
+from amaranth.hdl import Cat, Module, Signal
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
 from lane_window_proof import LaneWindowProperties, Narrow
-from properties import OneWord
+from properties import OneWord, any_value
 from prove import Fault, Proof
 
+from splatline.rtl.beat_emitter import BeatEmitter
 from splatline.rtl.beat_marks import residue_bits
 from splatline.rtl.beat_walker import BeatWalker
 from splatline.rtl.block_window import BlockWindow
+from splatline.rtl.changeover import Changeover
 from splatline.rtl.format import BLOCK, ROWS
 from splatline.rtl.lane_row import LaneRow, row_address_bits
+from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.loader import Loader
 
-__all__ = ["PROOFS"]
+__all__ = ["PROOFS", "Passing", "any_value"]
 
 TINY = Narrow(
     lanes=True,
@@ -30,16 +35,36 @@ So the blocks are two columns wide. A column knows nothing of the others.
 """
 
 
+class Passing(wiring.Component):
+    """In place of the queue: a register, as all that it offers is taken."""
+
+    def __init__(self, config):
+        beats = stream.Signature(RasterLayout(config))
+        super().__init__({"i": In(beats), "o": Out(beats)})
+
+    def elaborate(self, platform):
+        """Build it."""
+        m = Module()
+        m.d.sync += [self.o.valid.eq(self.i.valid), self.o.payload.eq(self.i.payload)]
+        return m
+
+
 class BlockWindowProperties(LaneWindowProperties):
     """Any one pixel of any one place in the window, followed from line to line.
 
     As with lanes, but of blocks only what :class:`BlockLayout` says is assumed, which
-    ``block_tiler_proof`` proves.
+    ``block_tiler_proof`` proves. The queue on the way out has room when it likes; that it holds
+    what it then must is in ``beat_emitter_proof`` and ``queue_proof``.
     """
 
-    delay = 4  # a stage more than with lanes: what leaves stands in a register
+    delay = 5  # two stages more than with lanes: requests and what leaves stand in registers
     window = BlockWindow
     walker = BeatWalker
+
+    def describe(self, m):
+        """Add the window and its properties."""
+        super().describe(m)
+        self.given(m, "taken", self.dut.raster.ready)
 
     def _memories(self, m):
         """Return what the lanes' memories are: the pixel's word, which is background."""
@@ -79,6 +104,10 @@ class BlockWindowProperties(LaneWindowProperties):
             m.d.sync += [top.eq(-ROWS), passed.eq(-ROWS)]
         near = block.top - oldest < config.window_lines - BLOCK
         self.given(m, "near", ~dut.i.valid | block.end | near)
+        for row in range(BLOCK):
+            touch, mask, odd = block.touch[row], block.mask[row], block.odd[row]
+            touches = touch == Cat((mask & odd).any(), (mask & ~odd).any())
+            self.given(m, f"touch_{row}", ~dut.i.valid | touches)
         self.given(m, "end_at_once", ~(dut.i.valid & block.end & ~waited) | (top == passed))
         return super()._tiles(m)
 
@@ -87,11 +116,20 @@ class BlockWindowProperties(LaneWindowProperties):
         return tile.odd[row].bit_select(column, 1) ^ tile.words[0][0]
 
 
-SWEPT = (
+OURS = '__import__("block_window_proof")'
+CHANGES = (
+    Fault("no queue", BeatEmitter, r"Queue\(config, DEPTH\)", f"{OURS}.Passing(config)"),
+    Fault("room", BeatEmitter, r"queue\.level < DEPTH // 2", f'{OURS}.any_value(m, 1, "any_room")'),
     Fault("the sweep's last cycle", BlockWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),
+    Fault(
+        "nothing was requested before",
+        BlockWindow,
+        r", reset_less=True(\)\s+for q in range\(BLOCK\))",
+        r"\1",
+    ),
     Fault("nothing was drawn before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
 )
-"""The lanes have been cleared but for their last pixels.
+"""The queue is as said above, and the lanes have been cleared but for their last pixels.
 
 What a row writes in the cycle after the reset, as its mask has none, is at the sweep's first
 address, and is cleared in the next.
@@ -106,7 +144,7 @@ def plan(name, shows, load, depth, *faults, long=False):
         build=lambda: BlockWindowProperties(TINY, load),
         depth=depth,
         engine="abc bmc3",
-        changes=SWEPT,
+        changes=CHANGES,
         faults=faults,
         slow=True,
         long=long,
@@ -118,14 +156,50 @@ PROOFS = [
         "block window",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
-        13,
+        14,
         Fault("no depth test", LaneRow, r"difference\[-1\] & ", ""),
+        Fault("no conflict", BlockWindow, r"drawn & block\.meets", "0"),
+        Fault("a block goes where a beat does", BlockWindow, r"& ~\(first & meeting\)", ""),
+        Fault("a block goes where marks do", BlockWindow, r"& ~\(marks_first & marking\)", ""),
+        Fault(
+            "a row not kept for a block",
+            BlockWindow,
+            r"\(first \| ~\(offered & meeting\)\)",
+            "1",
+        ),
+        Fault(
+            "marks taken where a block is drawn",
+            BlockWindow,
+            r"\(marks_first \| ~\(offered & marking\)\)",
+            "1",
+        ),
+        Fault("marks taken over beats", BeatWalker, r" & ~behind\.any\(\)", ""),
+        Fault("not held by its beats", BeatWalker, r"m\.Elif\(turns\)", "m.Elif(1)"),
+        Fault("jumps over what is written", BeatWalker, r"self\.jump & clean", "self.jump"),
+        Fault("a turn ahead unnoticed", Changeover, r"self\.wraps &", "0 &"),
+        Fault("frames meet", Changeover, r"turns\[1:\], self\.closing", "turns[1:], 0"),
+        Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
+        Fault("a frame closed twice", BlockWindow, r" & ~walker\.closing", ""),
+        Fault("over before its beats", BeatEmitter, r" & ~valid\.any\(\)", ""),
+        Fault("not clipped", BeatEmitter, r"Cat\(is_last &", "Cat(0 &", "_join"),
     ),
     plan(
         "block window, initial raster",
         "the same for frames that start from an initial raster",
         1,
-        12,
+        13,
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
+        Fault(
+            "loaded where a block is drawn",
+            BlockWindow,
+            r"\s+& ~\(offered & wanted\.bit_select\(load\.line\[:bits\], 1\)\)",
+            "",
+        ),
+        Fault("loaded while the last is swept", BlockWindow, r"serving & ~swept &", "serving &"),
+        Fault("a beat leaves for one that is loaded", BlockWindow, r" & ~serving &", " &"),
+        Fault("a line left unloaded", BeatWalker, r"self\.jump \| loaded", "1"),
+        Fault(
+            "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
+        ),
     ),
 ]

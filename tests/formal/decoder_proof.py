@@ -5,8 +5,9 @@ from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
 from splatline.rtl.decoder import Decoder, SpanDecoder
-from splatline.rtl.format import BLOCK, PRESETS, SWIFT
+from splatline.rtl.format import BLOCK, PRESETS
 from splatline.rtl.layouts import GeometryLayout
+from splatline.rtl.variants import BANKS16
 
 __all__ = ["PROOFS"]
 
@@ -155,7 +156,7 @@ PROOFS = [
     Proof(
         name="decoder: spans, words of eight",
         shows="the same where words have eight pixels",
-        build=lambda: DecoderProperties(SWIFT),
+        build=lambda: DecoderProperties(BANKS16),
         depth=5,
         endless=True,
         faults=(

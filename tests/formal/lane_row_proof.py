@@ -4,9 +4,9 @@ from amaranth.hdl import Cat, Const, Mux, Signal
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
+from splatline.rtl.format import SWIFT
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.lane_row import HALVES, LaneRow, RowRequestLayout, row_address_bits
-from splatline.rtl.variants import SWIFT_OF_LANES
 
 __all__ = ["PROOFS"]
 
@@ -58,11 +58,8 @@ class LaneRowProperties(Properties):
 
         # What was requested last, with what was to be drawn.
         taken, new = Signal(RowRequestLayout(config)), Signal(PixelLayout(config))
-        stood = Signal()
         begun = Signal()  # the registers without a reset have none of what they began with
-        with m.If(dut.enable):
-            m.d.sync += [taken.eq(dut.request), new.eq(dut.new), begun.eq(1)]
-        m.d.sync += stood.eq(~dut.enable)
+        m.d.sync += [taken.eq(dut.request), new.eq(dut.new), begun.eq(1)]
         request = dut.request
         wishes = Cat(request.draw, request.clear, request.load)
         self.given(m, "one_of_three", (wishes & (wishes - 1)) == 0)
@@ -72,7 +69,7 @@ class LaneRowProperties(Properties):
             alters.eq(draws(taken) | clears(taken)),
         ]
         asked = draws(request) | clears(request) | loads
-        self.given(m, "waits", ~(dut.enable & asked & alters))
+        self.given(m, "waits", ~(asked & alters))
         # What the row may write at first is cleared, and not yet loaded.
         self.given(m, "begins", begun | ~loads)
 
@@ -85,19 +82,17 @@ class LaneRowProperties(Properties):
             m.d.comb += after.eq(new)
         with m.If(clears(taken)):
             m.d.comb += after.eq(background)
-        with m.If(dut.enable):
-            m.d.sync += [pixel.eq(after), known.eq(known | clears(taken))]
-            with m.If(loads):
-                m.d.sync += [pixel.eq(pick(dut.loaded)), known.eq(1)]
+        m.d.sync += [pixel.eq(after), known.eq(known | clears(taken))]
+        with m.If(loads):
+            m.d.sync += [pixel.eq(pick(dut.loaded)), known.eq(1)]
 
         # What was cleared one request before, as it was then, if that is known.
         left, left_known, gone = Signal(), Signal(), Signal(PixelLayout(config))
-        with m.If(dut.enable):
-            m.d.sync += [
-                left.eq(taken.clear),
-                left_known.eq(known & clears(taken)),
-                gone.eq(pixel),
-            ]
+        m.d.sync += [
+            left.eq(taken.clear),
+            left_known.eq(known & clears(taken)),
+            gone.eq(pixel),
+        ]
         leaving = pick(dut.leaving)
         self.always(m, "leaves", ~left_known | (leaving == gone))
         self.always(m, "nothing_else", ~begun | left | (leaving == background))
@@ -106,8 +101,8 @@ class LaneRowProperties(Properties):
 PROOFS = [
     Proof(
         name="lane row: pixel",
-        shows="a pixel is what was drawn nearest since it was loaded or cleared, with any stalls",
-        build=lambda: LaneRowProperties(SWIFT_OF_LANES),
+        shows="a pixel is what was drawn nearest since it was loaded or cleared",
+        build=lambda: LaneRowProperties(SWIFT),
         depth=12,
         engine="abc bmc3",
         faults=(
@@ -128,16 +123,6 @@ PROOFS = [
                 "request.mask",
             ),
             Fault(
-                "does not stand still",
-                LaneRow,
-                r"m\.If\(self\.enable\)(:\s+.*\s+taken)",
-                r"m.If(1)\1",
-            ),
-            Fault("read while it stands still", LaneRow, r"en\.eq\(self\.enable\)", "en.eq(1)"),
-            Fault(
-                "loaded while it stands still", LaneRow, r"self\.enable & (request\.load)", r"\1"
-            ),
-            Fault(
                 "loaded too late",
                 LaneRow,
                 r"load\.addr\.eq\(getattr\(request",
@@ -150,12 +135,6 @@ PROOFS = [
                 LaneRow,
                 r"Mux\(taken\.clear, (read\.data\.depth), background\)",
                 r"\1",
-            ),
-            Fault(
-                "left while it stands still",
-                LaneRow,
-                r"m\.If\(self\.enable\)(:\s+.*\s+word)",
-                r"m.If(1)\1",
             ),
         ),
     )

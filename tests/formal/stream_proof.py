@@ -11,11 +11,12 @@ from splatline.rtl.axi_lite import AxiLiteFront
 from splatline.rtl.axi_registers import RegisterFile
 from splatline.rtl.axi_stream import HalfSlice, RegisterSlice
 from splatline.rtl.bank_walker import BankWalker
+from splatline.rtl.beat_emitter import BeatEmitter
 from splatline.rtl.codeword_check import end_word, is_end
 from splatline.rtl.colour import ColourUnit
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import BLOCK, PAPER, PRESETS
+from splatline.rtl.format import BLOCK, PAPER, PRESETS, SWIFT
 from splatline.rtl.halver import Halver
 from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.layouts import CodeWordLayout
@@ -174,6 +175,11 @@ def within_reach(properties, m, dut):
         properties.given(m, f"apart_{row}", ~(touched & lone) & (lone | ~loaded))
 
 
+def with_room(properties, m, dut):
+    """A beat is asked for if there is room, and none at the end of a frame."""
+    properties.given(m, "with_room", ~dut.flush | (dut.room & ~dut.end))
+
+
 def while_running(properties, m, dut):
     """Nothing is requested while all stands still."""
     properties.given(m, "flush", ~dut.flush | dut.running)
@@ -300,6 +306,12 @@ PROOFS = [
         lambda: LaneEmitter(PAPER),
         Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
         given=while_running,
+    ),
+    plan(
+        "beat emitter",
+        lambda: BeatEmitter(SWIFT),
+        Fault("gone again", BeatEmitter, r"blank\.eq\(out\.valid & ~visible", "blank.eq(out.valid"),
+        given=with_room,
     ),
     plan(
         "tiler",

@@ -1,6 +1,9 @@
 """The tiler against the contract: an element's tiles have its pixels, each once."""
 
+from itertools import pairwise
+
 from amaranth.hdl import Cat, Const, Mux, Signal
+from amaranth.lib import data
 from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
@@ -19,6 +22,9 @@ class TilerProperties(Properties):
 
     tiler = Tiler
     """What is proven."""
+
+    inside = 2
+    """Elements that it holds at most."""
 
     def __init__(self, config):
         self.config = config
@@ -85,26 +91,26 @@ class TilerProperties(Properties):
             drawn.eq(draws & dut.o.ready),
         ]
 
-        # Up to two elements are inside, and one may be taken in the cycle that gives another.
-        queue = [Signal(config.z.width, name=f"queue_{n}") for n in range(3)]
-        length = Signal(2)
-        with m.If(drawn):
-            m.d.sync += [queue[0].eq(queue[1]), queue[1].eq(queue[2])]
-        for n in range(3):
-            with m.If(wanted & (length - drawn == n)):
-                m.d.sync += queue[n].eq(element.z)
-        m.d.sync += length.eq(length + wanted - drawn)
-        self.always(m, "room", length < 3)
-        self.always(m, "drawn", ~draws | ((length != 0) & (tile.z == queue[0])))
-        # Those of them that came behind the first end token which is inside.
-        ends, behind = Signal(2), Signal(2)
-        ends_left = Signal(2)
-        m.d.comb += ends_left.eq(ends - (given & tile.end))
-        m.d.sync += [
-            ends.eq(ends_left + (taken & element.end)),
-            behind.eq(Mux(given & tile.end, 0, behind) + (wanted & (ends_left != 0))),
+        # End tokens are in it as well. One more may be taken in the cycle that gives another.
+        most = self.inside + 1
+        entry = data.StructLayout({"z": config.z.width, "end": 1})
+        queue = [Signal(entry, name=f"queue_{n}") for n in range(most)]
+        length = Signal(range(most + 1))
+        comes, goes = Signal(), Signal()
+        m.d.comb += [
+            comes.eq(wanted | (taken & element.end)),
+            goes.eq(drawn | (given & tile.end)),
         ]
-        self.always(m, "complete", ~(dut.o.valid & tile.end) | (length == behind))
+        with m.If(goes):
+            m.d.sync += [place.eq(after) for place, after in pairwise(queue)]
+        for n in range(most):
+            with m.If(comes & (length - goes == n)):
+                m.d.sync += [queue[n].z.eq(element.z), queue[n].end.eq(element.end)]
+        m.d.sync += length.eq(length + comes - goes)
+        first = queue[0]
+        self.always(m, "room", length < most)
+        self.always(m, "drawn", ~draws | ((length != 0) & ~first.end & (tile.z == first.z)))
+        self.always(m, "complete", ~(dut.o.valid & tile.end) | ((length != 0) & first.end))
         shown = Signal.like(tile.top, init=-4)
         m.d.sync += shown.eq(Mux(given & tile.end, -4, tile.top))
         self.always(m, "top", tile.top >= shown)

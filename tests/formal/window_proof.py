@@ -30,7 +30,7 @@ SIXTEEN = Narrow(x_bits=4, line_bits=5, depth_bits=2, channel_bits=1, raster_wor
 """And with sixteen banks."""
 
 EIGHT = SIXTEEN.replace(x_bits=5, pixels_per_word=8)
-"""And those with words of eight pixels, as ``swift`` has it."""
+"""And those with words of eight pixels, as ``banks16`` has it."""
 
 
 class WindowProperties(LaneWindowProperties):

@@ -44,7 +44,7 @@ class ElementSlide:
 
     Each cycle it checks what comes beside the stream: ``moves``, ``top``, and that the colour that
     moves with it would meet its tile; and that no tile comes before its lines (``in_window``). A
-    subclass says what a tile is, or a block: its ``layout``.
+    subclass says what a tile is, or a block: its ``layout``, and the stages on the way to it.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class ElementSlide:
         self.source.payloads = Until(words, self.may_send)
         self.sink = bench.sink("o", rates[1])
         self.oldest = 0
-        self.shown = -4  # as ``top`` must be in this cycle
+        self.shown = self.first_line(None)  # as ``top`` must be in this cycle
         self.seen = 0  # elements that were taken
         self.hand = None  # the one that was taken last; none after the end of a frame
         self.moved = None  # the one whose colour moved last
@@ -93,6 +93,21 @@ class ElementSlide:
         """Whether all lines of what is offered of an element are in the window."""
         raise NotImplementedError
 
+    def check_moves(self, valid, ready):
+        """Check what says that a colour moves on, by what is offered and taken in this cycle."""
+        assert int(self.dut.moves.value) == (not valid or ready)
+
+    def move_on(self, over):
+        """Let the stages hold what they do in the next cycle; ``over``: an end was taken."""
+        if over:
+            self.shown, self.hand, self.moved = self.first_line(None), None, None
+        elif not self.waiting and self.hand is not None:
+            self.moved, self.shown = self.hand, self.first_line(self.hand)
+
+    def first_line(self, number):
+        """Return an element's first line; the next frame's first possible one for none."""
+        return -4 if number is None else self.cases[number][3]
+
     def drive(self):
         self.dut.oldest.value = self.oldest
 
@@ -102,7 +117,7 @@ class ElementSlide:
         bits = dut.o__payload.value
         top = self.layout["top"]
         assert int(bits[top.offset + top.width - 1 : top.offset]) == self.shown % TOPS
-        assert int(dut.moves.value) == (not valid or ready)
+        self.check_moves(valid, ready)
         payload = unpack(self.layout, int(bits)) if valid else None
         ends = valid and payload.end
         if valid and not self.waiting:
@@ -117,11 +132,11 @@ class ElementSlide:
         # As in the window: it follows what is shown, and starts again after the end.
         if self.shown > self.oldest and self.bench.random.random() < self.follow[0]:
             self.oldest += min(self.shown - self.oldest, self.follow[1])
-        if self.taken and ends:
-            self.shown, self.hand, self.moved, self.oldest = -4, None, None, 0
+        over = self.taken and ends
+        if over:
+            self.oldest = 0
             self.over += 1
-        elif not self.waiting and self.hand is not None:
-            self.moved, self.shown = self.hand, self.cases[self.hand][3]
+        self.move_on(over)
         if sent != self.seen:
             self.hand, self.seen = sent - 1, sent
 
@@ -136,7 +151,7 @@ class ElementSlide:
             after=0,
         )
         cycles = self.bench.cycles - begin
-        for _ in range(4 if (self.sink.rate, self.follow) == (1.0, (1.0, LOWEST)) else 100):
+        for _ in range(5 if (self.sink.rate, self.follow) == (1.0, (1.0, LOWEST)) else 100):
             await self.bench.step(self.drive, self.observe)
         return cycles
 

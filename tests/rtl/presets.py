@@ -5,14 +5,14 @@ from pathlib import Path
 from unittest import mock
 
 from splatline.rtl.format import PAPER, PRESETS
-from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
+from splatline.rtl.variants import ALL_OF_EIGHT, BANKS16, VARIANTS
 from splatline.sim.cosim import blocks, simulator
 
 __all__ = ["CONFIG", "OTHERS", "SINGLE", "run_bench", "run_built"]
 
 VARIABLE = "SPLATLINE_TEST_PRESET"
 
-SINGLE = PRESETS["swift"].replace(name="single-word8", raster_words=1)
+SINGLE = BANKS16.replace(name="single-word8", raster_words=1)
 """Words of eight pixels that leave one by one, for benches of parts."""
 
 CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, *ALL_OF_EIGHT, SINGLE)}[

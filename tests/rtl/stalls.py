@@ -10,8 +10,8 @@ __all__ = ["Stalled"]
 class Stalled(wiring.Component):
     """A component whose streams all stall at random, each at times of its own.
 
-    In two cycles of three a stream is cut; once a payload was let through it stays until it is
-    taken.
+    Plain outputs are as they are. In two cycles of three a stream is cut; once a payload was let
+    through it stays until it is taken.
     """
 
     def __init__(self, part, seed):
@@ -24,6 +24,9 @@ class Stalled(wiring.Component):
         m.submodules.part = self.part
         for number, (name, member) in enumerate(self.signature.members.items()):
             inner, outer = getattr(self.part, name), getattr(self, name)
+            if member.is_port and member.flow is Out:
+                m.d.comb += outer.eq(inner)
+                continue
             if not (member.is_signature and isinstance(member.signature, stream.Signature)):
                 raise TypeError(f"{name} is no stream")
             source, sink = (inner, outer) if member.flow is Out else (outer, inner)

@@ -8,8 +8,8 @@ from presets import CONFIG, run_bench
 
 from splatline.rtl.bank_layout import bank_address_bits, column_bits, stretch_bits
 from splatline.rtl.bank_marks import BankMarks
-from splatline.rtl.format import SWIFT, WIDE
-from splatline.rtl.variants import ALL_OF_EIGHT
+from splatline.rtl.format import WIDE
+from splatline.rtl.variants import ALL_OF_EIGHT, BANKS16
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.streams import StreamBench
 
@@ -121,7 +121,7 @@ SHARED = next(config for config in ALL_OF_EIGHT if config.mark_words == 4)
 
 @pytest.mark.parametrize(
     ("config", "test"),
-    [(SWIFT, "a_mark_a_word"), (SHARED, "a_mark_for_four")],
+    [(BANKS16, "a_mark_a_word"), (SHARED, "a_mark_for_four")],
     ids=["own", "shared"],
 )
 def test_marks_of_sixteen_banks(config, test):

@@ -11,8 +11,9 @@ from test_bank_marks import rows_of_marks
 
 from splatline.rtl.bank_layout import bank_address_bits, stretch_bits
 from splatline.rtl.bank_walker import BankWalker
-from splatline.rtl.format import PRESETS, SWIFT
+from splatline.rtl.format import PRESETS
 from splatline.rtl.layouts import FlushLayout
+from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.blocks import unpack
 
 PLACE, ADDRESS = FlushLayout(CONFIG), bank_address_bits(CONFIG)
@@ -259,8 +260,8 @@ async def nothing_leaves_unasked(dut):
 
 
 @pytest.mark.parametrize(
-    "config", [PRESETS["wide"], SWIFT, PRESETS["deep"], SINGLE], ids=lambda config: config.name
+    "config", [PRESETS["wide"], BANKS16, PRESETS["deep"], SINGLE], ids=lambda config: config.name
 )
 def test_walker_asks_for_what_was_drawn(config):
-    """``wide`` and ``swift`` ask for two words at once, the others for one."""
+    """``wide`` and ``banks16`` ask for two words at once, the others for one."""
     run_bench(config, BankWalker, __file__)

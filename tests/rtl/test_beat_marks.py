@@ -6,7 +6,7 @@ import cocotb
 from presets import CONFIG, run_bench
 
 from splatline.rtl.beat_marks import BeatMarks, mark_bits, residue_bits, stretch_bits
-from splatline.rtl.variants import SWIFT_OF_LANES
+from splatline.rtl.format import SWIFT
 from splatline.sim.cosim.streams import StreamBench
 
 WORDS = 1 << CONFIG.word_bits
@@ -193,4 +193,4 @@ async def a_wipe_takes_a_group_of_lines_and_no_more(dut):
 
 
 def test_marks_are_what_was_written():
-    run_bench(SWIFT_OF_LANES, BeatMarks, __file__)
+    run_bench(SWIFT, BeatMarks, __file__)

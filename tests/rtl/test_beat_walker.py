@@ -9,8 +9,8 @@ from slides import Slide
 from test_beat_marks import BEATS, LINES, NOTHING, RESIDUES, STRETCHES, WORDS, Touch
 
 from splatline.rtl.beat_walker import BeatWalker
+from splatline.rtl.format import SWIFT
 from splatline.rtl.layouts import PlaceLayout
-from splatline.rtl.variants import SWIFT_OF_LANES
 
 PLACE = PlaceLayout(CONFIG)
 LOWEST = (1 << CONFIG.line_bits + 1) - 1
@@ -183,10 +183,10 @@ async def loaded_beats_too(dut):
                     load = None
             elif limit < oldest + LINES:
                 limit += 1
-            if top + 9 < limit and rng.random() < 0.3:
-                top += 1
             both += load is not None and bool(touch.marks())
             await slide.cycle(top, touch, rng.choice([0, 1, 1, "first"]), limit, load)
+            if top + 9 < limit and rng.random() < 0.3:
+                top += 1
         assert top > 15
         await slide.finish(rng)
     assert both > 50
@@ -360,4 +360,4 @@ async def nothing_leaves_unasked(dut):
 
 
 def test_walker_asks_for_what_was_written():
-    run_bench(SWIFT_OF_LANES, BeatWalker, __file__)
+    run_bench(SWIFT, BeatWalker, __file__)

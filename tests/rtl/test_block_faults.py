@@ -5,11 +5,13 @@ import re
 
 import numpy as np
 import pytest
+import test_beat_emitter
 import test_beat_marks
 import test_beat_walker
 import test_block_tiler
 import test_lane_row
 import test_presets
+import test_variants
 from engines import mismatches
 from faults import rewrite, switched_source
 from presets import run_bench
@@ -17,12 +19,13 @@ from random_frames import frame_of, random_tables, word
 
 from splatline.host.frame import Tables
 from splatline.host.order import advance_word
+from splatline.rtl.beat_emitter import BeatEmitter
 from splatline.rtl.beat_marks import BeatMarks
 from splatline.rtl.beat_walker import BeatWalker
 from splatline.rtl.block_tiler import BlockTiler
 from splatline.rtl.block_window import BlockWindow
+from splatline.rtl.format import SWIFT
 from splatline.rtl.lane_row import LaneRow
-from splatline.rtl.variants import SWIFT_OF_LANES
 from splatline.rtl.verilog import generate
 from splatline.sim.cosim import frames, simulator
 from splatline.sim.cosim.frames import Job
@@ -34,10 +37,12 @@ BENCHES = {
     BlockTiler: test_block_tiler,
     BeatMarks: test_beat_marks,
     BeatWalker: test_beat_walker,
+    BeatEmitter: test_beat_emitter,
 }
 LAGS = "a_window_that_lags_behind"
 MEETS = "neighbours_that_share_a_pixel_meet"
 WALK = "written_beats_are_asked_for_once_and_in_order"
+COMES = "every_beat_comes_out"
 FIRST = "the_first_beat_comes_first"
 REWRITTEN = {
     "no depth test": (LaneRow, r"difference\[-1\] & mask", "mask", "random_requests"),
@@ -75,22 +80,22 @@ REWRITTEN = {
     ),
     "not turned": (
         BlockTiler,
-        r"Mux\(shape\.raised, raised, turned\[k\]\)",
-        "masks[3 - k]",
+        r"mask\[::-1\] for",
+        "mask for",
         "one_element_a_cycle",
         "_place",
     ),
     "not raised": (
         BlockTiler,
-        r"Mux\(shape\.raised, raised, turned\[k\]\)",
-        "turned[k]",
+        r"Mux\(shape\.raised, high, low\)",
+        "low",
         "middles_at_half_pixels",
         "_place",
     ),
     "not shifted": (
         BlockTiler,
-        r"shifted\.eq\(shape\.shifted\)",
-        "shifted.eq(0)",
+        r"\(lower, shape\.shifted\)",
+        "(lower, 0)",
         "middles_at_half_pixels",
         "_place",
     ),
@@ -108,7 +113,15 @@ REWRITTEN = {
         "one_element_a_cycle",
         "_lines",
     ),
-    "no wait for lines": (BlockTiler, r"\bmay\.eq\(", "may.eq(1 | ", LAGS),
+    "no wait for lines": (BlockTiler, r"\(near \| last\.end\)", "1", LAGS),
+    "lost while it waits": (BlockTiler, r"self\.o\.valid & self\.o\.ready", "self.o.ready", LAGS),
+    "shown as it is laid out": (BlockTiler, r"m\.If\(laid\)", "m.If(there)", LAGS),
+    "touched where it is not": (
+        BlockTiler,
+        r"Cat\(\(mask & odd\)\.any\(\)",
+        "Cat(mask.any()",
+        "one_element_a_cycle",
+    ),
     "a line too early": (BlockTiler, r"> BLOCK\b", "> BLOCK - 1", LAGS),
     "top of the last frame": (BlockTiler, r"top\.eq\(-ROWS\)", "top.eq(top)", "end_tokens"),
     "never meets": (BlockTiler, r"near\.eq\(apart", "near.eq(0 & apart", MEETS, "_meets"),
@@ -138,34 +151,46 @@ REWRITTEN = {
         "apart = self.words[0][0] & 0",
         "every_word_marks_its_beat",
     ),
-    "the top of this cycle": (BeatWalker, r"\(line < top\)", "(line < self.top)", FIRST),
+    "a line above the top": (
+        BeatWalker,
+        r"looked_at < self\.top",
+        "looked_at <= self.top",
+        "nothing_leaves_unasked",
+    ),
+    "the next line as this one": (
+        BeatWalker,
+        r"looked_at\[: config\.slot_bits\]",
+        "place",
+        WALK,
+    ),
+    "jumps over what is written": (BeatWalker, r"self\.jump & clean", "self.jump", WALK),
     "marks taken unasked": (BeatWalker, r" & self\.enable\)", ")", "nothing_leaves_unasked"),
     "left before it has come": (
         BeatWalker,
-        r"\(line < self\.limit\)",
+        r"self\.jump \| loaded",
         "1",
         "nothing_leaves_unasked",
     ),
     "not held by what is asked for": (
         BeatWalker,
-        r"Mux\(asking, asked_line, line\)",
-        "line",
+        r"m\.Elif\(turns\)",
+        "m.Elif(1)",
         "the_window_waits_for_what_is_asked_for",
     ),
-    "marks taken while beats wait": (BeatWalker, r" & ~beats\.any\(\)", "", WALK),
-    "a stretch skipped": (BeatWalker, r"wanted & ~Mux\(take,", "wanted & ~Mux(here,", WALK),
-    "a line left too early": (BeatWalker, r"here & ~rest\.any\(\)", "here", WALK),
+    "marks taken while beats wait": (BeatWalker, r" & ~behind\.any\(\)", "", WALK),
+    "a stretch skipped": (BeatWalker, r"m\.If\(take \| ~here\)", "m.If(1)", WALK),
+    "a line left too early": (BeatWalker, r"take & ~rest\.any\(\)", "take", WALK),
     "never wraps": (
         BeatWalker,
-        r"written < place\)",
-        "written < 0)",
+        r"self\._written\(residue\) & \(",
+        "0 & (",
         "the_next_frame_is_drawn_while_one_leaves",
         "_wraps",
     ),
     "reached by a first word": (
         BeatWalker,
-        r"own\[0\] \| own\[1\]",
-        "own[0]",
+        r"Mux\(beyond, own\.rotate_left\(1\), 0\)",
+        "0",
         "a_block_on_two_stretches_reaches_both",
         "_reached",
     ),
@@ -176,6 +201,12 @@ REWRITTEN = {
         "loaded_beats_too",
         "_reached",
     ),
+    "the first stretch of the last line": (
+        BeatWalker,
+        r"Mux\(here & rest\.any\(\), rest, reached\)",
+        "Mux(rest.any(), rest, reached)",
+        WALK,
+    ),
     "forgotten at a turn": (
         BeatWalker,
         r"turned, now, before\)",
@@ -183,6 +214,29 @@ REWRITTEN = {
         WALK,
         "_reached",
     ),
+    "more than there is room for": (
+        BeatEmitter,
+        r"DEPTH // 2",
+        "DEPTH + 2",
+        "the_queue_takes_what_there_is_room_for",
+    ),
+    "end beats beyond the queue": (
+        BeatEmitter,
+        r"self\.end & self\.room",
+        "self.end",
+        "end_beats_need_room_too",
+    ),
+    "over before its beats": (BeatEmitter, r" & ~valid\.any\(\)", "", COMES),
+    "background leaves": (BeatEmitter, r"out\.valid & visible\)", "out.valid)", COMES),
+    "background in the way": (
+        BeatEmitter,
+        r"raster\.ready \| blank",
+        "raster.ready",
+        "background_leaves_untaken",
+    ),
+    "not clipped": (BeatEmitter, r"Cat\(is_last &", "Cat(0 &", COMES, "_join"),
+    "clipped a pixel early": (BeatEmitter, r"n > last", "n >= last", COMES, "_join"),
+    "clipped as the one behind": (BeatEmitter, r"places\[-2\]\)", "places[-1])", COMES),
     "never forgotten": (
         BeatWalker,
         r"clean \| turned, 0",
@@ -200,48 +254,37 @@ def test_a_fault_in_a_part_of_the_window_of_rows_is_noticed(monkeypatch, broken)
     bench = BENCHES[part]
     assert hasattr(bench, test)
     with pytest.raises(SimulationError, match="FAIL=1"):
-        run_bench(SWIFT_OF_LANES, part, bench.__file__, test=test)
-
-
-def far_below(rng, config):
-    """Elements a few lines high, each of which lets those before it leave, to a slow sink."""
-    for seed, rate in enumerate([0.5, 0.3, 0.15]):
-        words = []
-        for n in range(80):
-            high = int(rng.integers(1, 4))
-            rows = [(1, 0)] * (4 - high) + [(0, 7)] * high
-            x, z = int(rng.integers(30)), int(rng.integers(99))
-            words.append(word(rows, x, z, diffuse=n % 64, config=config))
-            words.append(advance_word(int(rng.choice([4, 5, 8, 12, 16])), config))
-        frame = frame_of(words, 40, 1000, config=config)
-        yield Job(frame=frame, rates={"raster": rate}, seed=seed)
+        run_bench(SWIFT, part, bench.__file__, test=test)
 
 
 def behind_the_sweep(rng, config):
-    """A reset, and then at once an element where the lanes are cleared last, and were near before.
+    """A reset, and then at once elements where the lanes are cleared last, and elsewhere.
 
-    No tables are written after it, which would take longer than that: none but the memory's counts.
+    Near pixels were there before. No tables are written after it, which would take longer than the
+    sweep: none but the memory's counts.
     """
     random = random_tables(rng, config)
     tables = Tables(np.zeros(3, np.int64), random.diffuse, random.specular)
 
     def frame(z, count):
-        element = word([(0, 7)] * 4, config.max_width - 8, z, diffuse=z, material=9, config=config)
-        words = [advance_word(16, config), *[element] * count]
+        elements = [
+            word([(0, 7)] * 4, x, z, diffuse=z, material=9, config=config)
+            for x in (config.max_width - 8, 40)
+        ]
+        words = [advance_word(16, config), *elements * count]
         return dataclasses.replace(frame_of(words, config=config), tables=tables)
 
     yield Job(frame=frame(60, 3))
     for after in (200, 320):
-        near = frame(1, 300)
+        near = frame(1, 150)
         yield Job(frame=frame(60, 3), followed_by=[near], write_tables="none", reset_after=after)
 
 
-OVER = test_presets.over_an_initial_raster
+OVER, DOWN = test_presets.over_an_initial_raster, test_variants.down_the_image
 IN_THE_WINDOW = {
     "no conflict": (r"drawn & block\.meets", "0", OVER),
-    "no conflict where all stood still": (r"(?<=\) \| )stopped(?=\),)", "0", far_below),
     "a block goes where a beat goes first": (r"~\(first & meeting\)", "1", OVER),
-    "a block goes where marks go first": (r"~\(marks_first & marking\)", "1", OVER),
+    "a block goes where marks go first": (r"~\(marks_first & marking\)", "1", DOWN),
     "a row is not kept for a block": (r"\(first \| ~\(offered & meeting\)\)", "1", OVER),
     "a row is kept from what goes first": (
         r"~\(row_served & first\.replicate\(BLOCK\)\)",
@@ -253,10 +296,9 @@ IN_THE_WINDOW = {
         "1",
         OVER,
     ),
-    "a load meets what is cleared": (r"~stopped(?=\n)", "1", OVER),
     "a block goes beside a load that presses": (r"~pressing", "1", OVER),
     "loads go before all else": (
-        r"\(pressing \| ~\(walker\.flush\.valid & \(refused \| lagging\)\)\)",
+        r"\(pressing \| ~\(leaves & \(refused \| lagging\)\)\)",
         "1",
         OVER,
     ),
@@ -265,15 +307,19 @@ IN_THE_WINDOW = {
         "1",
         OVER,
     ),
-    "marks taken beside a load": (r"(?<=enable\.eq\(~sweeping & )~loading", "1", OVER),
-    "a beat leaves where a block stood still": (r"~\(stopped & drawn\)", "1", far_below),
-    "no wait after the sweep": (r"~swept(?=\n +& ~conflict)", "1", behind_the_sweep),
+    "marks taken beside a load": (r"(?<=enable\.eq\()~loading", "1", OVER),
+    "no wait for the sweep": (r"~swept(?=\),\n +going)", "1", behind_the_sweep),
+    "a waiting block in the sweep's way": (
+        r"offered\.replicate\(BLOCK\)(?= & )",
+        "(self.i.valid & ~block.end & ~pressing).replicate(BLOCK)",
+        behind_the_sweep,
+    ),
 }
 
 
 def collide(text):
     """Make a pixel wrong that is read or written while it is written: as a block RAM may do."""
-    port = r"if \((\S+) \)\s+{}\[({}[^]]*\])\] <= (\S+) ;(.*?)"
+    port = r"if \((\S+?) ?\)\s+{}\[({}[^]]*\])\] <= (\S+) ;(.*?)"
     text, count = re.subn(
         port.format(r"((?:even|odd)_\d)", "request")
         + port.format(r"\2", "taken")
@@ -290,14 +336,14 @@ def collide(text):
 
 def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
     """Where the memory is as unkind as it may be. One build for them all, which takes the time."""
-    config = SWIFT_OF_LANES
+    config = SWIFT
     with monkeypatch.context() as broken:
         edit = switched_source(
             broken, BlockWindow, [planted[:2] for planted in IN_THE_WINDOW.values()]
         )
         built = wrap(collide(edit(generate(config)[0])), config)
     rng = np.random.default_rng(11)
-    jobs = {case: list(case(rng, config)) for case in (OVER, far_below, behind_the_sweep)}
+    jobs = {case: list(case(rng, config)) for case in (OVER, DOWN, behind_the_sweep)}
     run = simulator.run
 
     def is_wrong(case, number):

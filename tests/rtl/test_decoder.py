@@ -8,8 +8,9 @@ from blocks import block_rows
 from presets import CONFIG, run_bench
 
 from splatline.rtl.decoder import Decoder
-from splatline.rtl.format import PAPER, SWIFT
+from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import FootprintLayout, GeometryLayout
+from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.streams import StreamBench
 
 PLACES = {name: (f.offset, f.width) for name, f in GeometryLayout(CONFIG)}
@@ -235,4 +236,4 @@ def test_decoder_covers_the_pixels_of_the_contract(simulator_name):
 
 
 def test_decoder_covers_them_in_words_of_eight_pixels():
-    run_bench(SWIFT, Decoder, __file__, simulator_name="verilator")
+    run_bench(BANKS16, Decoder, __file__, simulator_name="verilator")

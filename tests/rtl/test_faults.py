@@ -30,6 +30,7 @@ from splatline.rtl.format import BAYER, PAPER, PRESETS
 from splatline.rtl.planar_bank import PlanarBank
 from splatline.rtl.scatter import Scatter
 from splatline.rtl.sequencer import Sequencer
+from splatline.rtl.variants import BANKS16
 from splatline.rtl.verilog import convert
 from splatline.rtl.window import Window
 from splatline.sim import golden
@@ -37,6 +38,7 @@ from splatline.sim.cosim import frames, simulator
 from splatline.sim.cosim.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 
+ENGINES = PRESETS | {BANKS16.name: BANKS16}
 WAITS = "an_element_waits_for_the_window"
 MARKS = "a_mark_a_word"
 COMPLETE = "$signed({1'h0, line}) < $signed(top)"
@@ -59,7 +61,7 @@ PART_FAULTS = [
     ("paper", Scatter, test_scatter, "free_banks", "end_3", "2'h3", "mask"),
     ("paper", Scatter, test_scatter, "elements_in_a_row", "again", "8'h0", "no rest"),
     ("paper", Scatter, test_scatter, "elements_in_a_row", "again", "same", "rests for nothing"),
-    ("swift", Scatter, test_scatter, "free_banks", "end_3", "3'h7", "mask of eight"),
+    ("banks16", Scatter, test_scatter, "free_banks", "end_3", "3'h7", "mask of eight"),
     ("wide", BankMarks, test_bank_marks, MARKS, "busy", "1'h0", "marks read while in use"),
     ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "1'h0", "marks stay"),
     ("wide", BankMarks, test_bank_marks, MARKS, "clear_5", "take | wipe", "marks clear too much"),
@@ -85,7 +87,7 @@ def test_a_fault_in_a_part_is_noticed(preset, component, bench, test, signal, va
     *inner, name = signal.split(".")
     edit = fault(".".join(["dut", *inner]), name, value)
     with pytest.raises(SimulationError):
-        run_preset(PRESETS[preset], component, bench.__file__, test=test, edit=edit)
+        run_preset(ENGINES[preset], component, bench.__file__, test=test, edit=edit)
 
 
 SHORT = "in_short"

@@ -1,10 +1,11 @@
-"""A row of lanes: depth test and write back in two words at once, standing still in between."""
+"""A row of lanes: depth test and write back in two words at once."""
 
 import random
 
 import cocotb
 from presets import CONFIG, run_bench
 
+from splatline.rtl.format import SWIFT
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.lane_row import (
     HALVES,
@@ -13,7 +14,6 @@ from splatline.rtl.lane_row import (
     RowRequestLayout,
     row_address_bits,
 )
-from splatline.rtl.variants import SWIFT_OF_LANES
 from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 
@@ -84,7 +84,6 @@ class Operator:
         self.coming, self.leaving = None, None  # words that leave; before the reset unknown
 
     async def reset(self):
-        self.dut.enable.value = 1
         self.dut.request.value = self.dut.new.value = self.dut.loaded.value = 0
         await self.bench.reset()
         self.coming = self.leaving = None
@@ -98,8 +97,8 @@ class Operator:
         """Whether no pixel of it is being written."""
         return not request.reads & self.flying
 
-    async def cycle(self, request=None, enable=1, known=True):
-        """One cycle: a request is taken if the row is enabled; what means nothing is random."""
+    async def cycle(self, request=None, known=True):
+        """One cycle; what means nothing is random."""
         rng, dut = self.random, self.dut
         assert request is None or self.may(request)
         places = request.places if request else [rng.randrange(PLACES) for _ in HALVES]
@@ -117,7 +116,6 @@ class Operator:
             loaded = request.pixels
 
         def drive():
-            dut.enable.value = enable
             dut.request.value = pack(REQUEST, **fields)
             dut.new.value = pack(PIXEL, depth=new[0], colour=new[1])
             dut.loaded.value = pack(
@@ -139,11 +137,10 @@ class Operator:
                 assert found == self.leaving
 
         await self.bench.step(drive, observe)
-        if enable:
-            self.leaving, self.coming = self.coming, BLANK
-            self._take(request)
-            if not known:  # what stood there before the first clear
-                self.coming = None
+        self.leaving, self.coming = self.coming, BLANK
+        self._take(request)
+        if not known:  # what stood there before the first clear
+            self.coming = None
 
     def _take(self, request):
         self.flying = frozenset()
@@ -185,10 +182,8 @@ def random_request(rng, spread, step):
 
 @cocotb.test()
 async def random_requests(dut):
-    """Few places, then all; few depths, so that ties are common; pauses now and then."""
-    for seed, (spread, step, rate) in enumerate(
-        [(2, 1, 1.0), (4, 100, 0.7), (PLACES, 128, 0.8), (8, 1, 0.3)]
-    ):
+    """Few places, then all; few depths, so that ties are common; no request now and then."""
+    for seed, (spread, step) in enumerate([(2, 1), (4, 100), (PLACES, 128), (8, 1)]):
         rng, operator, taken = random.Random(seed), Operator(dut, seed), 0
         await operator.reset()
         for _ in range(600):
@@ -196,7 +191,7 @@ async def random_requests(dut):
             if request and not operator.may(request):
                 request = None
             taken += request is not None
-            await operator.cycle(request, enable=rng.random() < rate)
+            await operator.cycle(request)
         assert taken > 300
         await operator.cycle()
         for place in range(0, PLACES, PLACES // spread):
@@ -258,24 +253,7 @@ async def what_is_loaded_is_there_whatever_was(dut):
         await operator.cycle()
         await operator.read((13, 12))
         await operator.read((12, 13))
-    await operator.cycle(Load(dict.fromkeys(ALL, (7, 7)), (13, 13)), enable=0)
-    await operator.read((13, 13))
-
-
-@cocotb.test()
-async def a_paused_row_writes_once(dut):
-    """A request that stands still for many cycles comes out as if it had not; none is taken."""
-    operator = Operator(dut, 12)
-    await operator.reset()
-    columns = {column: column // 4 for column in range(COLUMNS)}
-    await operator.cycle(Draw(columns, (50, 8), (8, 8)))
-    for request in (Draw(columns, (40, 7), (7, 7)), Clear((8, 8)), None, None):
-        await operator.cycle(request)
-        for _ in range(4):
-            await operator.cycle(Draw(columns, (1, 1), (9, 9)), enable=0)
-    for place in (7, 8, 9):
-        await operator.read((place, place))
 
 
 def test_row_of_lanes_keeps_the_nearest():
-    run_bench(SWIFT_OF_LANES, LaneRow, __file__)
+    run_bench(SWIFT, LaneRow, __file__)

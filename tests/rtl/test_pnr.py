@@ -2,10 +2,11 @@ import re
 
 import pytest
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.pins import generate_pins
-from splatline.rtl.pnr import CONSTRAINTS, RESOURCES, read_report, smallest
+from splatline.rtl.pnr import CONSTRAINTS, RESOURCES, SHORT, placer, read_report, smallest
 from splatline.rtl.tools import ToolError
+from splatline.rtl.variants import VARIANTS
 
 
 def step(kind, delay, cell, net=None):
@@ -90,3 +91,8 @@ def test_the_vendor_s_constraints_fit_the_pins():
     _, description = generate_pins(PAPER, "top")
     for port in description["ports"]:
         assert any(port["name"].startswith(glob.rstrip("*")) for glob in globs), port["name"]
+
+
+def test_only_rows_of_lanes_are_placed_for_short_wires_alone():
+    short = [c.name for c in (*PRESETS.values(), *VARIANTS) if placer(c) == SHORT]
+    assert short == ["swift"]

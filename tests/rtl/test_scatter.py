@@ -8,10 +8,10 @@ import pytest
 from footprints import PIXELS, footprint, place_of_word
 from presets import CONFIG, run_bench
 
-from splatline.rtl.format import SWIFT, WIDE
+from splatline.rtl.format import WIDE
 from splatline.rtl.layouts import DealLayout
 from splatline.rtl.scatter import Scatter
-from splatline.rtl.variants import SWIFT_OF_FOUR
+from splatline.rtl.variants import BANKS16, BANKS16_WORD4
 from splatline.sim.cosim.blocks import unpack
 from splatline.sim.cosim.streams import StreamBench
 
@@ -158,6 +158,6 @@ def test_scatter_deals_every_word_once(block_simulator):
     run_bench(WIDE, Scatter, __file__, simulator_name=block_simulator)
 
 
-@pytest.mark.parametrize("config", [SWIFT, SWIFT_OF_FOUR], ids=lambda config: config.name)
+@pytest.mark.parametrize("config", [BANKS16, BANKS16_WORD4], ids=lambda config: config.name)
 def test_scatter_deals_every_word_once_to_sixteen_banks(config):
     run_bench(config, Scatter, __file__, simulator_name="verilator")

@@ -11,7 +11,7 @@ from random_frames import frame_of, nonsense, random_raster, shapes, word
 from test_shaped_engine import mixed
 
 from splatline.host.order import advance_word
-from splatline.rtl.format import PAPER
+from splatline.rtl.format import PAPER, SWIFT
 from splatline.rtl.tiler import Tiler
 from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
 from splatline.sim import golden
@@ -25,7 +25,7 @@ PLAYED = [
     config
     for config in VARIANTS
     if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all"
-    or config.name in ("largest", "swift-word4", "swift-lanes")
+    or config.name in ("largest", "banks16", "banks16-word4")
 ]
 """The largest, which differs from ``paper`` in most, and those of sixteen banks: a build each.
 All of them on demand."""
@@ -91,6 +91,28 @@ def test_every_variant_draws_what_the_contract_says_in_the_cycles_it_is_said_to(
     timed = [n for n, name in enumerate(names) if name == "at_full_rate"]
     counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in timed]
     assert counted == [outcomes[n].cycles for n in timed]
+
+
+def behind_a_slow_raster(rng, config):
+    """Frames whose beats fill the queue that rows of lanes have on their way out."""
+    for seed, rate in enumerate((0.02, 0.1, 0.3)):
+        frames = [nonsense(rng, 1500, 400, 60, 0.03, config=config) for _ in range(3)]
+        yield Job(
+            frame=frames[0],
+            followed_by=frames[1:],
+            initial=random_raster(rng, 400, 60, 0.1, config) if seed else None,
+            rates={"raster": rate},
+            seed=seed,
+        )
+
+
+def test_rows_of_lanes_at_borders_and_behind_a_slow_raster():
+    rng = np.random.default_rng(31)
+    cases = [at_the_right_border, down_the_image, behind_a_slow_raster]
+    made = [(case.__name__, job) for case in cases for job in case(rng, SWIFT)]
+    names, jobs = zip(*made, strict=True)
+    wrong = zip(names, map(mismatches, jobs, play(jobs)), strict=True)
+    assert [(name, count) for name, count in wrong if count] == []
 
 
 def of_words_of_eight(rng, config):

@@ -6,14 +6,15 @@ from types import SimpleNamespace
 import pytest
 from amaranth.lib import data
 
-from splatline.rtl.format import PAPER, SWIFT
+from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import DealLayout, GeometryLayout, RasterLayout
+from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.blocks import pack, unpack
 
 LAYOUTS = [
     layout(config)
     for layout in (DealLayout, GeometryLayout, RasterLayout)
-    for config in (PAPER, SWIFT)
+    for config in (PAPER, BANKS16)
     if not (layout is DealLayout and config.lanes)
 ]
 

@@ -11,7 +11,7 @@ from scene_frames import scene_frame
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
 from splatline.rtl.format import PAPER, PRESETS, SWIFT, WIDE
-from splatline.rtl.variants import SHAPED, VARIANTS
+from splatline.rtl.variants import BANKS16, SHAPED, VARIANTS
 from splatline.sim.bound import bound_cycles, least_cycles
 from splatline.sim.cycles import count_cycles
 
@@ -83,7 +83,8 @@ def test_a_line_is_drawn_into_once_the_one_in_its_place_has_left(below, waits):
 )
 def test_words_of_eight_leave_in_half_the_beats(lines, expected):
     """A line of 512 pixels is 64 words; each row is one of them, and two are a beat."""
-    assert bound_cycles(rows_at(*lines, config=SWIFT)) == expected
+    for config in (BANKS16, SWIFT):
+        assert bound_cycles(rows_at(*lines, config=config)) == expected
 
 
 def test_a_window_of_fewer_lines_holds_up_more():
