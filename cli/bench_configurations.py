@@ -72,7 +72,8 @@ def configurations(
 
     Cycles of the built-in scenes, those of the Verilog counted without running it; with Yosys what
     each takes of the XC2V250, in half a minute to two; and with --clock the rate that nextpnr
-    reaches on a Lattice ECP5, in one to three minutes, of `swift` in ten.
+    reaches on a Lattice ECP5, in one to three minutes, of
+    `swift` in four, of sixteen banks in ten.
 
     \b
     Examples:

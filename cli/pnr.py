@@ -43,7 +43,8 @@ def pnr(
 ) -> None:
     """Place and route an engine with its pins on a Lattice ECP5, LFE5U-25F or as large as it takes.
 
-    Each try takes a minute or two, of `swift` ten. The rate of the paper's Virtex-II
+    Each try takes a minute or two, of `swift` four, of
+    sixteen banks ten. The rate of the paper's Virtex-II
     is an estimate beside it: only the vendor's tools could route that (docs/ise.md).
 
     \b

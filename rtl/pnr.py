@@ -36,13 +36,18 @@ DEVICES = (
 )
 """Those of one package and the slowest grade, with 24, 44 and 84 thousand LUTs."""
 
-OPTIONS = (
-    *("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"),
-    *("--placer-heap-timingweight", "40"),
-)
-"""The third lets the placer choose the pins. With the last, four times what it is else, it cares
-more for the slowest wires than for the length of all: a tenth faster where a block RAM and its
-comparison are two thirds of the longest way (``docs/decisions.md``)."""
+OPTIONS = ("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
+"""The last lets the placer choose the pins."""
+
+TIMED = ("--placer-heap-timingweight", "40")
+"""Four times what it is else: the placer cares more for the slowest wires than for the length of
+all. A tenth faster where a block RAM and its comparison are two thirds of the longest way
+(``docs/decisions.md``)."""
+
+SHORT = ("--placer", "static")
+"""A placer that keeps all wires short. That is faster where rows of lanes have their block RAMs all
+over the chip, and in no other engine; and the router is done in some minutes then, which else found
+no way in forty."""
 
 SYNTHESIS = "synth_ecp5 -cmp2softlogic"
 """Comparisons with constants in LUTs: a carry chain takes longer to get into and out of."""
@@ -114,7 +119,7 @@ def place_and_route(
         cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
         block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
         device = smallest(block_rams, banks=config.banks)
-        options = [device.option, *OPTIONS]
+        options = [device.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {n: _route(folder, [*route, str(n)], n) for n in range(seed, seed + tries)}
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
@@ -146,6 +151,11 @@ def smallest(block_rams: int, *, banks: int = BANKS[0]) -> Device:
     """
     roomy = DEVICES[1:] if banks > BANKS[0] else DEVICES
     return next((device for device in roomy if device.block_rams >= block_rams), DEVICES[-1])
+
+
+def placer(config: EngineConfig) -> tuple[str, ...]:
+    """Return nextpnr's options for how an engine is placed."""
+    return SHORT if config.rows_of_lanes else TIMED
 
 
 def _route(folder: Path, route: list[str], seed: int) -> dict:
