@@ -242,7 +242,7 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
 def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
     """Draw and measure what an engine draws."""
     from ..host.pipeline import total_counts
-    from ..rtl.format import PRESETS
+    from ..rtl.presets import PRESETS
     from ..sim import metrics
     from ..sim.average import average
     from ..sim.budget import blurred_psnr

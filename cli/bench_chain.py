@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
-from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.format import EngineConfig
 from ..rtl.links import LINKS, MOST_ENGINES
+from ..rtl.presets import PRESETS
 from .bench_chain_runs import Plan, measure
 from .bench_options import folder_option, scenes_option
 from .bench_subjects import check_names

@@ -12,7 +12,8 @@ import click
 
 from ..host.errors import InputError, install_hint
 from ..host.quality import QUALITIES
-from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PRESETS
 from ..rtl.variants import VARIANTS
 from .bench_configurations_page import page
 from .bench_engine_runs import Plan, measure

@@ -9,7 +9,8 @@ import click
 
 from ..host.errors import InputError, install_hint
 from ..host.quality import QUALITIES
-from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PRESETS
 from .bench_engine_few import measure_few
 from .bench_engine_runs import CLOCK_HZ, Plan, count_luts, measure
 from .bench_options import folder_option, scenes_option, splats_option

@@ -8,7 +8,8 @@ from typing import Any
 
 import click
 
-from ..rtl.format import PRESETS, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PRESETS
 from ..rtl.variants import SHAPED, VARIANTS
 
 __all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]

@@ -17,11 +17,12 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.rtl.chain import QUEUE
-from splatline.rtl.format import PAPER, EngineConfig
+from splatline.rtl.format import EngineConfig
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.merger import Merger
 from splatline.rtl.pins import BEAT_PIECE, Gatherer, Splitter
 from splatline.rtl.pnr import CONSTRAINTS, DEVICES, OPTIONS, SYNTHESIS, read_report
+from splatline.rtl.presets import PAPER
 from splatline.rtl.queue import Queue
 from splatline.rtl.synth import count_component
 from splatline.rtl.tools import run_nextpnr, run_yosys

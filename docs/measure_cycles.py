@@ -16,7 +16,7 @@ import numpy as np
 
 from splatline.host import fit_view, load_scene, make_frame, read_cloud, splat_radii
 from splatline.host.scenes import SCENES
-from splatline.rtl.format import PAPER, SWIFT, WIDE
+from splatline.rtl.presets import PAPER, SWIFT, WIDE
 from splatline.sim import golden
 from splatline.sim.bound import least_cycles
 from splatline.sim.cosim.frames import simulate_frame

@@ -13,7 +13,7 @@ import sys
 
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
 from splatline.host.scenes import SCENES
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 from splatline.rtl.variants import VARIANTS
 from splatline.sim import golden
 from splatline.sim.cosim.frames import Job, play

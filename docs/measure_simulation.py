@@ -12,7 +12,7 @@ import tempfile
 import time
 
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
-from splatline.rtl.format import get_preset
+from splatline.rtl.presets import get_preset
 from splatline.sim import golden
 from splatline.sim.cosim.frames import build_engine, simulate_frame
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numba as nb
 
-from ..rtl.format import BLOCK, COMPACT, PAPER, ROWS
+from ..rtl.format import BLOCK, COMPACT, ROWS
+from ..rtl.presets import PAPER
 from .emit import LARGEST, corner, put_symmetric
 from .shapes import SIZES
 from .symmetric import encode_symmetric

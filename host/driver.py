@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, PRESETS, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER, PRESETS
 from ..rtl.register_map import CHOICES, COUNTERS, IDENTITY, VERSION, register_map
 from ..rtl.registers import RegisterMap
 from ..rtl.variants import SHAPED, VARIANTS

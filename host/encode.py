@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, ROWS, EngineConfig
+from ..rtl.format import ROWS, EngineConfig
+from ..rtl.presets import PAPER
 from .encode_splats import Fixed, encode_splats, measure_room
 from .occlusion import cover, new_pyramid
 from .project import Splats

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER
 from .errors import InputError
 
 __all__ = ["Frame", "Tables", "check_tables"]

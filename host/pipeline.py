@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, PRESETS, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER, PRESETS
 from ..rtl.variants import VARIANTS
 from .cloud import Cloud
 from .errors import InputError

@@ -6,7 +6,8 @@ from typing import Any
 
 import numba as nb
 
-from ..rtl.format import BLOCK, PAPER, ROWS
+from ..rtl.format import BLOCK, ROWS
+from ..rtl.presets import PAPER
 
 __all__ = ["COLUMN", "FIRST", "LAST", "unfold"]
 

@@ -11,8 +11,9 @@ from .axi_registers import RegisterFile
 from .axi_stream import AxiStreamSignature, HalfSlice, PacketLayout, RegisterSlice
 from .codeword_check import CodeWordCheck, end_word, is_end
 from .engine import Engine
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
 from .layouts import CodeWordLayout, RasterLayout
+from .presets import PAPER
 from .register_map import raster_stream_bytes, register_map
 from .stream_guard import StreamGuard
 

@@ -6,7 +6,8 @@ from amaranth.hdl import Shape
 from amaranth.lib.wiring import In
 
 from .axi_top import AxiTop
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
+from .presets import PAPER
 from .register_texts import json_map
 from .verilog import convert, describe, header
 

@@ -23,10 +23,10 @@ class BeatEmitter(wiring.Component):
     """Takes each flushed beat from its row of lanes and offers it on ``raster``.
 
     A beat stands on its row's output three cycles after it was asked for, while all other rows give
-    background; from there it goes into a queue. ``room`` says whether that has a place for one
-    more, those on their way to it counted: so the lanes go on whatever ``raster`` does, and no way
-    leads from there to them. A beat of background only is dropped behind the queue: what was drawn
-    there did not pass the depth test or lies outside the image.
+    background; from there it goes into a queue. ``room`` says that this was not half full a cycle
+    before: so it has a place for all that is on its way, the lanes go on whatever ``raster`` does,
+    and no way leads from there to them. A beat of background only is dropped behind the queue: what
+    was drawn there did not pass the depth test or lies outside the image.
 
     **Latency**: 6 cycles from a request to ``raster``. **Throughput**: one beat a cycle; while
     ``raster`` is not ready, dropping one takes two.
@@ -99,7 +99,6 @@ class BeatEmitter(wiring.Component):
             out.ready.eq(raster.ready | blank),
         ]
         m.d.sync += blank.eq(out.valid & ~visible & ~out.ready)
-        # Half of it is enough, and that leaves a place for all that is on its way.
         m.d.sync += self.room.eq(queue.level < DEPTH // 2)
         return m
 

@@ -23,8 +23,8 @@ class BeatWalker(wiring.Component):
     leaves in one cycle, and all at once if none was written.
 
     Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
-    asked for: ``line`` is ``oldest``, or the line below it. A stretch that nothing has reached for
-    long is passed over (``_reached``).
+    asked for: ``line`` is ``oldest``, or lies below it. A stretch that nothing has reached for long
+    is passed over (``_reached``).
 
     **Latency**: 2 cycles from a complete line to its first beat. **Throughput**: one beat a cycle,
     or a stretch without marks.

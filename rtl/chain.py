@@ -10,10 +10,11 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .engine import Engine
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
 from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 from .links import LINKS, MOST_ENGINES
 from .merger import Merger
+from .presets import PAPER
 from .queue import Queue
 
 __all__ = ["QUEUE", "Chain", "check_chain"]

@@ -9,7 +9,8 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import Out
 
 from .chain import QUEUE, Chain
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
+from .presets import PAPER
 from .verilog import MEANINGS, convert, describe, header
 
 __all__ = ["Reference", "generate_chain"]

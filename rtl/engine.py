@@ -9,11 +9,12 @@ from .block_tiler import BlockTiler
 from .block_window import BlockWindow
 from .colour import ColourUnit
 from .decoder import Decoder
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
 from .lane import lane_address_bits
 from .lane_row import row_address_bits
 from .lane_window import LaneWindow
 from .layouts import CodeWordLayout, ElementLayout, RasterLayout, TableWriteLayout
+from .presets import PAPER
 from .sequencer import Sequencer
 from .shape_rom import ROM_LATENCY, ShapeRom
 from .tables import Tables
@@ -131,7 +132,7 @@ class Engine(wiring.Component):
             colour.moves.eq((decoder if config.lanes else window).moves),
         ]
         if config.rows_of_lanes:
-            # A stage more.
+            # The tiler has a stage more than others, and so the colour's way.
             shade = Signal.like(colour.shade, reset_less=True)
             with m.If(decoder.settles):
                 m.d.sync += shade.eq(colour.shade)
@@ -153,7 +154,7 @@ class Engine(wiring.Component):
             waits.eq(sequencer.o.valid & ~sequencer.o.ready),
         ]
         if config.rows_of_lanes:
-            # They have an end beat from its place in a queue on, but it is still to leave.
+            # ``finished`` says that the end beat went into a queue, which it has yet to leave.
             unfinished = Signal(2)
             end_taken = self.raster.valid & self.raster.ready & self.raster.payload.end
             m.d.sync += unfinished.eq(unfinished + opens - end_taken)

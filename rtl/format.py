@@ -18,12 +18,9 @@ __all__ = [
     "BLOCK",
     "COMPACT",
     "MOST_BEAT_BITS",
-    "PAPER",
-    "PRESETS",
     "ROWS",
     "SHAPES",
     "EngineConfig",
-    "get_preset",
 ]
 
 BLOCK = 8
@@ -57,6 +54,9 @@ _WINDOWS: dict[tuple[bool, int], tuple[str, dict[str, tuple[int, ...]]]] = {
     ),
 }
 """Each kind of window and what it leaves to choose, by ``lanes`` and ``banks``."""
+
+BAYER = ((0, 8, 2, 10), (12, 4, 14, 6), (3, 11, 1, 9), (15, 7, 13, 5))
+"""Thresholds of ordered dithering in sixteenths, by line and column modulo 4 (Bayer, 1973)."""
 
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs there are, and the largest size that each holds."""
@@ -446,62 +446,3 @@ class EngineConfig:
     def raster_end(self) -> Field:
         """1: the frame is over, and the beat's other fields mean nothing."""
         return Field(self.raster_line.end, 1)
-
-
-PAPER = EngineConfig(name="paper", lanes=True)
-"""The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
-
-BANKED = PAPER.replace(lanes=False)
-"""The same with a window of banks; the other presets come from it."""
-
-WIDE = BANKED.replace(name="wide", raster_words=2)
-"""More silicon, and fewer cycles for elements over 4 pixels and for sparse scenes."""
-
-SWIFT = WIDE.replace(name="swift", lanes=True, banks=16, pixels_per_word=8)
-"""A code word a cycle, whatever its size, but where it waits for a pixel of the one before: the
-fewest cycles, of sparse scenes too, in hardly more LUTs than ``wide`` and eight times the block
-RAMs."""
-
-PRESETS = {
-    config.name: config
-    for config in (
-        PAPER,
-        WIDE,
-        SWIFT,
-        BANKED.replace(name="dither", dither=True, mark_words=2),
-        BANKED.replace(
-            name="rgb18",
-            channel_bits=6,
-            coefficient_bits=8,
-            colour_shift=9,
-            colour_planes=2,
-            mark_words=4,
-        ),
-        BANKED.replace(
-            name="rgb24",
-            channel_bits=8,
-            coefficient_bits=10,
-            colour_shift=8,
-            colour_planes=3,
-            mark_words=8,
-        ),
-        BANKED.replace(
-            name="deep", depth_bits=12, intensity_bits=6, material_bits=6, colour_shift=9
-        ),
-    )
-}
-"""Named configurations: ``paper``; ``wide``; ``swift``; and with eight banks and one word a beat:
-with ordered dithering, with 6 and 8 bits a colour channel, and with 12 bits of depth, which the
-intensities and the materials give up."""
-
-BAYER = ((0, 8, 2, 10), (12, 4, 14, 6), (3, 11, 1, 9), (15, 7, 13, 5))
-"""Thresholds of ordered dithering in sixteenths, by line and column modulo 4 (Bayer, 1973)."""
-
-
-def get_preset(name: str) -> EngineConfig:
-    """Return a named configuration, or raise ``ValueError`` with the names there are."""
-    try:
-        return PRESETS[name]
-    except KeyError:
-        names = ", ".join(sorted(PRESETS))
-        raise ValueError(f"no preset named {name!r}; there are: {names}") from None

@@ -6,8 +6,9 @@ import json
 import tempfile
 from pathlib import Path
 
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
 from .pins import generate_pins
+from .presets import PAPER
 from .synth import COMMAND
 from .tools import run_yosys
 

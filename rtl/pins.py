@@ -8,8 +8,9 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .choose import pick
 from .engine import Engine
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
 from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+from .presets import PAPER
 from .verilog import convert, describe, header
 
 __all__ = ["IO_PINS", "Gatherer", "PieceLayout", "PinTop", "Splitter", "generate_pins"]

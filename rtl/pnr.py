@@ -9,9 +9,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-from .format import BANKS, PAPER, EngineConfig
+from .format import BANKS, EngineConfig
 from .netlist import pin_netlist
 from .pins import generate_pins
+from .presets import PAPER
 from .timing import estimate_timing
 from .tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 

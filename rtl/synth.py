@@ -11,8 +11,9 @@ from pathlib import Path
 from amaranth.lib import wiring
 
 from .budgets import budget_name, over_budget, read_budgets
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
 from .levels import longest_path
+from .presets import PAPER
 from .tools import ToolError, run_yosys
 from .tops import TOPS
 from .verilog import convert

@@ -6,7 +6,8 @@ configurations`` compares.
 
 from __future__ import annotations
 
-from .format import PAPER, PRESETS, SWIFT, WIDE, EngineConfig
+from .format import EngineConfig
+from .presets import PAPER, PRESETS, SWIFT, WIDE
 
 __all__ = ["ALL_OF_EIGHT", "BANKS16", "BANKS16_WORD4", "SHAPED", "VARIANTS"]
 

@@ -12,7 +12,8 @@ from amaranth.hdl import Shape
 from amaranth.lib import data, wiring
 
 from .engine import Engine
-from .format import PAPER, EngineConfig
+from .format import EngineConfig
+from .presets import PAPER
 
 __all__ = ["convert", "describe", "generate", "header"]
 

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..rtl.fields import Field
-from ..rtl.format import PAPER, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER
 from .raster import Raster
 
 __all__ = ["from_beats", "put_field", "to_beats"]

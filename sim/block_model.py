@@ -81,8 +81,6 @@ def walk_blocks(words: Any, machine: Machine) -> int:
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
-        # The last pixels to be cleared are written one cycle after.
-        clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
         if ending and not (walk[FLUSHED] or left or left_before):
             return cycle + QUEUED + 1
         left, left_before = walk[FLUSHED], left
@@ -92,14 +90,14 @@ def walk_blocks(words: Any, machine: Machine) -> int:
         first, lagging = lagging, (top - oldest) % BLOCK >= LAGGING
         # Whether the element wants the row of lanes of the beat that leaves, or marks of the row
         # of which some are taken; and whether it waits for the one or the other.
-        offered = given == ELEMENT and near
+        # The last pixels to be cleared are written one cycle after the last address.
+        offered = given == ELEMENT and near and cycle > machine.clearing
         meets_beat = offered and block[ROWS + (oldest - block[FIRST_LINE]) % BLOCK]
         meets_marks = offered and block[ROWS + (walk[LINE] - block[FIRST_LINE]) % BLOCK]
         waits = first and ((walk[BEATS] and meets_beat) or (walk[HERE] and meets_marks))
-        going = offered and not settling and not waits
-        going = going and not (machine.hazard and meets and drawn)
-        flushing = walk[BEATS] > 0 and not clearing and (first or not meets_beat)
-        enable = not clearing and ((first and walk[HERE]) or not meets_marks)
+        going = offered and not waits and not (machine.hazard and meets and drawn)
+        flushing = walk[BEATS] > 0 and (first or not meets_beat)
+        enable = (first and walk[HERE]) or not meets_marks
         reach = 0
         if offered:
             word = block[COLUMN] // machine.pixels

@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..host.frame import Frame
-from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig
+from ..rtl.format import BLOCK, ROWS, EngineConfig
+from ..rtl.presets import PAPER
 from .expand import expand_frame
 from .golden import block_rows, decode, render
 from .lane_model import least_lane_cycles

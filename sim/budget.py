@@ -15,7 +15,8 @@ from ..host.lighting import Lighting
 from ..host.shade import SHADE_LEVELS
 from ..host.shapes import LEVELS
 from ..host.view import View
-from ..rtl.format import PAPER, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER
 from . import metrics
 from .float_render import Picture, Steps, render
 from .raster import Raster

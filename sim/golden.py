@@ -17,7 +17,8 @@ import numpy.typing as npt
 from ..host.errors import InputError
 from ..host.frame import Frame, check_tables
 from ..rtl.fields import Field
-from ..rtl.format import BLOCK, PAPER, ROWS, EngineConfig
+from ..rtl.format import BLOCK, ROWS, EngineConfig
+from ..rtl.presets import PAPER
 from .expand import expand_frame
 from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
 from .raster import Raster

@@ -19,7 +19,8 @@ import numpy as np
 import numpy.typing as npt
 from numba.extending import intrinsic
 
-from ..rtl.format import BAYER, BLOCK, PAPER, ROWS, EngineConfig
+from ..rtl.format import BAYER, BLOCK, ROWS, EngineConfig
+from ..rtl.presets import PAPER
 
 __all__ = ["Layout", "draw_bands", "index_lines", "layout_of", "thresholds"]
 

@@ -15,7 +15,8 @@ import numba as nb
 import numpy as np
 
 from ..host.unfold import COLUMN, FIRST, LAST
-from ..rtl.format import BLOCK, COMPACT, PAPER, ROWS, EngineConfig
+from ..rtl.format import BLOCK, COMPACT, ROWS, EngineConfig
+from ..rtl.presets import PAPER
 
 __all__ = [
     "ABOVE",

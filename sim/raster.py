@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import PAPER, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER
 
 __all__ = ["Raster"]
 

@@ -23,7 +23,8 @@ from ..host.frame import Frame
 from ..host.lighting import Lighting
 from ..host.pipeline import make_frame
 from ..host.view import View
-from ..rtl.format import PAPER, EngineConfig
+from ..rtl.format import EngineConfig
+from ..rtl.presets import PAPER
 from . import golden, reference
 from .metrics import compare
 from .raster import Raster

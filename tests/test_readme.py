@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from splatline.rtl.budgets import read_budgets
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")

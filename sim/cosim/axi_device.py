@@ -25,7 +25,8 @@ import numpy.typing as npt
 
 from ...host.device import BusError, DeviceTimeoutError
 from ...host.errors import InputError, install_hint
-from ...rtl.format import PAPER, EngineConfig
+from ...rtl.format import EngineConfig
+from ...rtl.presets import PAPER
 from ...rtl.register_map import raster_stream_bytes
 from . import simulator
 from .simulator import Build, SimulationError

@@ -4,7 +4,7 @@ import pytest
 
 from splatline.cli import bench_configurations
 from splatline.cli.bench_configurations import POINTS, route
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 
 SHORT = ("--scene", "knot", "--size", "48x40", "--splats", "4")
 

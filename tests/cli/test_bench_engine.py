@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from splatline.cli import bench_engine, bench_engine_runs
 from splatline.cli.bench_engine_targets import LEAST_RATE, TARGETS, judge, rate
 from splatline.cli.main import main
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.raster import Raster
 
 KEYS = {

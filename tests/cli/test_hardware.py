@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from splatline.rtl import budgets
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.tools import ToolError
 
 REPORT = {

@@ -3,7 +3,7 @@ import pytest
 
 from splatline.cli.parameters import COLOUR, ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from splatline.host.view import UP_AXES as KNOWN_AXES
-from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.rtl.variants import SHAPED, VARIANTS
 
 

@@ -4,7 +4,7 @@ import types
 
 import pytest
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.tools import ToolError
 
 REPORT = {

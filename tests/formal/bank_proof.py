@@ -6,9 +6,9 @@ from prove import Fault, Proof
 
 from splatline.rtl.bank import Bank, BankRequestLayout
 from splatline.rtl.bank_layout import bank_address_bits
-from splatline.rtl.format import PRESETS
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.layouts import WordLayout
+from splatline.rtl.presets import PRESETS
 
 __all__ = ["PROOFS"]
 

@@ -7,8 +7,8 @@ from properties import Properties, any_value, parts
 from prove import Fault, Proof
 
 from splatline.rtl.beat_emitter import DEPTH, BeatEmitter
-from splatline.rtl.format import SWIFT
 from splatline.rtl.layouts import RasterLayout
+from splatline.rtl.presets import SWIFT
 
 __all__ = ["PROOFS", "Counting"]
 

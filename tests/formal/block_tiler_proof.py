@@ -5,7 +5,8 @@ from prove import Fault, Proof
 from tiler_proof import TilerProperties
 
 from splatline.rtl.block_tiler import BlockTiler
-from splatline.rtl.format import BLOCK, ROWS, SWIFT
+from splatline.rtl.format import BLOCK, ROWS
+from splatline.rtl.presets import SWIFT
 
 __all__ = ["PROOFS"]
 

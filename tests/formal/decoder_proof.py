@@ -5,8 +5,9 @@ from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
 from splatline.rtl.decoder import Decoder, SpanDecoder
-from splatline.rtl.format import BLOCK, PRESETS
+from splatline.rtl.format import BLOCK
 from splatline.rtl.layouts import GeometryLayout
+from splatline.rtl.presets import PRESETS
 from splatline.rtl.variants import BANKS16
 
 __all__ = ["PROOFS"]

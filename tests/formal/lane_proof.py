@@ -4,8 +4,8 @@ from amaranth.hdl import Cat, Mux, Signal
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.lane import Lane, LaneRequestLayout, PixelLayout, lane_address_bits
+from splatline.rtl.presets import PAPER
 
 __all__ = ["PROOFS"]
 

@@ -4,9 +4,9 @@ from amaranth.hdl import Cat, Const, Mux, Signal
 from properties import OneWord, Properties, any_constant
 from prove import Fault, Proof
 
-from splatline.rtl.format import SWIFT
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.lane_row import HALVES, LaneRow, RowRequestLayout, row_address_bits
+from splatline.rtl.presets import SWIFT
 
 __all__ = ["PROOFS"]
 

@@ -7,9 +7,9 @@ from amaranth.lib.memory import Memory
 from properties import OneWord, Properties, any_constant, parts
 from prove import Fault, Proof
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.merger import ROOM, Merger
+from splatline.rtl.presets import PAPER
 from splatline.rtl.queue import Queue
 
 __all__ = ["PROOFS", "Contract", "place_of"]

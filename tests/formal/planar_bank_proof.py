@@ -7,8 +7,8 @@ from prove import Fault, Proof
 
 from splatline.rtl.bank import BankRequestLayout
 from splatline.rtl.bank_layout import bank_address_bits
-from splatline.rtl.format import PRESETS
 from splatline.rtl.planar_bank import PaintLayout, PlanarBank
+from splatline.rtl.presets import PRESETS
 
 __all__ = ["PROOFS"]
 

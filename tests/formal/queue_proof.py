@@ -6,7 +6,7 @@ from amaranth.lib.memory import Memory
 from properties import OneWord, Properties, any_constant, any_value, parts
 from prove import Fault, Proof
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.queue import SHORT, Queue
 
 __all__ = ["PROOFS"]

@@ -16,13 +16,14 @@ from splatline.rtl.codeword_check import end_word, is_end
 from splatline.rtl.colour import ColourUnit
 from splatline.rtl.emitter import Emitter
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import BLOCK, PAPER, PRESETS, SWIFT
+from splatline.rtl.format import BLOCK
 from splatline.rtl.halver import Halver
 from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.layouts import CodeWordLayout
 from splatline.rtl.loader import Loader
 from splatline.rtl.marks import RESIDUES
 from splatline.rtl.pins import Gatherer, Splitter
+from splatline.rtl.presets import PAPER, PRESETS, SWIFT
 from splatline.rtl.register_map import register_map
 from splatline.rtl.sequencer import Sequencer
 from splatline.rtl.shape_rom import ShapeRom

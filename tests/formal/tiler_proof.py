@@ -7,7 +7,8 @@ from amaranth.lib import data
 from properties import Properties, any_constant, covers
 from prove import Fault, Proof
 
-from splatline.rtl.format import BLOCK, PAPER
+from splatline.rtl.format import BLOCK
+from splatline.rtl.presets import PAPER
 from splatline.rtl.tiler import Tiler
 
 __all__ = ["PROOFS", "TilerProperties"]

@@ -9,7 +9,7 @@ from splatline.host.errors import InputError
 from splatline.host.pipeline import make_frame
 from splatline.host.shapes import shape_table
 from splatline.host.view import fit_view
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import SHAPED
 from splatline.sim import golden
 from splatline.sim.expand import expand_frame

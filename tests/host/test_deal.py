@@ -12,7 +12,7 @@ from splatline.host.deal_methods import METHODS
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word, end_word
-from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.sim import golden
 
 

@@ -14,7 +14,7 @@ from splatline.host.project import SPLAT, Splats
 from splatline.host.quality import QUALITIES
 from splatline.host.shapes import level_slopes
 from splatline.host.view import View
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim import golden
 
 TABLES = Tables(np.zeros(3, np.int64), np.zeros((128, 3), np.int64), np.zeros((128, 3), np.int64))

@@ -5,7 +5,7 @@ from PIL import Image
 
 from splatline.host.lighting import Lighting
 from splatline.host.materials import find_materials, material_tables
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 
 
 def coloured(colours):

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from splatline.host.encode import Encoded
 from splatline.host.order import advance_word, end_word, sort_by_line
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim import golden
 
 

@@ -10,7 +10,7 @@ from splatline.host.lighting import Light, Lighting
 from splatline.host.pipeline import make_frame
 from splatline.host.readers import read_cloud
 from splatline.host.view import fit_view
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 from splatline.sim import golden
 
 

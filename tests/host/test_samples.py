@@ -11,7 +11,7 @@ from splatline.host.lighting import Light, Lighting
 from splatline.host.pipeline import make_frame, make_frames, total_counts
 from splatline.host.sample_places import SAMPLES
 from splatline.host.view import View, fit_view
-from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.sim import float_render, golden, reference
 from splatline.sim.average import average
 

@@ -10,7 +10,7 @@ from splatline.host.project import project
 from splatline.host.shade import SHADE_LEVELS, shade_bits, shade_tables
 from splatline.host.shapes import level_slopes
 from splatline.host.view import View
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 
 
 def test_tables_are_phong_s_model_at_each_level():

@@ -16,7 +16,7 @@ from importlib import metadata
 from pathlib import Path
 
 from splatline.rtl import budgets, synth
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 from splatline.rtl.tops import TOPS
 from splatline.rtl.variants import SHAPED
 

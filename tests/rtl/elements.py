@@ -1,6 +1,7 @@
 """Elements for the benches of both tilers, and the window that their tiles or blocks go to."""
 
 import random
+from abc import ABC, abstractmethod
 
 from presets import CONFIG
 from tiles import LOWEST
@@ -39,7 +40,7 @@ def random_rows(rng):
     return [(low + rng.randrange(2), low + rng.randrange(4)) for _ in range(4)]
 
 
-class ElementSlide:
+class ElementSlide(ABC):
     """A tiler whose window follows its ``top``, and elements that wait for the end of a frame.
 
     Each cycle it checks what comes beside the stream: ``moves``, ``top``, and that the colour that
@@ -89,9 +90,9 @@ class ElementSlide:
         """As many as there are before an end that was not taken, and that end itself."""
         return self.ends[self.over] + 1 if self.over < len(self.ends) else len(self.cases)
 
+    @abstractmethod
     def in_window(self, bits, case):
         """Whether all lines of what is offered of an element are in the window."""
-        raise NotImplementedError
 
     def check_moves(self, valid, ready):
         """Check what says that a colour moves on, by what is offered and taken in this cycle."""

@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim import frames
 
 __all__ = ["engine", "mismatches"]

@@ -4,7 +4,7 @@ from test_scatter import random_spans
 from test_window import END, beats_of, draw, image_of, random_depth, random_image, random_shade
 from tiles import Tiles, pack_tile, tiles_of
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim.streams import StreamBench
 
 __all__ = ["Bench", "Painter", "random_frame"]

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from unittest import mock
 
-from splatline.rtl.format import PAPER, PRESETS
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.rtl.variants import ALL_OF_EIGHT, BANKS16, VARIANTS
 from splatline.sim.cosim import blocks, simulator
 

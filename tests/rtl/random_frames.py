@@ -6,7 +6,7 @@ import numpy as np
 
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word, end_word
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim import golden
 from splatline.sim.cosim.frames import Job
 from splatline.sim.raster import Raster

@@ -9,7 +9,7 @@ from axi_cases import HEIGHT, WIDTH, clean, draw_scene, fresh, right, setup
 from random_frames import random_raster
 
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import PAPER, PRESETS, SWIFT
+from splatline.rtl.presets import PAPER, PRESETS, SWIFT
 from splatline.rtl.register_map import raster_stream_bytes, register_map
 from splatline.sim import golden
 from splatline.sim.beats import from_beats

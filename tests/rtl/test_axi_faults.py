@@ -14,7 +14,7 @@ from splatline.host.driver import EngineError
 from splatline.rtl.axi_registers import RegisterFile
 from splatline.rtl.axi_stream import RegisterSlice
 from splatline.rtl.axi_top import AxiTop
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.stream_guard import StreamGuard
 from splatline.rtl.verilog import convert
 from splatline.sim.cosim import simulator

@@ -7,8 +7,8 @@ import cocotb
 
 from splatline.rtl.bank import Bank, BankRequestLayout
 from splatline.rtl.bank_layout import bank_address_bits
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import WordLayout
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 

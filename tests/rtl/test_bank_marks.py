@@ -8,7 +8,7 @@ from presets import CONFIG, run_bench
 
 from splatline.rtl.bank_layout import bank_address_bits, column_bits, stretch_bits
 from splatline.rtl.bank_marks import BankMarks
-from splatline.rtl.format import WIDE
+from splatline.rtl.presets import WIDE
 from splatline.rtl.variants import ALL_OF_EIGHT, BANKS16
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.streams import StreamBench

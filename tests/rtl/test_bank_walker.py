@@ -11,8 +11,8 @@ from test_bank_marks import rows_of_marks
 
 from splatline.rtl.bank_layout import bank_address_bits, stretch_bits
 from splatline.rtl.bank_walker import BankWalker
-from splatline.rtl.format import PRESETS
 from splatline.rtl.layouts import FlushLayout
+from splatline.rtl.presets import PRESETS
 from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.blocks import unpack
 

@@ -6,9 +6,10 @@ import cocotb
 from presets import CONFIG, run_bench
 
 from splatline.rtl.beat_emitter import DEPTH, BeatEmitter
-from splatline.rtl.format import BLOCK, SWIFT
+from splatline.rtl.format import BLOCK
 from splatline.rtl.lane_row import HALVES, BeatWordsLayout
 from splatline.rtl.layouts import PlaceLayout, RasterLayout
+from splatline.rtl.presets import SWIFT
 from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 

@@ -6,7 +6,7 @@ import cocotb
 from presets import CONFIG, run_bench
 
 from splatline.rtl.beat_marks import BeatMarks, mark_bits, residue_bits, stretch_bits
-from splatline.rtl.format import SWIFT
+from splatline.rtl.presets import SWIFT
 from splatline.sim.cosim.streams import StreamBench
 
 WORDS = 1 << CONFIG.word_bits

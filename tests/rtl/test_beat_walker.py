@@ -9,8 +9,8 @@ from slides import Slide
 from test_beat_marks import BEATS, LINES, NOTHING, RESIDUES, STRETCHES, WORDS, Touch
 
 from splatline.rtl.beat_walker import BeatWalker
-from splatline.rtl.format import SWIFT
 from splatline.rtl.layouts import PlaceLayout
+from splatline.rtl.presets import SWIFT
 
 PLACE = PlaceLayout(CONFIG)
 LOWEST = (1 << CONFIG.line_bits + 1) - 1

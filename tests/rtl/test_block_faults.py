@@ -24,8 +24,8 @@ from splatline.rtl.beat_marks import BeatMarks
 from splatline.rtl.beat_walker import BeatWalker
 from splatline.rtl.block_tiler import BlockTiler
 from splatline.rtl.block_window import BlockWindow
-from splatline.rtl.format import SWIFT
 from splatline.rtl.lane_row import LaneRow
+from splatline.rtl.presets import SWIFT
 from splatline.rtl.verilog import generate
 from splatline.sim.cosim import frames, simulator
 from splatline.sim.cosim.frames import Job

@@ -11,8 +11,9 @@ from presets import CONFIG, run_bench
 from tiles import LOWEST
 
 from splatline.rtl.block_tiler import BlockTiler
-from splatline.rtl.format import BLOCK, SWIFT
+from splatline.rtl.format import BLOCK
 from splatline.rtl.layouts import BlockLayout
+from splatline.rtl.presets import SWIFT
 from splatline.sim.cosim.blocks import unpack
 from splatline.sim.cosim.streams import StreamBench
 

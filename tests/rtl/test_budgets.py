@@ -3,7 +3,7 @@ import pytest
 from counted import counts_of
 
 from splatline.rtl import budgets
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 from splatline.rtl.synth import DEVICE, PAPER_TABLE_1
 from splatline.rtl.tops import TOPS
 from splatline.rtl.variants import SHAPED

@@ -11,8 +11,8 @@ from stalls import Stalled
 from splatline.host.deal_methods import METHODS
 from splatline.rtl.chain import check_chain
 from splatline.rtl.chain_verilog import generate_chain
-from splatline.rtl.format import PAPER
 from splatline.rtl.links import LINKS
+from splatline.rtl.presets import PAPER
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.chains import ChainJob, play_chain

@@ -11,8 +11,8 @@ from random_frames import frame_of, shapes
 
 from splatline.rtl.chain import Chain
 from splatline.rtl.chain_verilog import generate_chain
-from splatline.rtl.format import PAPER
 from splatline.rtl.merger import Merger
+from splatline.rtl.presets import PAPER
 from splatline.rtl.queue import Queue
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import run_bench

@@ -8,7 +8,7 @@ from cocotb.triggers import Timer
 from faults import rewrite
 
 from splatline.rtl.changeover import Changeover
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.simulator import SimulationError

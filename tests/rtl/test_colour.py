@@ -10,8 +10,8 @@ from amaranth.lib.wiring import Out, connect, flipped
 from presets import CONFIG, OTHERS, run_bench
 
 from splatline.rtl.colour import ColourUnit
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ElementLayout, GeometryLayout
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench

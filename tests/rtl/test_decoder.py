@@ -8,8 +8,8 @@ from blocks import block_rows
 from presets import CONFIG, run_bench
 
 from splatline.rtl.decoder import Decoder
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import FootprintLayout, GeometryLayout
+from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.streams import StreamBench
 

@@ -10,7 +10,7 @@ from splatline.host.device import DeviceTimeoutError
 from splatline.host.driver import EngineError, read_config
 from splatline.host.errors import InputError
 from splatline.host.xdma import XdmaDevice
-from splatline.rtl.format import PAPER, PRESETS, SWIFT
+from splatline.rtl.presets import PAPER, PRESETS, SWIFT
 from splatline.rtl.register_map import register_map
 from splatline.rtl.variants import SHAPED, VARIANTS
 from splatline.sim import golden

@@ -10,7 +10,7 @@ from scene_frames import scene_frame
 
 from splatline.host.order import advance_word, end_word
 from splatline.rtl.engine import Engine, engine_latency
-from splatline.rtl.format import PAPER, SWIFT
+from splatline.rtl.presets import PAPER, SWIFT
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.frames import Job, play
 

@@ -26,8 +26,9 @@ from splatline.rtl.bank_marks import BankMarks
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import BAYER, PAPER, PRESETS
+from splatline.rtl.format import BAYER
 from splatline.rtl.planar_bank import PlanarBank
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.rtl.scatter import Scatter
 from splatline.rtl.sequencer import Sequencer
 from splatline.rtl.variants import BANKS16

@@ -1,7 +1,8 @@
 import pytest
 
-from splatline.rtl.format import BLOCK, PAPER, PRESETS, EngineConfig, get_preset
+from splatline.rtl.format import BLOCK, EngineConfig
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+from splatline.rtl.presets import PAPER, PRESETS, get_preset
 from splatline.rtl.variants import ALL_OF_EIGHT, SHAPED, VARIANTS
 
 

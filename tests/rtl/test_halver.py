@@ -4,9 +4,9 @@ import random
 
 import cocotb
 
-from splatline.rtl.format import WIDE
 from splatline.rtl.halver import Halver
 from splatline.rtl.layouts import LoadLayout
+from splatline.rtl.presets import WIDE
 from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 

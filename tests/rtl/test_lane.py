@@ -4,8 +4,8 @@ import random
 
 import cocotb
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.lane import Lane, LaneRequestLayout, PixelLayout, lane_address_bits
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 

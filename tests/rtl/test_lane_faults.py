@@ -11,12 +11,12 @@ from faults import LANE_WRITES, fault, rewrite
 from presets import run_bench as run_preset
 
 from splatline.rtl.colour import ColourUnit
-from splatline.rtl.format import PAPER
 from splatline.rtl.lane import Lane
 from splatline.rtl.lane_emitter import LaneEmitter
 from splatline.rtl.lane_window import LaneWindow
 from splatline.rtl.loader import Loader
 from splatline.rtl.marks import Marks
+from splatline.rtl.presets import PAPER
 from splatline.rtl.tiler import Tiler
 from splatline.rtl.walker import Walker
 from splatline.sim.cosim.simulator import SimulationError

@@ -5,7 +5,6 @@ import random
 import cocotb
 from presets import CONFIG, run_bench
 
-from splatline.rtl.format import SWIFT
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.lane_row import (
     HALVES,
@@ -14,6 +13,7 @@ from splatline.rtl.lane_row import (
     RowRequestLayout,
     row_address_bits,
 )
+from splatline.rtl.presets import SWIFT
 from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 

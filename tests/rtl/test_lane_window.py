@@ -9,8 +9,8 @@ from lane_frames import Bench, Painter, random_frame
 from presets import run_bench
 from test_window import BACKGROUND, END, RASTER, beats_of, random_image
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.blocks import pack, unpack
 

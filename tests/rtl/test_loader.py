@@ -7,9 +7,9 @@ from pathlib import Path
 import cocotb
 import pytest
 
-from splatline.rtl.format import PAPER, WIDE
 from splatline.rtl.layouts import LoadLayout
 from splatline.rtl.loader import Loader
+from splatline.rtl.presets import PAPER, WIDE
 from splatline.rtl.verilog import convert
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import pack, run_bench

@@ -5,8 +5,8 @@ import random
 import cocotb
 from presets import CONFIG, run_bench
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.marks import RESIDUES, Marks, mark_bits, stretches
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim.streams import StreamBench
 
 WORDS = 1 << CONFIG.word_bits

@@ -5,9 +5,9 @@ import random
 import cocotb
 from presets import CONFIG, run_bench
 
-from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.merger import Merger
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 

@@ -5,8 +5,8 @@ import pytest
 from amaranth.sim import Simulator
 from random_frames import random_raster, shapes
 
-from splatline.rtl.format import PRESETS
 from splatline.rtl.pins import IO_PINS, Gatherer, PinTop, Splitter, generate_pins
+from splatline.rtl.presets import PRESETS
 from splatline.sim import golden
 from splatline.sim.beats import from_beats, to_beats
 from splatline.sim.cosim.jobs import table_writes

@@ -2,9 +2,9 @@ import re
 
 import pytest
 
-from splatline.rtl.format import PAPER, PRESETS
 from splatline.rtl.pins import generate_pins
 from splatline.rtl.pnr import CONSTRAINTS, RESOURCES, SHORT, placer, read_report, smallest
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.rtl.tools import ToolError
 from splatline.rtl.variants import VARIANTS
 

@@ -10,7 +10,7 @@ from scene_frames import scene_frame
 
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import advance_word
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.cosim.frames import Job, play
 from splatline.sim.cycles import count_cycles
 

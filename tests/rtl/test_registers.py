@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from amaranth.sim import Simulator
 
-from splatline.rtl.format import MOST_BEAT_BITS, PAPER, PRESETS, SWIFT, EngineConfig
+from splatline.rtl.format import MOST_BEAT_BITS, EngineConfig
+from splatline.rtl.presets import PAPER, PRESETS, SWIFT
 from splatline.rtl.register_map import PARAMETERS, raster_stream_bytes, register_map
 from splatline.rtl.register_texts import c_header, json_map, markdown
 from splatline.rtl.registers import Access

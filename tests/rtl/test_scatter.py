@@ -8,8 +8,8 @@ import pytest
 from footprints import PIXELS, footprint, place_of_word
 from presets import CONFIG, run_bench
 
-from splatline.rtl.format import WIDE
 from splatline.rtl.layouts import DealLayout
+from splatline.rtl.presets import WIDE
 from splatline.rtl.scatter import Scatter
 from splatline.rtl.variants import BANKS16, BANKS16_WORD4
 from splatline.sim.cosim.blocks import unpack

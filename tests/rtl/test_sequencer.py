@@ -4,8 +4,8 @@ import random
 
 import cocotb
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import ElementLayout
+from splatline.rtl.presets import PAPER
 from splatline.rtl.sequencer import Sequencer
 from splatline.sim.cosim.blocks import run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench

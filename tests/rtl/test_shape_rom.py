@@ -8,7 +8,7 @@ from faults import fault
 from rom_words import build_rom, compact_words, every_entry, mixed_words, play_words
 
 from splatline.host.shapes import EMPTY_SCANS, shape_table
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.shape_contents import shape_contents
 from splatline.rtl.shape_rom import ROM_LATENCY
 from splatline.rtl.variants import SHAPED

@@ -18,7 +18,7 @@ from splatline.host.order import advance_word
 from splatline.host.shapes import shape_table
 from splatline.rtl import verilog
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import SHAPED
 from splatline.sim import golden
 from splatline.sim.cosim import simulator

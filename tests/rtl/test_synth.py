@@ -1,7 +1,7 @@
 import pytest
 
 from splatline.rtl.budgets import read_budgets
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.synth import DEVICE, PAPER_TABLE_1, group_instances, synthesise
 
 

@@ -5,7 +5,7 @@ import random
 import cocotb
 
 from splatline.rtl.fields import Register
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.tables import MaterialWriteLayout, RegistersLayout, Tables
 from splatline.sim.cosim.blocks import run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench

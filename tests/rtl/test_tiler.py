@@ -9,8 +9,8 @@ from blocks import block_rows, is_shifted
 from elements import END, ElementSlide, pack_element, random_rows, sorted_frames
 from tiles import LOWEST, ROOM, overlap, unpack_tile
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import TileLayout
+from splatline.rtl.presets import PAPER
 from splatline.rtl.tiler import Tiler
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench

@@ -11,7 +11,7 @@ from random_frames import frame_of, nonsense, random_raster, shapes, word
 from test_shaped_engine import mixed
 
 from splatline.host.order import advance_word
-from splatline.rtl.format import PAPER, SWIFT
+from splatline.rtl.presets import PAPER, SWIFT
 from splatline.rtl.tiler import Tiler
 from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
 from splatline.sim import golden

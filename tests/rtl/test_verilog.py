@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.verilog import generate
 
 

@@ -8,9 +8,9 @@ from presets import CONFIG, run_bench
 from slides import Slide
 from test_marks import STRETCHES, WORDS, Touch
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.marks import RESIDUES
+from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import VARIANTS
 from splatline.rtl.walker import Walker
 

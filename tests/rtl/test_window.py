@@ -8,8 +8,9 @@ from footprints import Footprints, end_token, footprint
 from presets import CONFIG, OTHERS, run_bench
 from test_scatter import random_spans
 
-from splatline.rtl.format import BAYER, PAPER
+from splatline.rtl.format import BAYER
 from splatline.rtl.layouts import RasterLayout
+from splatline.rtl.presets import PAPER
 from splatline.rtl.window import Window
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.blocks import pack, unpack

@@ -3,7 +3,8 @@
 import numpy as np
 
 from splatline.host.frame import Frame, Tables
-from splatline.rtl.format import PAPER, PRESETS, EngineConfig
+from splatline.rtl.format import EngineConfig
+from splatline.rtl.presets import PAPER, PRESETS
 from splatline.sim.raster import Raster
 
 # Two engines beside the named ones, at the ends of what a configuration allows.

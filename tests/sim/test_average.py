@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.average import Average, average, mismatches
 from splatline.sim.raster import Raster
 

@@ -2,7 +2,7 @@ import codewords as cw
 import numpy as np
 import pytest
 
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim.beats import from_beats, to_beats
 from splatline.sim.raster import Raster
 

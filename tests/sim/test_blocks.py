@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 from amaranth.lib import data
 
-from splatline.rtl.format import PAPER
 from splatline.rtl.layouts import DealLayout, GeometryLayout, RasterLayout
+from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.blocks import pack, unpack
 

@@ -10,7 +10,7 @@ from scene_frames import scene_frame
 
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
-from splatline.rtl.format import PAPER, PRESETS, SWIFT, WIDE
+from splatline.rtl.presets import PAPER, PRESETS, SWIFT, WIDE
 from splatline.rtl.variants import BANKS16, SHAPED, VARIANTS
 from splatline.sim.bound import bound_cycles, least_cycles
 from splatline.sim.cycles import count_cycles

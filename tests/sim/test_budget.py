@@ -12,7 +12,7 @@ from splatline.host.pipeline import make_frame
 from splatline.host.scenes import load_scene
 from splatline.host.spacing import splat_radii
 from splatline.host.view import View, fit_view
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 from splatline.sim import budget, golden, metrics, reference
 from splatline.sim.float_render import Steps, render
 from splatline.sim.pareto import front

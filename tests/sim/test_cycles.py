@@ -10,8 +10,9 @@ from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import BLOCK, PAPER, SWIFT, WIDE, get_preset
+from splatline.rtl.format import BLOCK
 from splatline.rtl.lane import lane_address_bits
+from splatline.rtl.presets import PAPER, SWIFT, WIDE, get_preset
 from splatline.rtl.variants import BANKS16
 from splatline.sim.cosim.frames import Job, play
 from splatline.sim.cycles import clearing_cycles, count_cycles

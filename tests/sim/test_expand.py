@@ -8,7 +8,7 @@ from splatline.host.emit import turned
 from splatline.host.frame import Frame, Tables
 from splatline.host.order import end_word
 from splatline.host.shapes import EMPTY_SCANS, SIZES, shape_table
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import SHAPED
 from splatline.sim import golden
 from splatline.sim.expand import expand, expand_frame

@@ -3,7 +3,7 @@ import pytest
 from PIL import Image
 
 from splatline.host.errors import InputError
-from splatline.rtl.format import PAPER
+from splatline.rtl.presets import PAPER
 from splatline.sim import figure
 from splatline.sim.raster import Raster
 from splatline.sim.reference import Reference

@@ -5,7 +5,7 @@ import pytest
 
 from splatline.host.errors import InputError
 from splatline.host.frame import Frame, Tables
-from splatline.rtl.format import PAPER, get_preset
+from splatline.rtl.presets import PAPER, get_preset
 from splatline.sim import golden
 from splatline.sim.raster import Raster
 

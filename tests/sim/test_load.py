@@ -5,7 +5,7 @@ import pytest
 from scene_frames import scene_frame
 
 from splatline.host import load_scene
-from splatline.rtl.format import get_preset
+from splatline.rtl.presets import get_preset
 from splatline.sim import golden
 from splatline.sim.cosim.frames import Job, play
 

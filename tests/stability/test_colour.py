@@ -8,7 +8,7 @@ from splatline.host.lighting import Lighting
 from splatline.host.materials import Materials
 from splatline.host.order import advance_word, end_word
 from splatline.host.pipeline import make_frame
-from splatline.rtl.format import PRESETS
+from splatline.rtl.presets import PRESETS
 from splatline.sim import golden
 from splatline.sim.stress_clouds import fitted, sphere
 
