@@ -1,7 +1,7 @@
 """Laying an element's whole block out for lanes that take it in a cycle."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import BLOCK, ROWS, EngineConfig
@@ -9,6 +9,49 @@ from .layouts import BlockLayout, GeometryLayout
 from .shape_rows import ShapeRows
 
 __all__ = ["BlockTiler"]
+
+
+class ShapeLayout(data.StructLayout):
+    """An element's rows, and what they are clipped by.
+
+    ``rows``: the columns of each, from X on, or one further right for the lower four where they are
+    ``shifted``. ``turns``: the lane of the first of them, one bit of eight, in the upper four rows
+    and in the lower. ``inside``: which of the words of X and the one after it lie in the image.
+    ``groups``: groups of eight lines from that of the first row to the image's last, 0..3: 0 if it
+    lies below, 3 stands for more. The others as in :class:`GeometryLayout`.
+    """
+
+    def __init__(self, config: EngineConfig):
+        element = GeometryLayout(config).members
+        super().__init__(
+            {
+                **{name: element[name] for name in ("x", "z", "top", "end")},
+                "rows": data.ArrayLayout(BLOCK, BLOCK),
+                "shifted": 1,
+                "turns": data.ArrayLayout(BLOCK, 2),
+                "inside": 2,
+                "groups": 2,
+            }
+        )
+
+
+class TurnedLayout(data.StructLayout):
+    """The same with the columns of the lanes, clipped to the image's words.
+
+    ``odd``: which of them lie in odd words, of the upper four rows and of the lower ones. ``turn``:
+    the row of lanes of the first line, one bit of eight.
+    """
+
+    def __init__(self, config: EngineConfig):
+        names = ("x", "z", "top", "end", "rows", "groups")
+        shape = ShapeLayout(config).members
+        super().__init__(
+            {
+                **{name: shape[name] for name in names},
+                "odd": data.ArrayLayout(BLOCK, 2),
+                "turn": BLOCK,
+            }
+        )
 
 
 class BlockTiler(wiring.Component):
@@ -22,8 +65,9 @@ class BlockTiler(wiring.Component):
     An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
     so that the lines above it may leave.
 
-    **Latency**: 3 cycles. **Throughput**: one element a cycle; a frame's first comes two cycles
-    after the ``end`` token before it at the soonest, as the window must have moved on.
+    **Latency**: 4 cycles. **Throughput**: one element a cycle; a frame's first comes two cycles
+    after the ``end`` token before it at the soonest, as the window must have moved on: which a
+    :class:`BlockWindow` says a cycle later still.
 
     Members
     -------
@@ -31,10 +75,9 @@ class BlockTiler(wiring.Component):
         Elements, and ``end`` tokens.
     o : Out(stream of BlockLayout)
         Blocks; for an ``end`` token one without pixels, to be taken when the frame before is out.
-    moves : Out(1)
-        An element's pixels are in lanes in the next cycle, or none's: its colour moves on.
-    settles : Out(1)
-        What ``o`` has in the next cycle is of the element behind, or nothing: so again.
+    moves : Out(3)
+        What the second, third and last stage have in the next cycle is of the element behind, or
+        nothing: its colour moves on.
     oldest : In(signed(line_bits + 2))
         First line of the window as far as it was loaded, of the frame that is drawn: which is the
         next one as soon as an ``end`` token was taken from ``o``.
@@ -50,8 +93,7 @@ class BlockTiler(wiring.Component):
             {
                 "i": In(stream.Signature(GeometryLayout(config))),
                 "o": Out(stream.Signature(BlockLayout(config))),
-                "moves": Out(1),
-                "settles": Out(1),
+                "moves": Out(3),
                 "oldest": In(signed(config.line_bits + 2)),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
@@ -62,39 +104,38 @@ class BlockTiler(wiring.Component):
         """Build the circuit."""
         m = Module()
         element = self.i.payload
-        # Three stages: the element's rows, its pixels in lanes, and those with all that is said of
-        # them together.
-        there, laid, offered = Signal(), Signal(), Signal()
-        taken, steps = Signal(), Signal()  # what the last stage has is; it moves on
+        # Four stages: the element's rows, those in the columns of lanes, its pixels in lanes, and
+        # those with all that is said of them together.
+        shaped, there, laid, offered = Signal(), Signal(), Signal(), Signal()
+        turns, lays, steps = Signal(), Signal(), Signal()  # the others move on
+        taken = Signal()  # known last: so all stages hang on it, and not on each other
         m.d.comb += [
             taken.eq(self.o.valid & self.o.ready),
-            steps.eq(~offered | taken),
-            self.settles.eq(steps),
-            self.moves.eq(steps | ~laid),
-            self.i.ready.eq(self.moves | ~there),
+            steps.eq(taken | ~offered),
+            lays.eq(taken | ~(offered & laid)),
+            turns.eq(taken | ~(offered & laid & there)),
+            self.moves.eq(Cat(turns, lays, steps)),
+            self.i.ready.eq(taken | ~(offered & laid & there & shaped)),
         ]
-        x, place, last_place = (
-            Signal.like(element.x, name=f"x_{stage}", reset_less=True) for stage in range(3)
-        )
-        names = ("z", "top", "end")
-        held = {name: Signal.like(element[name], name=name, reset_less=True) for name in names}
-        block = Signal(BlockLayout(self.config))
+        shape = Signal(ShapeLayout(self.config), reset_less=True)
+        turned = Signal(TurnedLayout(self.config), reset_less=True)
         lanes = Signal(BlockLayout(self.config), reset_less=True)
         last = Signal(BlockLayout(self.config), reset_less=True)
         top = Signal.like(last.top, name="last_top", init=-ROWS)  # it stays where nothing follows
-        m.d.comb += [block[name].eq(held[name]) for name in names]
+        rows, columns, pixels = self._shape(m, element), self._turn(m, shape), self._lay(m, turned)
         with m.If(self.i.ready):
-            m.d.sync += [held[name].eq(element[name]) for name in names]
-            m.d.sync += [there.eq(self.i.valid), x.eq(element.x)]
-        with m.If(self.moves):
-            m.d.sync += [laid.eq(there), lanes.eq(block), place.eq(x)]
+            m.d.sync += [shaped.eq(self.i.valid), shape.eq(rows)]
+        with m.If(turns):
+            m.d.sync += [there.eq(shaped), turned.eq(columns)]
+        with m.If(lays):
+            m.d.sync += [laid.eq(there), lanes.eq(pixels)]
         with m.If(steps):
-            m.d.sync += [offered.eq(laid), last.eq(lanes), last_place.eq(place)]
+            m.d.sync += [offered.eq(laid), last.eq(lanes)]
             m.d.sync += [
                 touch.eq(Cat((mask & odd).any(), (mask & ~odd).any()))
                 for touch, mask, odd in zip(last.touch, lanes.mask, lanes.odd, strict=True)
             ]
-            m.d.sync += last.meets.eq(self._meets(m, lanes.top - top, place - last_place) & taken)
+            m.d.sync += last.rows.eq(Cat(mask.any() for mask in lanes.mask))
             with m.If(laid):
                 m.d.sync += top.eq(lanes.top)
             with m.Elif(offered & last.end):
@@ -121,12 +162,13 @@ class BlockTiler(wiring.Component):
             bits = self.config.slot_bits
             within = behind[:bits] > BLOCK
             m.d.sync += near.eq(~behind[-1] | (behind[bits:].all() & within))
-        self._place(m, element, x, held["top"], block)
         return m
 
-    def _place(self, m, element, x, line, block):
-        """Lay the rows out in ``block``, from what was registered of the element."""
-        bits = self.config.pixel_bits
+    def _shape(self, m, element):
+        """Return the columns of an element's rows, and what they are clipped by."""
+        config = self.config
+        bits = config.pixel_bits
+        rows = Signal(ShapeLayout(config))
         shape = ShapeRows(m, element)
         masks = [Signal(BLOCK, name=f"mask_{k}") for k in range(ROWS)]
         for row, mask in zip(shape.rows, masks, strict=True):
@@ -134,70 +176,86 @@ class BlockTiler(wiring.Component):
         # A raised shape's row 3 is in its middle and has no half turn.
         turned = [mask[::-1] for mask in masks[::-1]]
         raised = [*turned[1:], 0]
+        # Neither they nor ``groups`` are a choice of 0, which would clear the register from where
+        # ``ready`` is known last.
+        whole = ~element.mode.replicate(BLOCK)
         lower = [
-            Mux(element.mode, 0, Mux(shape.raised, high, low))
-            for high, low in zip(raised, turned, strict=True)
+            Mux(shape.raised, high, low) & whole for high, low in zip(raised, turned, strict=True)
         ]
-
-        # To the columns of the lanes, clipped. The lower rows may lie a column further right.
-        words_left = Signal(signed(self.config.word_bits + 1))
-        inside = Signal(2)  # which of the block's two words lie in the image
+        first = Signal(BLOCK)
+        words_left = Signal(signed(config.word_bits + 1))
+        groups = Signal(signed(len(element.top)))
         m.d.comb += [
+            first.eq(_one_of(element.x[:bits])),
             words_left.eq(self.last_column[bits:] - element.x[bits:]),
-            inside.eq(Cat(words_left >= word for word in range(2))),
-            block.words[0].eq(x[bits:]),
-            block.words[1].eq(x[bits:] + 1),
+            groups.eq((self.last_line >> 3) - (element.top >> 3) + 1),
         ]
-        columns = [Signal(BLOCK, name=f"row_{k}", reset_less=True) for k in range(2 * ROWS)]
-        halves = []
-        for part, (rows, shift) in enumerate(((masks, 0), (lower, shape.shifted))):
+        more = groups[2:-1].any()
+        m.d.comb += [rows[name].eq(element[name]) for name in ("x", "z", "top", "end")]
+        m.d.comb += [
+            rows.rows.eq(Cat(*masks, *lower)),
+            rows.shifted.eq(shape.shifted),
+            rows.turns.eq(Cat(first, Mux(shape.shifted, first.rotate_left(1), first))),
+            rows.inside.eq(Cat(words_left >= word for word in range(2))),
+            rows.groups.eq(Cat(groups[0] | more, groups[1] | more) & ~groups[-1].replicate(2)),
+        ]
+        return rows
+
+    def _turn(self, m, shape):
+        """Return the rows with their columns turned to the lanes', and clipped.
+
+        A multiplier turns a row's pixels, by a power of two.
+        """
+        turned = Signal(TurnedLayout(self.config))
+        bits = self.config.pixel_bits
+        m.d.comb += [turned[name].eq(shape[name]) for name in ("x", "z", "top", "end", "groups")]
+        m.d.comb += turned.turn.eq(_one_of(shape.top[:3]))
+        # The lower rows may lie a column further right.
+        for part, shift in enumerate((0, shape.shifted)):
             begin = Signal(bits + 1, name=f"begin_{part}")
             beyond = Signal(BLOCK, name=f"beyond_{part}")  # in the second word
-            half = Signal(BLOCK, name=f"half_{part}", reset_less=True)
             m.d.comb += [
-                begin.eq(element.x[:bits] + shift),
+                begin.eq(shape.x[:bits] + shift),
                 beyond.eq(Cat(begin > column for column in range(BLOCK))),
+                turned.odd[part].eq(beyond ^ shape.x[bits].replicate(BLOCK)),
             ]
-            clip = Mux(inside[1], -1, ~beyond) & Mux(inside[0], -1, beyond)
-            with m.If(self.i.ready):
-                m.d.sync += half.eq(beyond ^ element.x[bits].replicate(BLOCK))
-                m.d.sync += [
-                    column.eq(_turn(row, begin[:bits]) & clip[:BLOCK])
-                    for column, row in zip(columns[part * ROWS :][:ROWS], rows, strict=True)
+            clip = Mux(shape.inside[1], -1, ~beyond) & Mux(shape.inside[0], -1, beyond)
+            for k in range(part * ROWS, part * ROWS + ROWS):
+                product = Signal(2 * BLOCK, name=f"turned_{k}")
+                m.d.comb += [
+                    product.eq(shape.rows[k] * shape.turns[part]),
+                    turned.rows[k].eq((product[:BLOCK] | product[BLOCK:]) & clip),
                 ]
-            halves.append(half)
+        return turned
 
-        # To the lines of the lanes: a multiplier turns the pixels of a column, by a power of two.
-        turn = Signal(BLOCK)
-        here, past = self._lines(m, element, line, block)
-        m.d.comb += turn.eq(1 << line[:3])
+    def _lay(self, m, turned):
+        """Return the pixels in lanes: a multiplier turns those of a column, by a power of two."""
+        block = Signal(BlockLayout(self.config))
+        bits = self.config.pixel_bits
+        top = turned.top
+        m.d.comb += [block[name].eq(turned[name]) for name in ("z", "top", "end")]
+        m.d.comb += [block.words[n].eq(turned.x[bits:] + n) for n in range(2)]
+        here, past = self._lines(m, turned, block)
         for p in range(BLOCK):
             product = Signal(2 * BLOCK, name=f"product_{p}")
-            m.d.comb += product.eq(Cat(row[p] for row in columns) * turn)
+            m.d.comb += product.eq(Cat(row[p] for row in turned.rows) * turned.turn)
             for q in range(BLOCK):
                 pixel = (product[q] & here[q]) | (product[BLOCK + q] & past[q])
                 m.d.comb += block.mask[q][p].eq(pixel)
         for q in range(BLOCK):
             row = Signal(3, name=f"row_of_{q}")
             m.d.comb += [
-                row.eq(q - line[:3]),
-                block.odd[q].eq(Mux(row[2], halves[1], halves[0])),
+                row.eq(q - top[:3]),
+                block.odd[q].eq(Mux(row[2], turned.odd[1], turned.odd[0])),
             ]
+        return block
 
-    def _lines(self, m, element, top, block):
+    def _lines(self, m, turned, block):
         """Place the block's lines; return which of them lie in the image, by residue.
 
         Those in the group of eight lines that its first row is in, and those in the next group.
         """
-        # Groups of eight lines from the block's first to the image's last, 0..3: 0 if it lies
-        # below, 3 stands for more.
-        groups = Signal(signed(len(top)))
-        left = Signal(2, reset_less=True)
-        m.d.comb += groups.eq((self.last_line >> 3) - (element.top >> 3) + 1)
-        more = groups[2:-1].any()
-        with m.If(self.i.ready):
-            # Not as a choice, which would clear the register from where ``ready`` is known last.
-            m.d.sync += left.eq(Cat(groups[0] | more, groups[1] | more) & ~groups[-1].replicate(2))
+        top, left = turned.top, turned.groups
         here, past = Signal(BLOCK), Signal(BLOCK)
         for q in range(BLOCK):
             low = self.last_line[:3] >= q
@@ -208,21 +266,7 @@ class BlockTiler(wiring.Component):
             ]
         return here, past
 
-    def _meets(self, m, lines, columns):
-        """Return whether two blocks may have a pixel in common, so many lines and columns apart."""
-        bits = self.config.slot_bits
-        near = Signal(name="near_columns")
-        apart = Signal(self.config.x_bits)
-        m.d.comb += [
-            apart.eq(columns),
-            # Up to 8 to either side, as what is turned may lie a column further right.
-            near.eq(apart[3:].all() | (~apart[4:].any() & ~(apart[3] & apart[:3].any()))),
-        ]
-        return ~lines[3:bits].any() & near
 
-
-def _turn(bits, amount):
-    """Return bits turned left by an amount, a power of two at a time."""
-    for stage in range(len(amount)):
-        bits = Mux(amount[stage], bits.rotate_left(1 << stage), bits)
-    return bits
+def _one_of(number):
+    """Return the bit of a number alone; not as ``1 << number``, which is a choice of 0 as well."""
+    return Cat(number == n for n in range(1 << len(number)))

@@ -1,7 +1,7 @@
 """The sliding window in rows of lanes: an element a cycle, whatever its size."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .beat_emitter import BeatEmitter
@@ -21,22 +21,22 @@ class BlockWindow(wiring.Component):
 
     A line's row of lanes is its residue modulo 8, a pixel's lane in it that of its column modulo a
     word's pixels; so a block has each lane once, wherever it lies. Each lane has two memories, for
-    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`). Five
-    stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
-    half), *read*, *write* (the lanes write over what is behind), *leave* (what was flushed stands
-    in a register of its own) and *emit* (it waits for ``raster`` in a queue, see
-    :class:`BeatEmitter`). A block and a beat that is flushed go together if their rows differ; if
-    not, the block goes first, or the beat (see ``lagging``). In place of that beat one of the
-    initial raster goes, into a row that the block leaves free, or alone (see ``pressing``). Where
-    ``raster`` takes nothing, beats are flushed until the queue is half full, and blocks go on as
-    long as their lines are in the window.
+    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`).
+    Stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
+    half), *read*, *catch*, and *test* (the lanes write over what is behind), or *emit* in its place
+    (what was flushed waits for ``raster`` in a queue, see :class:`BeatEmitter`). A block and a beat
+    that is flushed go together if their rows differ; if not, the block goes first, or the beat (see
+    ``lagging``). In place of that beat one of the initial raster goes, into a row that the block
+    leaves free, or alone (see ``pressing``). Where ``raster`` takes nothing, beats are flushed
+    until the queue is half full, and blocks go on as long as their lines are in the window.
 
-    A block waits for a cycle if it may have a pixel that the block before it draws as well. After
-    reset the lanes are cleared, which takes as many cycles as one of their memories has pixels.
+    Blocks follow each other whatever pixels they have in common: each is told what the two before
+    it have. After reset the lanes are cleared, which takes as many cycles as one of their memories
+    has pixels.
 
     **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle but
-    for that and for beats that go first; a beat of the initial raster in two cycles; and a beat a
-    cycle of ``raster``, of those that were written, but for blocks that go first.
+    for beats that go first; a beat of the initial raster in two cycles; and a beat a cycle of
+    ``raster``, of those that were written, but for blocks that go first.
 
     Members
     -------
@@ -95,13 +95,15 @@ class BlockWindow(wiring.Component):
         m.submodules.emitter = emitter = BeatEmitter(config)
         close = Signal()  # the end token is taken
         ending = Signal()
+        front = Signal.like(walker.front, name="front")
 
         sweeping = Signal(init=1)
         sweep = Signal(row_address_bits(config))
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
-        swept = Signal(init=1)  # in the cycle before: the last pixels are still to be written
-        m.d.sync += swept.eq(sweeping)
+        # In one of the two cycles before: the last pixels are still to be written.
+        swept, just_swept = Signal(init=1), Signal(init=1)
+        m.d.sync += [just_swept.eq(sweeping), swept.eq(sweeping | just_swept)]
 
         beat, load = self.initial.payload, loader.o.payload
         connect(m, emitter.raster, flipped(self.raster))
@@ -116,7 +118,7 @@ class BlockWindow(wiring.Component):
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
             loader.last_word.eq(self.last_column[config.pixel_bits :]),
-            loader.oldest.eq(walker.front),
+            loader.oldest.eq(front),
             loader.restart.eq(close),
             emitter.last_column.eq(self.last_column),
             emitter.end.eq(ending),
@@ -127,6 +129,12 @@ class BlockWindow(wiring.Component):
             self.oldest.eq(loader.front),
         ]
         m.d.sync += ending.eq(walker.over & ~self.finished)
+        # A cycle late, as the last beat that left is still to be cleared. Which lines are in the
+        # window of the next frame is known a cycle after its ``close``: until then none of them.
+        with m.If(close):
+            m.d.sync += front.eq(-2 * config.window_lines)
+        with m.Else():
+            m.d.sync += front.eq(walker.front)
 
         # What is served beside the block: a beat of the initial raster, or one that leaves.
         service = Signal(PlaceLayout(config))
@@ -144,18 +152,14 @@ class BlockWindow(wiring.Component):
         leaves = Signal()  # a beat that is asked for, if nothing goes before it
         lagging, first, marks_first = Signal(), Signal(), Signal()
         pressing = Signal()  # a beat of the initial raster goes, and no block
-        drawn = Signal()  # in the cycle before
         refused = Signal()  # a beat of the initial raster, in the cycle before
-        conflict = Signal()
         busy = Signal(BLOCK)
         m.d.comb += [
             # Until all is swept the lanes' addresses are the sweep's.
             offered.eq(self.i.valid & ~block.end & ~pressing & ~swept),
-            going.eq(offered & ~conflict & ~(first & meeting) & ~(marks_first & marking)),
-            # What the lanes read is stale where they are still writing it.
-            conflict.eq(drawn & block.meets),
+            going.eq(offered & ~(first & meeting) & ~(marks_first & marking)),
             self.i.ready.eq(going | close),
-            wanted.eq(Cat(touch.any() for touch in block.touch)),
+            wanted.eq(block.rows),
             meeting.eq(wanted.bit_select(walker.flush.payload.line[:bits], 1)),
             marking.eq(wanted.bit_select(walker.line[:bits], 1)),
             leaves.eq(walker.flush.valid & emitter.room),
@@ -177,17 +181,18 @@ class BlockWindow(wiring.Component):
         # them. What lies further above goes first, so that it comes to that; were all to go first,
         # there would be none left to leave beside the elements. Of what is loaded the lines 14 and
         # 15 below ``top`` go beside them, in the rows of those two, and nearer ones go first.
-        behind, distance = Signal(3), Signal(3)
+        above, distance = Signal(3), Signal(3)
         m.d.comb += [
-            behind.eq(block.top[:3] - walker.oldest[:3]),
+            above.eq(block.top[:3] - walker.oldest[:3]),
             distance.eq(load.line[:3] - block.top[:3]),
         ]
         m.d.sync += [
-            lagging.eq(behind >= 2),
-            # Known a cycle ahead, as all before a block waits for it.
-            pressing.eq(serving & ~loading & (distance < 6)),
+            lagging.eq(above >= 2),
+            # Known a cycle ahead, as all before a block waits for it. Where marks go first no block
+            # goes, but they are not taken beside what is offered to load: so that goes, or none of
+            # the three ever would.
+            pressing.eq(serving & ~loading & ((distance < 6) | lagging)),
             refused.eq(serving & ~loading),
-            drawn.eq(going),
         ]
 
         rows = [LaneRow(config) for _ in range(BLOCK)]
@@ -197,9 +202,8 @@ class BlockWindow(wiring.Component):
             Signal(RowRequestLayout(config), name=f"request_{q}", reset_less=True)
             for q in range(BLOCK)
         ]
-        new = Signal(PixelLayout(config), reset_less=True)
         loaded = Signal(BeatWordsLayout(config), reset_less=True)
-        m.d.sync += [new.depth.eq(block.z), new.colour.eq(self.shade)]
+        new, again, behind = self._follow(m, going)
         for q, (row, request) in enumerate(zip(rows, requests, strict=True)):
             m.submodules[f"row_{q}"] = row
             m.d.comb += [
@@ -212,6 +216,8 @@ class BlockWindow(wiring.Component):
                 request.draw.eq(going),
                 request.mask.eq(block.mask[q]),
                 request.odd.eq(block.odd[q]),
+                request.again.eq(again),
+                request.behind.eq(behind),
                 request.load.eq(loading & row_served[q]),
                 request.clear.eq((flushing & row_served[q]) | sweeping),
             ]
@@ -220,11 +226,9 @@ class BlockWindow(wiring.Component):
             Mux(sweeping, sweep, Cat(service.word[1:], service.line[bits : config.slot_bits]))
         )
         for half, name in enumerate(HALVES):
-            # Of the block's two words the first one is the odd one, or both have one address.
-            word = block.words[1 - half]
             m.d.sync += [
                 getattr(request.addresses, name).eq(
-                    Mux(busy[q], Cat(word[1:], block.group[q]), place)
+                    Mux(busy[q], Cat(_word(block, half), block.group[q]), place)
                 )
                 for q, request in enumerate(requests)
             ]
@@ -243,7 +247,8 @@ class BlockWindow(wiring.Component):
             walker.top.eq(block.top),
             walker.limit.eq(loader.limit),
             walker.jump.eq(loader.finished),
-            walker.enable.eq(~loading & (marks_first | ~(offered & marking))),
+            # Whether a beat that is offered is loaded is known late.
+            walker.enable.eq(~serving & (marks_first | ~(offered & marking))),
             walker.wipe.eq(sweeping),
             walker.wipe_row.eq(sweep),
             walker.restart.eq(self.finished),
@@ -257,3 +262,39 @@ class BlockWindow(wiring.Component):
             walker.lone.eq(~(wanted & offered.replicate(BLOCK))),
         ]
         return m
+
+    def _follow(self, m, going):
+        """Return what was drawn two cycles before, and what of a block's request says so.
+
+        That is ``again`` and ``behind``.
+        """
+        block = self.i.payload
+        words = data.StructLayout(dict.fromkeys(HALVES, self.config.word_bits - 1))
+        past = data.StructLayout({"drawn": 1, "new": PixelLayout(self.config), "words": words})
+        latest, before, before_that = (
+            Signal(past, name=f"drawn_{n}", reset_less=n > 0) for n in range(3)
+        )
+        again = Signal(RowRequestLayout(self.config).members["again"])
+        behind = Signal(2)
+        m.d.comb += [
+            latest.drawn.eq(going),
+            latest.new.depth.eq(block.z),
+            latest.new.colour.eq(self.shade),
+        ]
+        for half, name in enumerate(HALVES):
+            m.d.comb += getattr(latest.words, name).eq(_word(block, half))
+        m.d.sync += [before.eq(latest), before_that.eq(before)]
+        for n, other in enumerate((before, before_that)):
+            m.d.comb += behind[n].eq(block.z >= other.new.depth)
+            for name in HALVES:
+                same = getattr(latest.words, name) == getattr(other.words, name)
+                m.d.comb += getattr(again[n], name).eq(other.drawn & same)
+        return before_that.new, again, behind
+
+
+def _word(block, half):
+    """Return the number of a block's even word, or its odd one, among those of its line.
+
+    Of its two words the first one is the odd one, or both have one number.
+    """
+    return block.words[1 - half][1:]

@@ -16,7 +16,9 @@ class ColourUnit(wiring.Component):
     """Gives each element its colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
 
     **Latency**: 1 cycle (table) to ``o``, one more (coefficients) and yet
-    another (products) to ``shade``. **Throughput**: one element a cycle.
+    another (products) to ``shade``; with rows of lanes yet another three (products, sums, ``shade``
+    itself).
+    **Throughput**: one element a cycle.
 
     With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
     16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
@@ -28,10 +30,11 @@ class ColourUnit(wiring.Component):
         Elements with D, S and a material. End tokens pass through.
     o : Out(stream of GeometryLayout)
         The same elements.
-    moves : In(1)
-        The element that was last taken from ``o`` goes on to where it is drawn.
+    moves : In(1), In(3) with rows of lanes
+        The element that was last taken from ``o`` goes on to where it is drawn; or to each of three
+        stages, in which the multiplications, the sums and the rest have a cycle each.
     shade : Out(3 x (channel_bits + dither_bits))
-        Colour of the element that last moved on.
+        Colour of the element that last moved on, into the last stage.
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
     material : In(MaterialWriteLayout)
@@ -44,7 +47,7 @@ class ColourUnit(wiring.Component):
             {
                 "i": In(stream.Signature(ElementLayout(config))),
                 "o": Out(stream.Signature(GeometryLayout(config))),
-                "moves": In(1),
+                "moves": In(3 if config.rows_of_lanes else 1),
                 "shade": Out(3 * (config.channel_bits + config.dither_bits)),
                 "ambient": In(data.ArrayLayout(config.ambient_bits, 3)),
                 "material": In(MaterialWriteLayout(config)),
@@ -93,12 +96,19 @@ class ColourUnit(wiring.Component):
         for channel, name in enumerate(("red", "green", "blue")):
             kd = config.coefficient(0, channel)
             ks = config.coefficient(1, channel)
+            # With rows of lanes their sum: they have registers of their own.
             products = Signal(config.ambient_bits, name=f"products_{name}", reset_less=True)
-            product = (
-                coefficients[kd.lsb : kd.end] * diffuse + coefficients[ks.lsb : ks.end] * specular
-            )
-            with m.If(self.moves):
-                m.d.sync += products.eq(product)
+            both = [
+                coefficients[kd.lsb : kd.end] * diffuse,
+                coefficients[ks.lsb : ks.end] * specular,
+            ]
+            if config.rows_of_lanes:
+                both = [
+                    self._hold(m, product, f"{kind}_{name}", self.moves[0])
+                    for kind, product in zip(("diffuse", "specular"), both, strict=True)
+                ]
+            with m.If(self.moves[1 if config.rows_of_lanes else 0]):
+                m.d.sync += products.eq(both[0] + both[1])
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
             # With dithering a channel keeps the fraction that the thresholds are added to.
             shift = config.colour_shift - config.dither_bits
@@ -114,5 +124,15 @@ class ColourUnit(wiring.Component):
 
         with m.If(step):
             m.d.sync += [valid.eq(self.i.valid), looked_up.eq(self.i.payload)]
-        m.d.comb += self.shade.eq(Cat(channels))
+        shade = Cat(channels)
+        if config.rows_of_lanes:
+            shade = self._hold(m, shade, "held_shade", self.moves[2])
+        m.d.comb += self.shade.eq(shade)
         return m
+
+    def _hold(self, m, value, name, moves):
+        """Return the register of a value that is taken where ``moves``."""
+        held = Signal(len(value), name=name, reset_less=True)
+        with m.If(moves):
+            m.d.sync += held.eq(value)
+        return held

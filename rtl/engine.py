@@ -26,7 +26,7 @@ __all__ = ["Engine", "engine_latency"]
 
 def engine_latency(config: EngineConfig) -> int:
     """Return ``Engine(config).latency`` without building the engine."""
-    latency = 6 if config.rows_of_lanes else 4
+    latency = 8 if config.rows_of_lanes else 4
     return latency + (ROM_LATENCY if config.shapes != "none" else 0)
 
 
@@ -37,13 +37,14 @@ class Engine(wiring.Component):
     opens right behind its end word, while its last lines are still on their way out; or, where a
     table write is offered, behind that, which waits until nothing is left of the frame.
 
-    **Latency**: 4 cycles from a code word to its pixels, 6 with rows of lanes, and 3 more with a
+    **Latency**: 4 cycles from a code word to its pixels, 8 with rows of lanes, and 3 more with a
     shape ROM;
     a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
-    **Throughput**: with rows of lanes a cycle a code word; with other lanes a cycle a tile of
-    ``pixels_per_word`` x 4 pixels, so 1 to 4 a code word with words of four pixels, up to 8 with
-    two; with eight banks 1 to 3 a code word, with sixteen 1 or 2, or 1 if their words have eight
-    pixels; where two follow each other into the same pixel of a lane, or word of a bank, one more.
+    **Throughput**: with rows of lanes a cycle a code word, whatever follows whatever; with other
+    lanes a cycle a tile of ``pixels_per_word`` x 4 pixels, so 1 to 4 a code word with words of four
+    pixels, up to 8 with two; with eight banks 1 to 3 a code word, with sixteen 1 or 2, or 1 if
+    their words have eight pixels; in all but rows of lanes, where two follow each other into the
+    same pixel of a lane, or word of a bank, one more.
     Where ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes
     its bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is
     drawn.
@@ -130,15 +131,8 @@ class Engine(wiring.Component):
         m.d.comb += [
             decoder.oldest.eq(window.oldest),
             colour.moves.eq((decoder if config.lanes else window).moves),
+            window.shade.eq(colour.shade),
         ]
-        if config.rows_of_lanes:
-            # The tiler has a stage more than others, and so the colour's way.
-            shade = Signal.like(colour.shade, reset_less=True)
-            with m.If(decoder.settles):
-                m.d.sync += shade.eq(colour.shade)
-            m.d.comb += window.shade.eq(shade)
-        else:
-            m.d.comb += window.shade.eq(colour.shade)
         if not config.lanes:
             m.d.comb += decoder.running.eq(window.running)
 

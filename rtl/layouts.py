@@ -270,10 +270,9 @@ class BlockLayout(data.StructLayout):
     ``mask[q][p]``: the pixel on the line with residue q modulo 8 and in the column with residue p
     is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
     the window but for its three lowest bits. ``words``: the two words that the block's columns lie
-    in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one.
-    ``meets``: it may have a pixel in common with the block before it, if that was taken in the
-    cycle before this one came; else it means nothing. ``end`` and ``top`` as in
-    :class:`TileLayout`.
+    in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one;
+    ``rows[q]``: of any.
+    ``end`` and ``top`` as in :class:`TileLayout`.
     """
 
     def __init__(self, config: EngineConfig):
@@ -283,9 +282,9 @@ class BlockLayout(data.StructLayout):
                 "mask": data.ArrayLayout(row, BLOCK),
                 "odd": data.ArrayLayout(row, BLOCK),
                 "touch": data.ArrayLayout(2, BLOCK),
+                "rows": BLOCK,
                 "group": data.ArrayLayout(config.group_bits, BLOCK),
                 "words": data.ArrayLayout(config.word_bits, 2),
-                "meets": 1,
                 "z": config.z.width,
                 "top": signed(config.line_bits + 2),
                 "end": 1,

@@ -16,9 +16,8 @@ WIDE = BANKED.replace(name="wide", raster_words=2)
 """More silicon, and fewer cycles for elements over 4 pixels and for sparse scenes."""
 
 SWIFT = WIDE.replace(name="swift", lanes=True, banks=16, pixels_per_word=8)
-"""A code word a cycle, whatever its size, but where it waits for a pixel of the one before: the
-fewest cycles, of sparse scenes too, in hardly more LUTs than ``wide`` and eight times the block
-RAMs."""
+"""A code word a cycle, whatever its size and whatever came before it: the fewest cycles, of sparse
+scenes too, in hardly more LUTs than ``wide`` and eight times the block RAMs."""
 
 PRESETS = {
     config.name: config

@@ -71,13 +71,15 @@ def walk_blocks(words: Any, machine: Machine) -> int:
     """
     walk = new_walk()
     marks = np.zeros((machine.lines, machine.half_words), np.bool_)
-    block, coming = np.zeros(ROWS + BLOCK, np.int64), np.zeros(ROWS + BLOCK, np.int64)
-    laid, laid_top = EMPTY, -ABOVE  # the code word whose pixels are in lanes
+    block = np.zeros(ROWS + BLOCK, np.int64)
+    turned, turned_top = EMPTY, -ABOVE  # the code word whose rows are in the columns of lanes
+    laid, laid_top = EMPTY, -ABOVE  # the one whose pixels are in lanes
     given, top = NOTHING, -ABOVE  # what the window is given
-    meets, drawn, ending = False, False, False
+    ending = False
     lagging = False  # in the cycle before, for lines that leave to go before elements
     left, left_before = False, False  # a beat left two cycles before, and three
     near = False  # the lines of what the window is given are there
+    edge = 0  # the first line in the window, in the cycle before
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
@@ -90,12 +92,12 @@ def walk_blocks(words: Any, machine: Machine) -> int:
         first, lagging = lagging, (top - oldest) % BLOCK >= LAGGING
         # Whether the element wants the row of lanes of the beat that leaves, or marks of the row
         # of which some are taken; and whether it waits for the one or the other.
-        # The last pixels to be cleared are written one cycle after the last address.
-        offered = given == ELEMENT and near and cycle > machine.clearing
+        # The last pixels to be cleared are written two cycles after the last address.
+        offered = given == ELEMENT and near and cycle > machine.clearing + 1
         meets_beat = offered and block[ROWS + (oldest - block[FIRST_LINE]) % BLOCK]
         meets_marks = offered and block[ROWS + (walk[LINE] - block[FIRST_LINE]) % BLOCK]
         waits = first and ((walk[BEATS] and meets_beat) or (walk[HERE] and meets_marks))
-        going = offered and not waits and not (machine.hazard and meets and drawn)
+        going = offered and not waits
         flushing = walk[BEATS] > 0 and (first or not meets_beat)
         enable = (first and walk[HERE]) or not meets_marks
         reach = 0
@@ -105,29 +107,30 @@ def walk_blocks(words: Any, machine: Machine) -> int:
         step_walk(walk, marks, top, flushing, reach, enable)
         if going:
             _mark(block, walk, marks, machine)
-        drawn = going
 
         # The next element.
         steps = given == NOTHING or going
-        moves = steps or laid == EMPTY
+        lays = steps or laid == EMPTY
+        turns = lays or turned == EMPTY
         waiting = given != NOTHING and not near
         if given == END:
             near = False
         elif waiting or steps:
-            near = (top if waiting else laid_top) - oldest < machine.lines - BLOCK
+            near = (top if waiting else laid_top) - edge < machine.lines - BLOCK
+        edge = oldest
         if steps:
             given = NOTHING
             if laid != EMPTY:
                 given, top = END if laid == front.state[END_WORD] else ELEMENT, laid_top
             if given == ELEMENT:
-                _place(words[laid], top, coming, machine)
-                meets = going and _meet(coming, block, machine)
-                block[:] = coming
-        if moves:
-            laid = front.held[HEAD]
+                _place(words[laid], top, block, machine)
+        if lays:
+            laid = turned
             if laid != EMPTY:
-                laid_top = front.tops[HEAD]
-        advance(words, front, moves, machine)
+                laid_top = turned_top
+        if turns:
+            turned, turned_top = front.held[HEAD], front.tops[HEAD]
+        advance(words, front, turns, machine)
         cycle += 1
     return 0
 
@@ -145,15 +148,6 @@ def _place(word: int, top: int, block: Any, machine: Machine) -> None:
         first, last = rows[row]
         filled = first <= last and 0 <= top + row <= machine.last_line
         block[ROWS + row] = (2 << last) - (1 << first) & inside if filled else 0
-
-
-@nb.njit(cache=True)
-def _meet(block: Any, other: Any, machine: Machine) -> bool:
-    """Return whether two blocks may overlap, as the circuit sees it: by their distance."""
-    lines = (block[FIRST_LINE] - other[FIRST_LINE]) % machine.lines
-    columns = machine.pixels * 2 * machine.half_words
-    apart = (block[COLUMN] - other[COLUMN]) % columns
-    return lines < BLOCK and min(apart, columns - apart) <= BLOCK
 
 
 @nb.njit(cache=True)

@@ -37,7 +37,8 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
         The frame is the engine's first, as in ``simulate_frame``: the window is still being cleared
         when the first code word is taken. False: a later frame, or an engine that had the time.
     conflicts
-        False counts as if a bank could take the word that it is writing at the moment. That is not
+        False counts as if a bank could take the word that it is writing at the moment, as rows of
+        lanes can. That is not
         always less: an element that waits leaves its other banks to the lines that leave.
 
     Raises

@@ -19,7 +19,7 @@ class BlockTilerProperties(TilerProperties):
     """
 
     tiler = BlockTiler
-    inside = 3
+    inside = 4
 
     def describe(self, m):
         """Add the tiler and its properties."""
@@ -37,9 +37,13 @@ class BlockTilerProperties(TilerProperties):
             mask, odd = block.mask[row], block.odd[row]
             touches = touch == Cat((mask & odd).any(), (mask & ~odd).any())
             self.always(m, f"touch_{row}", ~offered | touches)
+            self.always(m, f"rows_{row}", ~offered | (block.rows[row] == mask.any()))
         near = block.top - oldest < self.config.window_lines - BLOCK
         self.always(m, "near", ~offered | block.end | near)
         self.always(m, "end_at_once", ~(offered & block.end & ~waited) | (top == passed))
+
+    def _meet(self, m, tile, both):
+        """Blocks may follow each other into any pixel."""
 
     def _second(self, block, row, column):
         """Return whether a pixel of a block lies in the second of its words."""
@@ -51,7 +55,7 @@ PROOFS = [
         name="block tiler: pixels",
         shows="an element's block has the contract's pixels, each once, in order, in the window",
         build=lambda: BlockTilerProperties(SWIFT),
-        depth=8,
+        depth=9,
         engine="abc bmc3",
         slow=True,
         faults=(
@@ -60,39 +64,39 @@ PROOFS = [
                 BlockTiler,
                 r"words_left >= word",
                 "words_left + 1 >= word",
-                "_place",
+                "_shape",
             ),
             Fault("bottom border", BlockTiler, r"\[:3\] >= q", "[:3] + 1 >= q", "_lines"),
             Fault("a line misplaced", BlockTiler, r" \+ \(top\[:3\] > q\)", "", "_lines"),
-            Fault("not turned", BlockTiler, r"mask\[::-1\] for", "mask for", "_place"),
+            Fault("not turned", BlockTiler, r"mask\[::-1\] for", "mask for", "_shape"),
             Fault(
                 "not raised",
                 BlockTiler,
                 r"Mux\(shape\.raised, high, low\)",
                 "low",
-                "_place",
+                "_shape",
             ),
-            Fault("not shifted", BlockTiler, r"\(lower, shape\.shifted\)", "(lower, 0)", "_place"),
+            Fault("not shifted", BlockTiler, r"\(0, shape\.shifted\)", "(0, 0)", "_turn"),
             Fault(
                 "the middle drawn twice",
                 BlockTiler,
                 r"\*turned\[1:\], 0\]",
                 "*turned[1:], turned[3]]",
-                "_place",
+                "_shape",
             ),
             Fault(
                 "a fraction's lower half",
                 BlockTiler,
-                r"Mux\(element\.mode, 0, (.*)\)",
-                r"\1",
-                "_place",
+                r" & whole",
+                "",
+                "_shape",
             ),
             Fault(
                 "the other half's words",
                 BlockTiler,
-                r"Mux\(row\[2\], halves\[1\], halves\[0\]\)",
-                "halves[0]",
-                "_place",
+                r"Mux\(row\[2\], turned\.odd\[1\], turned\.odd\[0\]\)",
+                "turned.odd[0]",
+                "_lay",
             ),
             Fault(
                 "not yet the next frame's window",
@@ -100,20 +104,13 @@ PROOFS = [
                 r"with m\.If\(offered & last\.end\)",
                 "with m.If(0)",
             ),
+            Fault("turned too far", BlockTiler, r"first\.rotate_left\(1\)", "first", "_shape"),
             Fault("in the window's last line", BlockTiler, r"> BLOCK\b", ">= BLOCK"),
             Fault(
                 "the element behind it",
                 BlockTiler,
                 r"Mux\(waiting, top, lanes\.top\)",
                 "lanes.top",
-            ),
-            Fault("never meets", BlockTiler, r"meets\.eq\(", "meets.eq(0 & "),
-            Fault(
-                "not as it is shifted",
-                BlockTiler,
-                r"~\(apart\[3\] & apart\[:3\]\.any\(\)\)",
-                "~apart[3]",
-                "_meets",
             ),
             Fault("empty, and no end in sight", BlockTiler, r"\(near \| last\.end\)", "1"),
         ),

@@ -108,8 +108,12 @@ class BlockWindowProperties(LaneWindowProperties):
             touch, mask, odd = block.touch[row], block.mask[row], block.odd[row]
             touches = touch == Cat((mask & odd).any(), (mask & ~odd).any())
             self.given(m, f"touch_{row}", ~dut.i.valid | touches)
+            self.given(m, f"rows_{row}", ~dut.i.valid | (block.rows[row] == mask.any()))
         self.given(m, "end_at_once", ~(dut.i.valid & block.end & ~waited) | (top == passed))
         return super()._tiles(m)
+
+    def _meet(self, m, tile, both):
+        """Blocks may follow each other into any pixel."""
 
     def _second(self, tile, row, column):
         """Return whether a pixel of a block lies in the second of its words."""
@@ -127,12 +131,13 @@ CHANGES = (
         r", reset_less=True(\)\s+for q in range\(BLOCK\))",
         r"\1",
     ),
-    Fault("nothing was drawn before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
+    Fault("nothing was caught before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
+    Fault("nothing was drawn before", LaneRow, r"(draws = .*), init=-1, reset_less=True", r"\1"),
 )
 """The queue is as said above, and the lanes have been cleared but for their last pixels.
 
-What a row writes in the cycle after the reset, as its mask has none, is at the sweep's first
-address, and is cleared in the next.
+What a row writes in the three cycles after a reset, as these registers have none, comes before the
+sweep's first pixel is written.
 """
 
 
@@ -156,9 +161,18 @@ PROOFS = [
         "block window",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
-        14,
+        15,
         Fault("no depth test", LaneRow, r"difference\[-1\] & ", ""),
-        Fault("no conflict", BlockWindow, r"drawn & block\.meets", "0"),
+        Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
+        Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
+        Fault(
+            "drawn over what is nearer",
+            BlockWindow,
+            r"block\.z >= other",
+            "block.z < other",
+            "_follow",
+        ),
+        Fault("not told what was drawn", BlockWindow, r"other\.drawn & same", "0", "_follow"),
         Fault("a block goes where marks do", BlockWindow, r"& ~\(marks_first & marking\)", ""),
         Fault(
             "a row not kept for a block",
@@ -186,7 +200,7 @@ PROOFS = [
         "block window, further",
         "the same, until every fault that is known of shows",
         0,
-        15,
+        16,
         Fault("a block goes where a beat does", BlockWindow, r"& ~\(first & meeting\)", ""),
         long=True,
     ),
@@ -194,7 +208,7 @@ PROOFS = [
         "block window, initial raster",
         "the same for frames that start from an initial raster",
         1,
-        13,
+        14,
         Fault("loaded beyond the window", Loader, r"& ~drop & in_window", "& ~drop"),
         Fault(
             "loaded where a block is drawn",
@@ -203,6 +217,15 @@ PROOFS = [
             "",
         ),
         Fault("loaded while the last is swept", BlockWindow, r"serving & ~swept &", "serving &"),
+        Fault(
+            "where the frame before was", BlockWindow, r"-2 \* config\.window_lines", "walker.front"
+        ),
+        Fault(
+            "loaded while one is cleared",
+            BlockWindow,
+            r"loader\.oldest\.eq\(front\)",
+            "loader.oldest.eq(walker.front)",
+        ),
         Fault("a beat leaves for one that is loaded", BlockWindow, r" & ~serving &", " &"),
         Fault("a line left unloaded", BeatWalker, r"self\.jump \| loaded", "1"),
         Fault(

@@ -14,8 +14,8 @@ __all__ = ["PROOFS"]
 class LaneRowProperties(Properties):
     """Any one pixel of any word, followed from the first time that it is cleared or loaded.
 
-    It lies in any column and either half. A request has one stage, in which it has been taken: its
-    pixels were read, and are written. A load has none.
+    It lies in any column and either half. A request has two more stages: its pixels were read, and
+    they are tested, and written. A load has none.
     """
 
     def __init__(self, config):
@@ -56,46 +56,78 @@ class LaneRowProperties(Properties):
             """Return whether a request clears the pixel."""
             return request.clear & there(request)
 
-        # What was requested last, with what was to be drawn.
-        taken, new = Signal(RowRequestLayout(config)), Signal(PixelLayout(config))
-        begun = Signal()  # the registers without a reset have none of what they began with
-        m.d.sync += [taken.eq(dut.request), new.eq(dut.new), begun.eq(1)]
+        # What was requested in the two cycles before; and what the last three were to draw, the
+        # first of which is known now.
+        caught, tested = (Signal(RowRequestLayout(config), name=n) for n in ("asked", "tested"))
+        news = [dut.new, *(Signal(PixelLayout(config), name=f"new_{n}") for n in (1, 2))]
+        drew = Signal(2)  # what lay before what is caught was to be drawn
+        # The registers without a reset have none of what they began with, stage by stage.
+        begun = Signal(2)
+        m.d.sync += [caught.eq(dut.request), tested.eq(caught), begun.eq(Cat(1, begun))]
+        m.d.sync += [news[1].eq(news[0]), news[2].eq(news[1])]
+        m.d.sync += drew.eq(Cat(caught.draw, tested.draw))
         request = dut.request
+        # A draw of nothing may come with another.
+        beside = request.draw & (request.mask == 0) & ~(request.clear & request.load)
         wishes = Cat(request.draw, request.clear, request.load)
-        self.given(m, "one_of_three", (wishes & (wishes - 1)) == 0)
-        loads, alters = Signal(), Signal()
+        self.given(m, "one_of_three", ((wishes & (wishes - 1)) == 0) | beside)
+
+        # Each draw says what was drawn before it, of the pixel's half: of the group of lines it
+        # tells nothing.
+        def word(request):
+            """Return the word of a line that a request has in that half."""
+            bits = config.word_bits - 1
+            return Mux(half, request.addresses.odd[:bits], request.addresses.even[:bits])
+
+        def group(request):
+            """Return the group of the line that a request's word of that half is of."""
+            bits = config.word_bits - 1
+            return Mux(half, request.addresses.odd[bits:], request.addresses.even[bits:])
+
+        for n, before in enumerate((caught, tested)):
+            again = Mux(half, request.again[n].odd, request.again[n].even)
+            same = before.draw & (word(before) == word(request))
+            other = before.draw & (before.clear | before.load)  # the word is that one's
+            self.given(m, f"again_{n}", ~request.draw | other | (again == same))
+            told = caught.behind[n] == (dut.new.depth >= news[n + 1].depth)
+            self.given(m, f"behind_{n}", ~(caught.draw & drew[n]) | told)
+
+        loads, clears_now = Signal(), Signal()
         m.d.comb += [
             loads.eq(request.load & there(request)),
-            alters.eq(draws(taken) | clears(taken)),
+            clears_now.eq(loads | clears(request)),
         ]
-        asked = draws(request) | clears(request) | loads
-        self.given(m, "waits", ~(asked & alters))
+        for n, before in enumerate((caught, tested)):
+            cleared, drawn = clears(before), draws(before)
+            self.given(m, f"waits_{n}", ~(clears_now & (cleared | drawn)))
+            line = before.clear & (group(before) == group(request))
+            self.given(m, f"waits_too_{n}", ~(draws(request) & line))
         # What the row may write at first is cleared, and not yet loaded.
-        self.given(m, "begins", begun | ~loads)
+        self.given(m, "begins", begun[1] | ~loads)
 
         # The definition.
         known = Signal()
         pixel, after = Signal(PixelLayout(config)), Signal(PixelLayout(config))
         background = Const({"depth": config.background_depth}, PixelLayout(config))
         m.d.comb += after.eq(pixel)
-        with m.If(draws(taken) & (new.depth < pixel.depth)):
-            m.d.comb += after.eq(new)
-        with m.If(clears(taken)):
+        with m.If(draws(tested) & (news[1].depth < pixel.depth)):
+            m.d.comb += after.eq(news[1])
+        with m.If(clears(tested)):
             m.d.comb += after.eq(background)
-        m.d.sync += [pixel.eq(after), known.eq(known | clears(taken))]
+        m.d.sync += [pixel.eq(after), known.eq(known | clears(tested))]
         with m.If(loads):
             m.d.sync += [pixel.eq(pick(dut.loaded)), known.eq(1)]
 
-        # What was cleared one request before, as it was then, if that is known.
+        # What was cleared two cycles before, as it was then, if that is known.
         left, left_known, gone = Signal(), Signal(), Signal(PixelLayout(config))
         m.d.sync += [
-            left.eq(taken.clear),
-            left_known.eq(known & clears(taken)),
+            left.eq(caught.clear),
+            left_known.eq(known & clears(caught)),
             gone.eq(pixel),
         ]
         leaving = pick(dut.leaving)
         self.always(m, "leaves", ~left_known | (leaving == gone))
-        self.always(m, "nothing_else", ~begun | left | (leaving == background))
+        self.always(m, "nothing_else", ~begun[0] | left | (leaving == background))
 
 
 PROOFS = [
@@ -107,9 +139,9 @@ PROOFS = [
         engine="abc bmc3",
         faults=(
             Fault("no depth test", LaneRow, r"difference\[-1\] & ", ""),
-            Fault("ties drawn", LaneRow, r"difference\.eq\(depth - ", "difference.eq(depth - 1 - "),
-            Fault("the other half", LaneRow, r"Mux\(is_odd, odd\.data", "Mux(~is_odd, odd.data"),
-            Fault("drawn into both halves", LaneRow, r" & ~is_odd\)", ")"),
+            Fault("ties drawn", LaneRow, r"Cat\(other, behind \^ meets\)", r"\g<0> - 1"),
+            Fault("the other half", LaneRow, r"(olds\[.)odd(.\], olds\[.)even", r"\1even\2odd"),
+            Fault("drawn into both halves", LaneRow, r"passes & ~not_even\[column\] &", "passes &"),
             Fault(
                 "all columns",
                 LaneRow,
@@ -126,15 +158,47 @@ PROOFS = [
                 "loaded too late",
                 LaneRow,
                 r"load\.addr\.eq\(getattr\(request",
-                "load.addr.eq(getattr(taken",
+                "load.addr.eq(getattr(caught",
             ),
-            Fault("not cleared", LaneRow, r"Mux\(request\.clear, background, (.*)\)\)", r"\1)"),
-            Fault("the colour not cleared", LaneRow, r"Mux\(request\.clear, 0, (.*)\)\)", r"\1)"),
+            Fault("not cleared", LaneRow, r"Mux\(caught\.clear, 1, (mask.*)\)\)", r"\1)"),
+            Fault(
+                "cleared to a depth",
+                LaneRow,
+                r"(depth\.eq\()Mux\([^,]*, background, (.*)\)\)",
+                r"\1\2)",
+            ),
+            Fault(
+                "the colour not cleared",
+                LaneRow,
+                r"Mux\(caught\.clear, 0, (self\.new\.colour)\)",
+                r"\1",
+            ),
+            Fault("not cleared where it was drawn", LaneRow, r" & ~caught\.clear", "", "_meet"),
+            Fault("nor where it was so before", LaneRow, r" & ~self\.request\.clear", "", "_meet"),
             Fault(
                 "leaves where nothing is cleared",
                 LaneRow,
-                r"Mux\(taken\.clear, (read\.data\.depth), background\)",
+                r"Mux\(caught\.clear, (read\.data\.depth), background\)",
                 r"\1",
+            ),
+            Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
+            Fault("hidden by another line", LaneRow, r" & \(then == last\)", "", "_meet"),
+            Fault("hidden by what is behind", LaneRow, r" & caught\.behind\[0\]", "", "_meet"),
+            Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
+            Fault("as of another line", LaneRow, r" & \(now == last\)", "", "_meet"),
+            Fault(
+                "whatever was nearer",
+                LaneRow,
+                r"behind\.eq\(caught\.behind\[1\]\)",
+                "behind.eq(0)",
+                "_meet",
+            ),
+            Fault(
+                "the stage before",
+                LaneRow,
+                r"behind\.eq\(caught\.behind\[1\]\)",
+                "behind.eq(self.request.behind[1])",
+                "_meet",
             ),
         ),
     )

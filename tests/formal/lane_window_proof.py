@@ -192,8 +192,12 @@ class LaneWindowProperties(Properties):
         m.d.comb += draws.eq(dut.i.valid & ~tile.end & Cat(mine(row) for row in rows).any())
         drew = Signal()
         m.d.sync += drew.eq(taken & draws)
-        self.given(m, "meets", ~(drew & draws) | tile.meets)
+        self._meet(m, tile, drew & draws)
         return taken & draws
+
+    def _meet(self, m, tile, both):
+        """Assume that a tile says so where it draws the pixel that was drawn a cycle before."""
+        self.given(m, "meets", ~both | tile.meets)
 
     def _initial(self, m):
         """Assume of the initial raster what it is; return whether the pixel is loaded now."""

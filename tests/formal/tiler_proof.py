@@ -135,8 +135,12 @@ class TilerProperties(Properties):
         self.always(m, "not_the_last", ~draws | (before + tile.top < oldest + lines))
         drew = Signal()
         m.d.sync += drew.eq(drawn)
-        self.always(m, "meets", ~(drew & draws) | tile.meets)
+        self._meet(m, tile, drew & draws)
         self.always(m, "output_steady", self.steady(m, dut.o, "o"))
+
+    def _meet(self, m, tile, both):
+        """Assert that a tile says so where it draws the pixel that was drawn a cycle before."""
+        self.always(m, "meets", ~both | tile.meets)
 
     def _second(self, tile, row, column):
         """Return whether a pixel of a tile lies in the second of its words."""

@@ -152,7 +152,7 @@ class ElementSlide(ABC):
             after=0,
         )
         cycles = self.bench.cycles - begin
-        for _ in range(5 if (self.sink.rate, self.follow) == (1.0, (1.0, LOWEST)) else 100):
+        for _ in range(6 if (self.sink.rate, self.follow) == (1.0, (1.0, LOWEST)) else 100):
             await self.bench.step(self.drive, self.observe)
         return cycles
 

@@ -72,15 +72,21 @@ def switched_source(monkeypatch, part, faults):
     """Plant faults where a component is written; return an edit of its Verilog that is yet to do.
 
     Then ``+fault=N`` chooses the Nth, and with ``+fault=0`` none is there. Each is an expression of
-    ``elaborate``, as a pattern, and what it is instead.
+    ``elaborate``, or of another method that it names, as a pattern, and what it is instead.
     """
-    source = textwrap.dedent(inspect.getsource(part.elaborate))
-    for number, (pattern, value) in enumerate(faults, 1):
-        source, count = re.subn(pattern, rf"Mux(planted == {number}, {value}, \g<0>)", source)
+    sources = {"elaborate": textwrap.dedent(inspect.getsource(part.elaborate))}
+    for number, (pattern, value, *method) in enumerate(faults, 1):
+        (name,) = method or ["elaborate"]
+        source = sources.get(name) or textwrap.dedent(inspect.getsource(getattr(part, name)))
+        chosen = rf"Mux(self.planted == {number}, {value}, \g<0>)"
+        sources[name], count = re.subn(pattern, chosen, source)
         assert count == 1, f"{part.__name__} has {count} places to break by {pattern}"
     # A register that nothing writes, so that it stays in the Verilog.
-    head = "m = Module(); planted = Signal(8, reset_less=True); m.d.sync += planted.eq(planted)"
-    _replace(monkeypatch, part, "elaborate", source.replace("m = Module()", head, 1), "faults")
+    head = "m = Module(); self.planted = planted = Signal(8, reset_less=True)"
+    head += "; m.d.sync += planted.eq(planted)"
+    sources["elaborate"] = sources["elaborate"].replace("m = Module()", head, 1)
+    for name, source in sources.items():
+        _replace(monkeypatch, part, name, source, "faults")
 
     def edit(text):
         choice = r'\1 initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'

@@ -15,7 +15,7 @@ import test_variants
 from engines import mismatches
 from faults import rewrite, switched_source
 from presets import run_bench
-from random_frames import frame_of, random_tables, word
+from random_frames import films, frame_of, random_tables, word
 
 from splatline.host.frame import Tables
 from splatline.host.order import advance_word
@@ -40,71 +40,115 @@ BENCHES = {
     BeatEmitter: test_beat_emitter,
 }
 LAGS = "a_window_that_lags_behind"
-MEETS = "neighbours_that_share_a_pixel_meet"
+FOLLOWS = "one_pixel_a_cycle"
 WALK = "written_beats_are_asked_for_once_and_in_order"
 COMES = "every_beat_comes_out"
 FIRST = "the_first_beat_comes_first"
 REWRITTEN = {
-    "no depth test": (LaneRow, r"difference\[-1\] & mask", "mask", "random_requests"),
+    "no depth test": (LaneRow, r"difference\[-1\] & draws", "draws", "random_requests"),
     "ties drawn": (
         LaneRow,
-        r"odd\.data\.depth, even\.data\.depth\)",
+        r"Cat\(other, behind \^ meets\)",
         r"\g<0> - 1",
         "nearer_wins_and_equal_stays",
     ),
     "odd and even swapped": (
         LaneRow,
-        r"Mux\(is_odd, odd\.data\.depth, even\.data\.depth\)",
-        "Mux(is_odd, even.data.depth, odd.data.depth)",
+        r"Mux\(odd\[column\], olds\[.odd.\], olds\[.even.\]\)",
+        'Mux(odd[column], olds["even"], olds["odd"])',
         "random_requests",
     ),
-    "not cleared": (LaneRow, r"taken\.clear \| \(passes & ~", "(passes & ~", "random_requests"),
+    "not cleared": (
+        LaneRow,
+        r"Mux\(caught\.clear, 1, mask\[column\]\)",
+        "mask[column]",
+        "random_requests",
+    ),
+    "cleared but where it is nearest": (
+        LaneRow,
+        r"Mux\(caught\.clear, background, read\.data\.depth\)",
+        "read.data.depth",
+        "random_requests",
+    ),
+    "cleared but where it was drawn": (
+        LaneRow,
+        r" & ~caught\.clear",
+        "",
+        "random_requests",
+        "_meet",
+    ),
+    "cleared but where it was drawn before": (
+        LaneRow,
+        r" & ~self\.request\.clear",
+        "",
+        "random_requests",
+        "_meet",
+    ),
     "cleared to a colour": (
         LaneRow,
-        r"Mux\(request\.clear, 0, self\.new\.colour\)",
+        r"Mux\(caught\.clear, 0, self\.new\.colour\)",
         "self.new.colour",
         "random_requests",
     ),
     "leaving is not background": (
         LaneRow,
-        r"Mux\(taken\.clear, read\.data\.depth, background\)",
+        r"Mux\(caught\.clear, read\.data\.depth, background\)",
         "read.data.depth",
         "random_requests",
+    ),
+    "over what is nearer": (LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
+    "hidden by what is behind": (LaneRow, r" & caught\.behind\[0\]", "", FOLLOWS, "_meet"),
+    "hidden by another line": (LaneRow, r" & \(then == last\)", "", FOLLOWS, "_meet"),
+    "as it was two cycles before": (LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
+    "as of another line": (LaneRow, r" & \(now == last\)", "", FOLLOWS, "_meet"),
+    "over what was nearer": (
+        LaneRow,
+        r"behind\.eq\(caught\.behind\[1\]\)",
+        "behind.eq(0)",
+        FOLLOWS,
+        "_meet",
+    ),
+    "hidden by what was behind": (
+        LaneRow,
+        r"behind\.eq\(caught\.behind\[1\]\)",
+        "behind.eq(1)",
+        FOLLOWS,
+        "_meet",
     ),
     "right border": (
         BlockTiler,
         r"Cat\(words_left >= word for word in range\(2\)\)",
         "-1",
         "right_border",
-        "_place",
+        "_shape",
     ),
     "not turned": (
         BlockTiler,
         r"mask\[::-1\] for",
         "mask for",
         "one_element_a_cycle",
-        "_place",
+        "_shape",
     ),
     "not raised": (
         BlockTiler,
         r"Mux\(shape\.raised, high, low\)",
         "low",
         "middles_at_half_pixels",
-        "_place",
+        "_shape",
     ),
     "not shifted": (
         BlockTiler,
-        r"\(lower, shape\.shifted\)",
-        "(lower, 0)",
+        r"\(0, shape\.shifted\)",
+        "(0, 0)",
         "middles_at_half_pixels",
-        "_place",
+        "_turn",
     ),
     "in the word of the upper half": (
         BlockTiler,
-        r"Mux\(row\[2\], halves\[1\], halves\[0\]\)",
-        "halves[0]",
+        r"Mux\(row\[2\], turned\.odd\[1\], turned\.odd\[0\]\)",
+        "turned.odd[0]",
         "middles_at_half_pixels",
-        "_place",
+        "_lay",
     ),
     "a line misplaced": (
         BlockTiler,
@@ -122,9 +166,14 @@ REWRITTEN = {
         "Cat(mask.any()",
         "one_element_a_cycle",
     ),
+    "a row that is not wanted": (
+        BlockTiler,
+        r"Cat\(mask\.any\(\) for",
+        "Cat(mask[:-1].any() for",
+        "one_element_a_cycle",
+    ),
     "a line too early": (BlockTiler, r"> BLOCK\b", "> BLOCK - 1", LAGS),
     "top of the last frame": (BlockTiler, r"top\.eq\(-ROWS\)", "top.eq(top)", "end_tokens"),
-    "never meets": (BlockTiler, r"near\.eq\(apart", "near.eq(0 & apart", MEETS, "_meets"),
     "marks clear too much": (
         BeatMarks,
         r"self\.wipe \| \(self\.line\[:own_bits\] == residue\)",
@@ -260,29 +309,49 @@ def test_a_fault_in_a_part_of_the_window_of_rows_is_noticed(monkeypatch, broken)
 def behind_the_sweep(rng, config):
     """A reset, and then at once elements where the lanes are cleared last, and elsewhere.
 
-    Near pixels were there before. No tables are written after it, which would take longer than the
-    sweep: none but the memory's counts.
+    Near pixels were there before, or background. No tables are written after it, which would take
+    longer than the sweep: none but the memory's counts.
     """
     random = random_tables(rng, config)
     tables = Tables(np.zeros(3, np.int64), random.diffuse, random.specular)
 
-    def frame(z, count):
+    last = config.max_width - 8
+
+    def frame(z, count, first=last):
         elements = [
             word([(0, 7)] * 4, x, z, diffuse=z, material=9, config=config)
-            for x in (config.max_width - 8, 40)
+            for x in (first, *[40] * count)
         ]
-        words = [advance_word(16, config), *elements * count]
+        words = [advance_word(16, config), *elements]
         return dataclasses.replace(frame_of(words, config=config), tables=tables)
 
-    yield Job(frame=frame(60, 3))
+    yield Job(frame=frame(60, 5))
     for after in (200, 320):
-        near = frame(1, 150)
-        yield Job(frame=frame(60, 3), followed_by=[near], write_tables="none", reset_after=after)
+        for first in (last, 80):
+            near = [frame(1, 300, first)]
+            yield Job(frame=frame(60, 5), followed_by=near, write_tables="none", reset_after=after)
+
+
+def one_after_another(rng, config):
+    """Films at full rate."""
+    return films(rng, test_presets.RATES[:1], config)
 
 
 OVER, DOWN = test_presets.over_an_initial_raster, test_variants.down_the_image
+FILMS = one_after_another
 IN_THE_WINDOW = {
-    "no conflict": (r"drawn & block\.meets", "0", OVER),
+    "nothing was drawn before": (r"other\.drawn & same", "0", OVER, "_follow"),
+    "what is drawn lies before all": (r"block\.z >= other\.new\.depth", "0", OVER, "_follow"),
+    "what is drawn lies behind all": (r"block\.z >= other\.new\.depth", "1", OVER, "_follow"),
+    "an equal pixel drawn over": (
+        r"block\.z >= other\.new\.depth",
+        "block.z > other.new.depth",
+        OVER,
+        "_follow",
+    ),
+    "no wait for what is cleared": (r"(?<=loader\.oldest\.eq\()front", "walker.front", OVER),
+    "where the frame before was": (r"-2 \* config\.window_lines", "walker.front", FILMS),
+    "half a wait for the sweep": (r"sweeping \| just_swept", "sweeping", behind_the_sweep),
     "a block goes where a beat goes first": (r"~\(first & meeting\)", "1", OVER),
     "a block goes where marks go first": (r"~\(marks_first & marking\)", "1", DOWN),
     "a row is not kept for a block": (r"\(first \| ~\(offered & meeting\)\)", "1", OVER),
@@ -307,7 +376,7 @@ IN_THE_WINDOW = {
         "1",
         OVER,
     ),
-    "marks taken beside a load": (r"(?<=enable\.eq\()~loading", "1", OVER),
+    "marks taken beside a load": (r"(?<=enable\.eq\()~serving", "1", OVER),
     "no wait for the sweep": (r"~swept(?=\),\n +going)", "1", behind_the_sweep),
     "a waiting block in the sweep's way": (
         r"offered\.replicate\(BLOCK\)(?= & )",
@@ -319,10 +388,10 @@ IN_THE_WINDOW = {
 
 def collide(text):
     """Make a pixel wrong that is read or written while it is written: as a block RAM may do."""
-    port = r"if \((\S+?) ?\)\s+{}\[({}[^]]*\])\] <= (\S+) ;(.*?)"
+    port = r"if \((\S+?) ?\)\s+{}\[({}[^]]*\])\] <= (\S+?) ?;(.*?)"
     text, count = re.subn(
         port.format(r"((?:even|odd)_\d)", "request")
-        + port.format(r"\2", "taken")
+        + port.format(r"\2", "addresses")
         + r"(_\d+_) <= \2\[\3\];",
         r"if (\1 ) \2[\3] <= \6 && \3 == \7 ? ~\4 : \4 ;\5"
         r"if (\6 ) \2[\7] <= \1 && \3 == \7 ? ~\8 : \8 ;\9"
@@ -339,11 +408,13 @@ def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
     config = SWIFT
     with monkeypatch.context() as broken:
         edit = switched_source(
-            broken, BlockWindow, [planted[:2] for planted in IN_THE_WINDOW.values()]
+            broken,
+            BlockWindow,
+            [(*planted[:2], *planted[3:]) for planted in IN_THE_WINDOW.values()],
         )
         built = wrap(collide(edit(generate(config)[0])), config)
     rng = np.random.default_rng(11)
-    jobs = {case: list(case(rng, config)) for case in (OVER, DOWN, behind_the_sweep)}
+    jobs = {case: list(case(rng, config)) for case in (OVER, DOWN, FILMS, behind_the_sweep)}
     run = simulator.run
 
     def is_wrong(case, number):
@@ -360,5 +431,5 @@ def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
 
     assert [case.__name__ for case in jobs if is_wrong(case, 0)] == []
     numbered = enumerate(IN_THE_WINDOW.items(), 1)
-    unnoticed = [name for n, (name, (*_, case)) in numbered if not is_wrong(case, n)]
+    unnoticed = [name for n, (name, (_, _, case, *_)) in numbered if not is_wrong(case, n)]
     assert unnoticed == []

@@ -1,10 +1,11 @@
 """Colour evaluation, against the paper's equation 2 in integers."""
 
 import random
+from itertools import pairwise
 
 import cocotb
 import pytest
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import Out, connect, flipped
 from presets import CONFIG, OTHERS, run_bench
@@ -28,8 +29,8 @@ class Coloured(data.StructLayout):
 class Painter(wiring.Component):
     """A colour unit and what is behind it: the colour meets its element.
 
-    Two stages: in the first, as in the tiler or the decoder, an element with ``mode`` set stays
-    until it has gone on twice.
+    Two stages, or four for a colour that takes as many: in the first, as in the tiler or the
+    decoder, an element with ``mode`` set stays until it has gone on twice.
     """
 
     def __init__(self, config):
@@ -47,28 +48,31 @@ class Painter(wiring.Component):
         m = Module()
         m.submodules.unit = unit = self.unit
         connect(m, flipped(self.i), unit.i)
-        valid, step = Signal(), Signal()
-        held = Signal.like(unit.o.payload)
+        count = len(unit.moves)
+        valid, steps = Signal(count), Signal(count)
+        held = [Signal.like(unit.o.payload, name=f"held_{n}") for n in range(count)]
         m.d.comb += [
             unit.ambient.eq(self.ambient),
             unit.material.eq(self.material),
-            step.eq(~valid | self.o.ready),
-            self.o.valid.eq(valid),
-            self.o.payload.geometry.eq(held),
+            self.o.valid.eq(valid[-1]),
+            self.o.payload.geometry.eq(held[-1]),
             self.o.payload.colour.eq(unit.shade),
         ]
         there, twice = Signal(), Signal()
-        at_hand = Signal.like(held)
+        at_hand = Signal.like(held[0])
         m.d.comb += [
-            unit.moves.eq(step),
-            unit.o.ready.eq(~there | (step & (twice | ~at_hand.mode))),
+            steps.eq(~valid | Cat(steps[1:], self.o.ready)),
+            unit.moves.eq(steps),
+            unit.o.ready.eq(~there | (steps[0] & (twice | ~at_hand.mode))),
         ]
         with m.If(unit.o.ready):
             m.d.sync += [there.eq(unit.o.valid), at_hand.eq(unit.o.payload), twice.eq(0)]
-        with m.Elif(step):
+        with m.Elif(steps[0]):
             m.d.sync += twice.eq(1)
-        with m.If(step):
-            m.d.sync += [valid.eq(there), held.eq(at_hand)]
+        stages = [(at_hand, there), *zip(held, valid, strict=True)]
+        for n, (before, after) in enumerate(pairwise(stages)):
+            with m.If(steps[n]):
+                m.d.sync += [now.eq(then) for now, then in zip(after, before, strict=True)]
         return m
 
 

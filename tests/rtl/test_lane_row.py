@@ -1,5 +1,6 @@
 """A row of lanes: depth test and write back in two words at once."""
 
+import itertools
 import random
 
 import cocotb
@@ -22,6 +23,10 @@ PLACES = 1 << row_address_bits(CONFIG)
 COLUMNS = CONFIG.pixels_per_word
 DEPTHS = CONFIG.background_depth + 1
 BACKGROUND = (CONFIG.background_depth, 0)
+WORDS = 1 << CONFIG.word_bits - 1
+"""Words of a half that a line has."""
+SETTLES = 2
+"""Cycles after a request in which what it writes is not to be read, nor loaded."""
 ALL = [(half, column) for half in (0, 1) for column in range(COLUMNS)]
 BLANK = dict.fromkeys(ALL, BACKGROUND)
 
@@ -74,13 +79,14 @@ class Load:
 class Operator:
     """Sends requests a cycle at a time and keeps the pixels as they ought to be.
 
-    What leaves is compared in every cycle.
+    What leaves is compared in every cycle. Draws may follow each other into any pixel.
     """
 
     def __init__(self, dut, seed):
         self.dut, self.random, self.bench = dut, random.Random(seed), StreamBench(dut, seed)
         self.pixels = {}
-        self.flying = frozenset()  # pixels that are being written
+        self.latest = [None] * SETTLES  # requests whose pixels are still to be written
+        self.drawn = BACKGROUND  # what was requested to be drawn in the cycle before
         self.coming, self.leaving = None, None  # words that leave; before the reset unknown
 
     async def reset(self):
@@ -89,13 +95,37 @@ class Operator:
         self.coming = self.leaving = None
         for place in range(PLACES):
             self.pixels |= dict.fromkeys(Clear((place, place)).reads, BACKGROUND)
-            self.flying = frozenset()
             await self.cycle(Clear((place, place)), known=False)
-        await self.cycle()
+        await self.settle()
+
+    async def settle(self):
+        """Let all be written."""
+        for _ in range(SETTLES):
+            await self.cycle()
 
     def may(self, request):
-        """Whether no pixel of it is being written."""
-        return not request.reads & self.flying
+        """Whether no pixel of it is being written, but where both are drawn."""
+        return not any(
+            request.reads & other.writes
+            for other in self.latest
+            if other and not (request.kind == other.kind == "draw")
+        )
+
+    def after(self, request):
+        """What of a draw's request tells of the two requests before."""
+        draws = [other if isinstance(other, Draw) else None for other in self.latest]
+        again = [
+            {
+                name: int(
+                    bool(other) and request.places[half] % WORDS == other.places[half] % WORDS
+                )
+                for half, name in enumerate(HALVES)
+            }
+            for other in draws
+        ]
+        nearer = [other and other.pixel[0] <= request.pixel[0] for other in draws]
+        behind = [self.random.randrange(2) if near is None else near for near in nearer]
+        return {"again": again, "behind": behind[0] | behind[1] << 1}
 
     async def cycle(self, request=None, known=True):
         """One cycle; what means nothing is random."""
@@ -104,11 +134,15 @@ class Operator:
         places = request.places if request else [rng.randrange(PLACES) for _ in HALVES]
         fields = {"addresses": dict(zip(HALVES, places, strict=True))}
         fields |= {"mask": rng.getrandbits(COLUMNS), "odd": rng.getrandbits(COLUMNS)}
-        new, loaded = random_pixel(rng), {place: random_pixel(rng) for place in ALL}
+        fields["again"] = [{name: rng.randrange(2) for name in HALVES} for _ in range(2)]
+        fields["behind"] = rng.randrange(4)
+        new, loaded = self.drawn, {place: random_pixel(rng) for place in ALL}
+        self.drawn = random_pixel(rng)
         if request:
             fields[request.kind] = 1
         if isinstance(request, Draw):
-            new = request.pixel
+            self.drawn = request.pixel
+            fields |= self.after(request)
             fields["mask"] = sum(1 << column for column in request.columns)
             odd = sum(half << column for column, half in request.columns.items())
             fields["odd"] = odd | fields["odd"] & ~fields["mask"]
@@ -143,10 +177,9 @@ class Operator:
             self.coming = None
 
     def _take(self, request):
-        self.flying = frozenset()
+        self.latest = [request, *self.latest[:-1]]
         if request is None:
             return
-        self.flying = request.writes
         for half, place, column in request.reads:
             key = half, place, column
             if isinstance(request, Load):
@@ -159,8 +192,8 @@ class Operator:
 
     async def read(self, places):
         """Clear two words, and let them leave."""
-        for request in (Clear(places), None, None):
-            await self.cycle(request)
+        await self.cycle(Clear(places))
+        await self.settle()
 
 
 def random_pixel(rng, step=1):
@@ -193,7 +226,7 @@ async def random_requests(dut):
             taken += request is not None
             await operator.cycle(request)
         assert taken > 300
-        await operator.cycle()
+        await operator.settle()
         for place in range(0, PLACES, PLACES // spread):
             await operator.read((place, place))
             await operator.read((place, place))
@@ -214,7 +247,7 @@ async def nearer_wins_and_equal_stays(dut):
         ):
             for colour, depth in enumerate(depths):
                 await operator.cycle(Draw(columns, (depth, colour), (7, 8)))
-                await operator.cycle()
+                await operator.settle()
             expected = {operator.pixels[half, 7 + half, column] for column, half in columns.items()}
             assert expected == {stays}
             await operator.read((7, 8))
@@ -222,7 +255,7 @@ async def nearer_wins_and_equal_stays(dut):
 
 @cocotb.test()
 async def neighbours_follow_without_a_gap(dut):
-    """Other columns, the other word or another place, in the cycle after a draw."""
+    """Other columns, the other word or another place, in the cycles after a draw."""
     operator = Operator(dut, 10)
     await operator.reset()
     last = PLACES - 1
@@ -235,9 +268,35 @@ async def neighbours_follow_without_a_gap(dut):
         ]
     ):
         await operator.cycle(Draw(columns, (50 - n, n), places))
-    await operator.cycle()
+    await operator.settle()
     for places in ((0, 0), (last, last)):
         await operator.read(places)
+
+
+@cocotb.test()
+async def one_pixel_a_cycle(dut):
+    """Three draws of one pixel one after the other, in every order of what lies before what.
+
+    And with a draw elsewhere between them: of other columns, of the other half, of the same word
+    of another line.
+    """
+    operator = Operator(dut, 12)
+    await operator.reset()
+    place, elsewhere = 5, 5 + WORDS
+    here = Draw({3: 1}, None, (9, place))
+    others = [None, Draw({2: 1, 4: 1}, (0, 7), (9, place)), Draw({3: 0}, (0, 7), (place, place))]
+    others += [Draw({3: 1}, (0, 7), (9, elsewhere))]
+    for depths in itertools.product((10, 11, 12), repeat=3):
+        for between in itertools.product(range(len(others) + 1), repeat=2):
+            for number, depth in enumerate(depths):
+                await operator.cycle(Draw(here.columns, (depth, number), here.places))
+                if number < 2 and between[number]:
+                    await operator.cycle(others[between[number] - 1])
+            await operator.settle()
+            expected = min(depths), depths.index(min(depths))
+            assert operator.pixels[1, place, 3] == expected
+            for places in ((9, place), (place, elsewhere)):
+                await operator.read(places)
 
 
 @cocotb.test()
@@ -250,7 +309,7 @@ async def what_is_loaded_is_there_whatever_was(dut):
         await operator.cycle(Draw(columns, (300, 5), (12, 12)))
         await operator.cycle(Load(dict.fromkeys(ALL, pixel), (13, 12)))
         await operator.cycle(Draw(columns, (150, 6), (13, 12)))
-        await operator.cycle()
+        await operator.settle()
         await operator.read((13, 12))
         await operator.read((12, 13))
 

@@ -19,6 +19,7 @@ from splatline.sim.cosim import simulator
 from splatline.sim.cosim.frames import Job, play
 from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cycles import count_cycles
+from splatline.sim.raster import Raster
 
 FULL = test_presets.FULL
 PLAYED = [
@@ -129,8 +130,24 @@ def of_words_of_eight(rng, config):
             rates={**rates, "table": 1.0},
             seed=seed,
         )
+    yield held_up(config)
     if config.shapes != "none":
         yield Job(frame=mixed(rng, config))
+
+
+def held_up(config):
+    """A block, marks that go before it, and a beat to load that wants its row, all at once.
+
+    In a window of 32 lines, if it is one of rows of lanes. None of the three may wait for another
+    that waits for it.
+    """
+    block = [word([(0, 7)] * 4, 8, z, mode=0, config=config) for z in (100, 90)]
+    raster = Raster.background(config.max_width, 117, config)
+    raster.depth[[90, 114]] = 150
+    steps = [advance_word(31, config)] * 2 + [advance_word(30, config)]
+    words = [*steps, block[0], advance_word(12, config), *block[1:] * 40]
+    frame = frame_of(words, config.max_width, 117, config=config)
+    return Job(frame=frame, initial=raster)
 
 
 @pytest.mark.parametrize("config", ALL_OF_EIGHT, ids=lambda config: config.name)

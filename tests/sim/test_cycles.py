@@ -10,7 +10,6 @@ from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.rtl.bank_layout import bank_address_bits
 from splatline.rtl.engine import engine_latency
-from splatline.rtl.format import BLOCK
 from splatline.rtl.lane import lane_address_bits
 from splatline.rtl.presets import PAPER, SWIFT, WIDE, get_preset
 from splatline.rtl.variants import BANKS16
@@ -164,11 +163,11 @@ def test_further_planes_cost_cycles_where_pixels_pass_and_nowhere_else():
 def test_known_counts(config):
     """A cycle a code word, one more for its latency, and the end beat behind.
 
-    Lanes know one cycle later that nothing is left in the window, and where they take whole blocks
-    the end beat is in the queue for one more; in banks none is dealt.
+    Lanes know one cycle later that nothing is left in the window, or have the end beat in a queue;
+    in banks none is dealt.
     """
     tiles = config.lanes and not config.rows_of_lanes
-    latency = engine_latency(config) + (1 if tiles else 2 if config.lanes else -1)
+    latency = engine_latency(config) + (1 if config.lanes else -1)
 
     def count(words):
         frame = cw.make_frame([*words, cw.end(config)], (64, 64), config=config)
@@ -182,16 +181,16 @@ def test_known_counts(config):
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
     # waits until it is out: the line above is complete (1), flushed, merged, emitted. In banks,
     # dots in words of their own leave as so many beats, and on the same word each but the first
-    # waits for it, a cycle. In lanes as well, and a pair of words leaves anyway; where they take
-    # whole blocks, those that are close wait too.
+    # waits for it, a cycle. In lanes as well, and a pair of words leaves anyway; but none waits
+    # where they take whole blocks.
     for dots in (1, 2) if tiles else (1, 2, 4):
-        apart = 2 * BLOCK if config.lanes and not tiles else config.pixels_per_word
-        columns = [4 + apart * n for n in range(dots)]
+        columns = [4 + config.pixels_per_word * n for n in range(dots)]
         apart = [dot(column) for column in columns]
         same = [dot(4)] * dots
         start = cw.advance(4, config)
         beats = 1 if tiles else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
-        assert count([start, *same]) - count([start, *apart]) == (dots - 1) - (beats - 1)
+        waits = 0 if config.rows_of_lanes else dots - 1
+        assert count([start, *same]) - count([start, *apart]) == waits - (beats - 1)
 
 
 @pytest.mark.parametrize(
