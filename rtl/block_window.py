@@ -179,8 +179,8 @@ class BlockWindow(wiring.Component):
         # Which of them goes first. Elements of up to four lines lie about the fifth line from
         # ``top`` on and leave the rows of the lines one and two above ``top``: those leave beside
         # them. What lies further above goes first, so that it comes to that; were all to go first,
-        # there would be none left to leave beside the elements. Of what is loaded the lines 14 and
-        # 15 below ``top`` go beside them, in the rows of those two, and nearer ones go first.
+        # there would be none left to leave beside the elements. Of what is loaded the lines 6 and 7
+        # below ``top``, modulo 8, go beside them, in the rows of those two; others go first.
         above, distance = Signal(3), Signal(3)
         m.d.comb += [
             above.eq(block.top[:3] - walker.oldest[:3]),
@@ -188,9 +188,9 @@ class BlockWindow(wiring.Component):
         ]
         m.d.sync += [
             lagging.eq(above >= 2),
-            # Known a cycle ahead, as all before a block waits for it. Where marks go first no block
-            # goes, but they are not taken beside what is offered to load: so that goes, or none of
-            # the three ever would.
+            # Known a cycle ahead, as all before a block waits for it. Marks that go before a block
+            # are not taken beside what is offered to load, and that may want the block's row: so it
+            # goes where lines lag, or none of the three ever would.
             pressing.eq(serving & ~loading & ((distance < 6) | lagging)),
             refused.eq(serving & ~loading),
         ]

@@ -271,8 +271,7 @@ class BlockLayout(data.StructLayout):
     is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
     the window but for its three lowest bits. ``words``: the two words that the block's columns lie
     in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one;
-    ``rows[q]``: of any.
-    ``end`` and ``top`` as in :class:`TileLayout`.
+    ``rows[q]``: of any. ``end`` and ``top`` as in :class:`TileLayout`.
     """
 
     def __init__(self, config: EngineConfig):
