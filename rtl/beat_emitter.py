@@ -1,10 +1,8 @@
 """The way out of rows of lanes: beats wait in a queue, so that nothing else stands still."""
 
-from functools import reduce
 from itertools import pairwise
-from operator import and_, or_
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,6 +10,7 @@ from .format import BLOCK, EngineConfig
 from .lane_row import HALVES, BeatWordsLayout
 from .layouts import PlaceLayout, RasterLayout
 from .queue import Queue
+from .wide import all_of, any_of
 
 __all__ = ["BeatEmitter"]
 
@@ -39,8 +38,6 @@ class BeatEmitter(wiring.Component):
         Its even word.
     rows : In(8 x BeatWordsLayout)
         The rows' outputs.
-    last_column : In(x_bits)
-        Width of the image less 1.
     end : In(1)
         The frame is over, and no beat is asked for until ``finished``.
     raster : Out(stream of RasterLayout)
@@ -58,7 +55,6 @@ class BeatEmitter(wiring.Component):
                 "flush": In(1),
                 "place": In(PlaceLayout(config)),
                 "rows": In(data.ArrayLayout(BeatWordsLayout(config), BLOCK)),
-                "last_column": In(config.x_bits),
                 "end": In(1),
                 "raster": Out(stream.Signature(RasterLayout(config))),
                 "room": Out(1, init=1),
@@ -86,7 +82,7 @@ class BeatEmitter(wiring.Component):
             beat.line.eq(place.line),
             beat.end.eq(self.finished),
         ]
-        self._join(m, beat, places[-2])
+        self._join(m, beat)
 
         # What is background is known behind the queue's register: the way to it is long enough.
         out, raster = queue.o, self.raster
@@ -102,24 +98,14 @@ class BeatEmitter(wiring.Component):
         m.d.sync += self.room.eq(queue.level < DEPTH // 2)
         return m
 
-    def _join(self, m, beat, following):
-        """Join the rows: all but the one that gives a beat up give background, ones and zeros.
-
-        With background as well for what lies outside the image: elements are clipped by words. What
-        that is of the ``following`` beat is known a cycle ahead.
-        """
-        config = self.config
-        bits = config.pixel_bits + 1
-        is_last = following.word[1:] == self.last_column[bits:]
-        last = self.last_column[:bits]
-        outside = Signal(config.raster_pixels, reset_less=True)
-        m.d.sync += outside.eq(Cat(is_last & (n > last) for n in range(config.raster_pixels)))
-        for pixel in range(config.raster_pixels):
-            number, column = divmod(pixel, config.pixels_per_word)
+    def _join(self, m, beat):
+        """Join the rows: all but the one that gives a beat up give background, ones and zeros."""
+        for pixel in range(self.config.raster_pixels):
+            number, column = divmod(pixel, self.config.pixels_per_word)
             words = [getattr(row, HALVES[number]) for row in self.rows]
-            depth = reduce(and_, (word.depth[column] for word in words))
-            colour = reduce(or_, (word.colour[column] for word in words))
+            depths = zip(*(word.depth[column] for word in words), strict=True)
+            colours = zip(*(word.colour[column] for word in words), strict=True)
             m.d.comb += [
-                beat.pixels.depth[pixel].eq(Mux(outside[pixel], config.background_depth, depth)),
-                beat.pixels.colour[pixel].eq(Mux(outside[pixel], 0, colour)),
+                beat.pixels.depth[pixel].eq(Cat(map(all_of, depths))),
+                beat.pixels.colour[pixel].eq(Cat(map(any_of, colours))),
             ]

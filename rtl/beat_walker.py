@@ -76,6 +76,9 @@ class BeatWalker(wiring.Component):
         First line in the window, of the frame that is drawn.
     closing : Out(1)
         A frame was closed and is not over.
+    empties : Out(1)
+        Nothing is left in the window but one beat of ``oldest`` at most: as soon as that goes, the
+        window comes to what is ``top`` now, if it lies above.
     over : Out(1)
         Nothing of the closed frame is in the window any more.
     flush : Out(stream of PlaceLayout)
@@ -105,6 +108,7 @@ class BeatWalker(wiring.Component):
                 "takes": Out(1),
                 "front": Out(signed(config.line_bits + 2)),
                 "closing": Out(1),
+                "empties": Out(1),
                 "over": Out(1),
                 "flush": Out(stream.Signature(PlaceLayout(config))),
             }
@@ -128,12 +132,14 @@ class BeatWalker(wiring.Component):
         left = Signal()  # the last of its marks are taken
         known, goes = Signal(), Signal()
         leaving, jumps = Signal(), Signal()
+        free = Signal()  # nothing keeps it from the line at ``top``
         looked_at = Signal.like(line)  # the line at hand, or once that is known the next one
         complete, loaded = Signal(), Signal()  # it is
         m.d.comb += [
             known.eq(here | empty),
             goes.eq(left | empty),
-            jumps.eq((empty | complete) & self.jump & clean & ~changeover.closing),
+            free.eq(self.jump & clean & ~changeover.closing),
+            jumps.eq((empty | complete) & free),
             looked_at.eq(line + known),
             complete.eq(looked_at < self.top),
             loaded.eq(looked_at < self.limit),
@@ -193,6 +199,7 @@ class BeatWalker(wiring.Component):
             ),
             self.flush.payload.line.eq(oldest),
             self.oldest.eq(oldest),
+            self.empties.eq(~behind.any() & free),
         ]
         with m.If(take):
             m.d.sync += beats.eq(marks.taken)

@@ -5,7 +5,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from .format import BLOCK, ROWS, EngineConfig
-from .layouts import BlockLayout, GeometryLayout
+from .layouts import BlockLayout, ClearedLayout, GeometryLayout
 from .shape_rows import ShapeRows
 
 __all__ = ["BlockTiler"]
@@ -25,7 +25,7 @@ class ShapeLayout(data.StructLayout):
         element = GeometryLayout(config).members
         super().__init__(
             {
-                **{name: element[name] for name in ("x", "z", "top", "end")},
+                **{name: element[name] for name in ("mode", "x", "z", "top", "end")},
                 "rows": data.ArrayLayout(BLOCK, BLOCK),
                 "shifted": 1,
                 "turns": data.ArrayLayout(BLOCK, 2),
@@ -43,7 +43,7 @@ class TurnedLayout(data.StructLayout):
     """
 
     def __init__(self, config: EngineConfig):
-        names = ("x", "z", "top", "end", "rows", "groups")
+        names = ("mode", "x", "z", "top", "end", "rows", "groups")
         shape = ShapeLayout(config).members
         super().__init__(
             {
@@ -62,12 +62,12 @@ class BlockTiler(wiring.Component):
     words). What is turned of a shape whose middle lies at a half place begins a column further
     right, or has its rows a line higher.
 
-    An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
-    so that the lines above it may leave.
+    An element waits here until its lines are in the window, and none of them has the place of one
+    that is still being cleared. Meanwhile its ``top`` is known already, so that the lines above it
+    may leave. Where the window is about to come to it, it goes as that does.
 
     **Latency**: 4 cycles. **Throughput**: one element a cycle; a frame's first comes two cycles
-    after the ``end`` token before it at the soonest, as the window must have moved on: which a
-    :class:`BlockWindow` says a cycle later still.
+    after the ``end`` token before it at the soonest, as the window must have moved on.
 
     Members
     -------
@@ -75,12 +75,16 @@ class BlockTiler(wiring.Component):
         Elements, and ``end`` tokens.
     o : Out(stream of BlockLayout)
         Blocks; for an ``end`` token one without pixels, to be taken when the frame before is out.
-    moves : Out(3)
-        What the second, third and last stage have in the next cycle is of the element behind, or
-        nothing: its colour moves on.
+    moves : Out(1)
+        What each stage has in the next cycle is of the element behind, or nothing: colours move on.
     oldest : In(signed(line_bits + 2))
         First line of the window as far as it was loaded, of the frame that is drawn: which is the
         next one as soon as an ``end`` token was taken from ``o``.
+    cleared : In(ClearedLayout)
+        The place of that line is not free for the next two cycles.
+    empties : In(1)
+        The window comes to the ``top`` of what waits, and only the place of the line of ``oldest``
+        is not free for the next three cycles.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
@@ -93,8 +97,10 @@ class BlockTiler(wiring.Component):
             {
                 "i": In(stream.Signature(GeometryLayout(config))),
                 "o": Out(stream.Signature(BlockLayout(config))),
-                "moves": Out(3),
+                "moves": Out(1),
                 "oldest": In(signed(config.line_bits + 2)),
+                "cleared": In(ClearedLayout(config)),
+                "empties": In(1),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
             }
@@ -107,15 +113,12 @@ class BlockTiler(wiring.Component):
         # Four stages: the element's rows, those in the columns of lanes, its pixels in lanes, and
         # those with all that is said of them together.
         shaped, there, laid, offered = Signal(), Signal(), Signal(), Signal()
-        turns, lays, steps = Signal(), Signal(), Signal()  # the others move on
-        taken = Signal()  # known last: so all stages hang on it, and not on each other
+        # They move on together, with gaps between elements, as who is taken is known late.
+        steps = Signal()
         m.d.comb += [
-            taken.eq(self.o.valid & self.o.ready),
-            steps.eq(taken | ~offered),
-            lays.eq(taken | ~(offered & laid)),
-            turns.eq(taken | ~(offered & laid & there)),
-            self.moves.eq(Cat(turns, lays, steps)),
-            self.i.ready.eq(taken | ~(offered & laid & there & shaped)),
+            steps.eq(~offered | (self.o.valid & self.o.ready)),
+            self.moves.eq(steps),
+            self.i.ready.eq(steps),
         ]
         shape = Signal(ShapeLayout(self.config), reset_less=True)
         turned = Signal(TurnedLayout(self.config), reset_less=True)
@@ -123,19 +126,19 @@ class BlockTiler(wiring.Component):
         last = Signal(BlockLayout(self.config), reset_less=True)
         top = Signal.like(last.top, name="last_top", init=-ROWS)  # it stays where nothing follows
         rows, columns, pixels = self._shape(m, element), self._turn(m, shape), self._lay(m, turned)
-        with m.If(self.i.ready):
-            m.d.sync += [shaped.eq(self.i.valid), shape.eq(rows)]
-        with m.If(turns):
-            m.d.sync += [there.eq(shaped), turned.eq(columns)]
-        with m.If(lays):
-            m.d.sync += [laid.eq(there), lanes.eq(pixels)]
         with m.If(steps):
-            m.d.sync += [offered.eq(laid), last.eq(lanes)]
+            m.d.sync += [
+                Cat(shaped, there, laid, offered).eq(Cat(self.i.valid, shaped, there, laid)),
+                shape.eq(rows),
+                turned.eq(columns),
+                lanes.eq(pixels),
+                last.eq(lanes),
+                last.rows.eq(Cat(mask.any() for mask in lanes.mask)),
+            ]
             m.d.sync += [
                 touch.eq(Cat((mask & odd).any(), (mask & ~odd).any()))
                 for touch, mask, odd in zip(last.touch, lanes.mask, lanes.odd, strict=True)
             ]
-            m.d.sync += last.rows.eq(Cat(mask.any() for mask in lanes.mask))
             with m.If(laid):
                 m.d.sync += top.eq(lanes.top)
             with m.Elif(offered & last.end):
@@ -145,10 +148,13 @@ class BlockTiler(wiring.Component):
         # because all before it waits for it. While it waits itself, what is behind it is not looked
         # at, and comes as one whose lines are not there.
         near, waiting = Signal(), Signal()
+        wanted, mode = Mux(waiting, top, lanes.top), waiting & last.mode
         behind = Signal(signed(len(top) + 1))
+        left = Signal(self.config.slot_bits)  # lines from ``wanted`` to the place that is cleared
         m.d.comb += [
             waiting.eq(offered & ~near),
-            behind.eq(self.oldest - Mux(waiting, top, lanes.top)),
+            behind.eq(self.oldest - wanted),
+            left.eq(self.cleared.place - wanted),
             self.o.valid.eq(offered & (near | last.end)),
             self.o.payload.eq(last),
             self.o.payload.top.eq(top),
@@ -157,11 +163,10 @@ class BlockTiler(wiring.Component):
         with m.If(offered & last.end):
             m.d.sync += near.eq(0)
         with m.Elif(waiting | steps):
-            # A line takes the place of one that left some cycles ago: so less than that many lines
-            # ahead of the window.
             bits = self.config.slot_bits
-            within = behind[:bits] > BLOCK
-            m.d.sync += near.eq(~behind[-1] | (behind[bits:].all() & within))
+            there = ~behind[-1] | (behind[bits:].all() & (behind[:bits] > BLOCK))
+            comes = self.empties & waiting & _outside(behind[:bits], mode)
+            m.d.sync += near.eq((there | comes) & ~(self.cleared.valid & ~_outside(left, mode)))
         return m
 
     def _shape(self, m, element):
@@ -191,7 +196,7 @@ class BlockTiler(wiring.Component):
             groups.eq((self.last_line >> 3) - (element.top >> 3) + 1),
         ]
         more = groups[2:-1].any()
-        m.d.comb += [rows[name].eq(element[name]) for name in ("x", "z", "top", "end")]
+        m.d.comb += [rows[name].eq(element[name]) for name in ("mode", "x", "z", "top", "end")]
         m.d.comb += [
             rows.rows.eq(Cat(*masks, *lower)),
             rows.shifted.eq(shape.shifted),
@@ -208,7 +213,8 @@ class BlockTiler(wiring.Component):
         """
         turned = Signal(TurnedLayout(self.config))
         bits = self.config.pixel_bits
-        m.d.comb += [turned[name].eq(shape[name]) for name in ("x", "z", "top", "end", "groups")]
+        kept = ("mode", "x", "z", "top", "end", "groups")
+        m.d.comb += [turned[name].eq(shape[name]) for name in kept]
         m.d.comb += turned.turn.eq(_one_of(shape.top[:3]))
         # The lower rows may lie a column further right.
         for part, shift in enumerate((0, shape.shifted)):
@@ -233,7 +239,7 @@ class BlockTiler(wiring.Component):
         block = Signal(BlockLayout(self.config))
         bits = self.config.pixel_bits
         top = turned.top
-        m.d.comb += [block[name].eq(turned[name]) for name in ("z", "top", "end")]
+        m.d.comb += [block[name].eq(turned[name]) for name in ("z", "mode", "top", "end")]
         m.d.comb += [block.words[n].eq(turned.x[bits:] + n) for n in range(2)]
         here, past = self._lines(m, turned, block)
         for p in range(BLOCK):
@@ -265,6 +271,14 @@ class BlockTiler(wiring.Component):
                 past[q].eq(left[1] & (left[0] | low)),
             ]
         return here, past
+
+
+def _outside(lines, mode):
+    """Return whether a place so many lines below a block's first one is none of the block's.
+
+    Modulo the window's height; of its upper four if ``mode`` is set.
+    """
+    return lines[3:].any() | (mode & lines[2])
 
 
 def _one_of(number):

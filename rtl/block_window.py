@@ -10,7 +10,7 @@ from .beat_walker import BeatWalker
 from .format import BLOCK, EngineConfig
 from .lane import PixelLayout
 from .lane_row import HALVES, BeatWordsLayout, LaneRow, RowRequestLayout, row_address_bits
-from .layouts import BlockLayout, PlaceLayout, RasterLayout
+from .layouts import BlockLayout, ClearedLayout, PlaceLayout, RasterLayout
 from .loader import Loader
 
 __all__ = ["BlockWindow"]
@@ -41,14 +41,20 @@ class BlockWindow(wiring.Component):
     Members
     -------
     i : In(stream of BlockLayout)
-        Blocks in the order of their lines, which are in the window that begins at ``oldest`` and
-        were so a cycle before. An ``end`` token is taken once nothing more comes of its frame's
-        initial raster, and the frame before is out; then blocks of the next frame may follow.
+        Blocks in the order of their lines, which are there, as :class:`BlockTiler` has it, by what
+        ``oldest``, ``cleared`` and ``empties`` said a cycle before it came. An ``end`` token is
+        taken once nothing more comes of its frame's initial raster, and the frame before is out;
+        then blocks of the next frame may follow.
     shade : In(colour_bits)
         Colour of the block that is offered on ``i``.
     oldest : Out(signed(line_bits + 2))
         First line of the window as far as it was loaded, of the frame that is drawn: negative while
         one leaves.
+    cleared : Out(ClearedLayout)
+        A beat of that line was asked for in the cycle before, and is not cleared yet.
+    empties : Out(1)
+        Nothing is left in the window but a beat of its first line that leaves in this cycle, if no
+        block is offered: then it comes to ``top``, and only the place of that line is not free.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
@@ -72,6 +78,8 @@ class BlockWindow(wiring.Component):
                 "i": In(stream.Signature(BlockLayout(config))),
                 "shade": In(config.colour_bits),
                 "oldest": Out(signed(config.line_bits + 2)),
+                "empties": Out(1),
+                "cleared": Out(ClearedLayout(config)),
                 "initial": In(stream.Signature(RasterLayout(config))),
                 "raster": Out(stream.Signature(RasterLayout(config))),
                 "last_column": In(config.x_bits),
@@ -94,6 +102,7 @@ class BlockWindow(wiring.Component):
         m.submodules.loader = loader = Loader(config)
         m.submodules.emitter = emitter = BeatEmitter(config)
         close = Signal()  # the end token is taken
+        closable = Signal()  # it may be: known a cycle ahead, as much waits for who is taken
         ending = Signal()
         front = Signal.like(walker.front, name="front")
 
@@ -120,17 +129,22 @@ class BlockWindow(wiring.Component):
             loader.last_word.eq(self.last_column[config.pixel_bits :]),
             loader.oldest.eq(front),
             loader.restart.eq(close),
-            emitter.last_column.eq(self.last_column),
             emitter.end.eq(ending),
             self.finished.eq(emitter.finished),
-            close.eq(self.i.valid & block.end & loader.finished & ~walker.closing),
+            close.eq(self.i.valid & block.end & closable),
             walker.close.eq(close),
             self.closing.eq(walker.closing),
-            self.oldest.eq(loader.front),
+            self.oldest.eq(Mux(loader.finished, walker.front, loader.front)),
+            # While none is offered that beat goes at once, if there is room.
+            self.empties.eq(walker.empties & emitter.room),
         ]
-        m.d.sync += ending.eq(walker.over & ~self.finished)
-        # A cycle late, as the last beat that left is still to be cleared. Which lines are in the
-        # window of the next frame is known a cycle after its ``close``: until then none of them.
+        m.d.sync += [
+            ending.eq(walker.over & ~self.finished),
+            closable.eq(loader.finished & ~walker.closing & ~close),
+        ]
+        # A beat that left a cycle ago is still to be cleared. Loading waits that long for any; an
+        # element for those in its place alone. Which lines are in the window of the next frame is
+        # known a cycle after its ``close``: until then none of them.
         with m.If(close):
             m.d.sync += front.eq(-2 * config.window_lines)
         with m.Else():
@@ -176,6 +190,10 @@ class BlockWindow(wiring.Component):
             emitter.flush.eq(flushing),
             emitter.place.eq(walker.flush.payload),
         ]
+        m.d.sync += [
+            self.cleared.valid.eq(flushing),
+            self.cleared.place.eq(walker.flush.payload.line[: config.slot_bits]),
+        ]
         # Which of them goes first. Elements of up to four lines lie about the fifth line from
         # ``top`` on and leave the rows of the lines one and two above ``top``: those leave beside
         # them. What lies further above goes first, so that it comes to that; were all to go first,
@@ -204,12 +222,14 @@ class BlockWindow(wiring.Component):
         ]
         loaded = Signal(BeatWordsLayout(config), reset_less=True)
         new, again, behind = self._follow(m, going)
+        outside = self._outside(m, walker.flush.payload.word)
         for q, (row, request) in enumerate(zip(rows, requests, strict=True)):
             m.submodules[f"row_{q}"] = row
             m.d.comb += [
                 row.request.eq(request),
                 row.new.eq(new),
                 row.loaded.eq(loaded),
+                row.outside.eq(outside),
                 emitter.rows[q].eq(row.leaving),
             ]
             m.d.sync += [
@@ -290,6 +310,18 @@ class BlockWindow(wiring.Component):
                 same = getattr(latest.words, name) == getattr(other.words, name)
                 m.d.comb += getattr(again[n], name).eq(other.drawn & same)
         return before_that.new, again, behind
+
+    def _outside(self, m, word):
+        """Return which pixels of the beat that is requested lie beyond the right border.
+
+        As elements are clipped by words. ``word`` is that of the next one.
+        """
+        config = self.config
+        bits = config.pixel_bits + 1
+        requested = Signal(len(word) - 1, reset_less=True)
+        m.d.sync += requested.eq(word[1:])
+        is_last = requested == self.last_column[bits:]
+        return Cat(is_last & (n > self.last_column[:bits]) for n in range(config.raster_pixels))
 
 
 def _word(block, half):

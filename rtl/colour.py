@@ -30,9 +30,9 @@ class ColourUnit(wiring.Component):
         Elements with D, S and a material. End tokens pass through.
     o : Out(stream of GeometryLayout)
         The same elements.
-    moves : In(1), In(3) with rows of lanes
-        The element that was last taken from ``o`` goes on to where it is drawn; or to each of three
-        stages, in which the multiplications, the sums and the rest have a cycle each.
+    moves : In(1)
+        The element that was last taken from ``o`` goes on to where it is drawn; with rows of lanes
+        to the next of three stages on the way there: multiplications, sums and the rest.
     shade : Out(3 x (channel_bits + dither_bits))
         Colour of the element that last moved on, into the last stage.
     ambient : In(3 x ambient_bits)
@@ -47,7 +47,7 @@ class ColourUnit(wiring.Component):
             {
                 "i": In(stream.Signature(ElementLayout(config))),
                 "o": Out(stream.Signature(GeometryLayout(config))),
-                "moves": In(3 if config.rows_of_lanes else 1),
+                "moves": In(1),
                 "shade": Out(3 * (config.channel_bits + config.dither_bits)),
                 "ambient": In(data.ArrayLayout(config.ambient_bits, 3)),
                 "material": In(MaterialWriteLayout(config)),
@@ -104,10 +104,10 @@ class ColourUnit(wiring.Component):
             ]
             if config.rows_of_lanes:
                 both = [
-                    self._hold(m, product, f"{kind}_{name}", self.moves[0])
+                    self._hold(m, product, f"{kind}_{name}")
                     for kind, product in zip(("diffuse", "specular"), both, strict=True)
                 ]
-            with m.If(self.moves[1 if config.rows_of_lanes else 0]):
+            with m.If(self.moves):
                 m.d.sync += products.eq(both[0] + both[1])
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
             # With dithering a channel keeps the fraction that the thresholds are added to.
@@ -126,13 +126,13 @@ class ColourUnit(wiring.Component):
             m.d.sync += [valid.eq(self.i.valid), looked_up.eq(self.i.payload)]
         shade = Cat(channels)
         if config.rows_of_lanes:
-            shade = self._hold(m, shade, "held_shade", self.moves[2])
+            shade = self._hold(m, shade, "held_shade")
         m.d.comb += self.shade.eq(shade)
         return m
 
-    def _hold(self, m, value, name, moves):
-        """Return the register of a value that is taken where ``moves``."""
+    def _hold(self, m, value, name):
+        """Return the register of a value, of which each element has its own."""
         held = Signal(len(value), name=name, reset_less=True)
-        with m.If(moves):
+        with m.If(self.moves):
             m.d.sync += held.eq(value)
         return held

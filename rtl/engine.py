@@ -133,7 +133,9 @@ class Engine(wiring.Component):
             colour.moves.eq((decoder if config.lanes else window).moves),
             window.shade.eq(colour.shade),
         ]
-        if not config.lanes:
+        if config.rows_of_lanes:
+            m.d.comb += [decoder.cleared.eq(window.cleared), decoder.empties.eq(window.empties)]
+        elif not config.lanes:
             m.d.comb += decoder.running.eq(window.running)
 
         # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.

@@ -90,6 +90,8 @@ class LaneRow(wiring.Component):
         What to draw, in the cycle after the request.
     loaded : In(BeatWordsLayout)
         What to load, in the cycle of the request.
+    outside : In(2 x pixels_per_word)
+        Pixels of what is requested to be cleared that leave as background, whatever they were.
     leaving : Out(BeatWordsLayout)
         The words that were requested to be cleared two cycles before, as they were, else
         background.
@@ -102,6 +104,7 @@ class LaneRow(wiring.Component):
                 "request": In(RowRequestLayout(config)),
                 "new": In(PixelLayout(config)),
                 "loaded": In(BeatWordsLayout(config)),
+                "outside": In(data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word))),
                 "leaving": Out(BeatWordsLayout(config)),
             }
         )
@@ -136,6 +139,14 @@ class LaneRow(wiring.Component):
             depth.eq(Mux(caught.clear, background, self.new.depth)),
             colour.eq(Mux(caught.clear, 0, self.new.colour)),
         ]
+        kept = Signal(words, reset_less=True)  # of what was requested: the pixels that do not leave
+        for half in HALVES:
+            m.d.sync += [
+                keep.eq(Mux(outside, 1, ~request.clear))
+                for keep, outside in zip(
+                    getattr(kept, half), getattr(self.outside, half), strict=True
+                )
+            ]
         written = Signal(words)
         hidden, twice, behind = self._meet(m, caught, addresses, written)
 
@@ -168,12 +179,12 @@ class LaneRow(wiring.Component):
                     write.data.depth.eq(depth),
                     write.data.colour.eq(colour),
                 ]
-                word = getattr(leaving, half)
+                word, keep = getattr(leaving, half), getattr(kept, half)[column]
                 name = f"old_{half}_{column}"
                 old = Signal(config.depth_bits, name=name, init=background, reset_less=True)
                 m.d.sync += [
-                    word.depth[column].eq(Mux(caught.clear, read.data.depth, background)),
-                    word.colour[column].eq(Mux(caught.clear, read.data.colour, 0)),
+                    word.depth[column].eq(Mux(keep, background, read.data.depth)),
+                    word.colour[column].eq(Mux(keep, 0, read.data.colour)),
                     old.eq(Mux(caught.clear, background, read.data.depth)),
                 ]
                 olds[half], writes[half] = old, write

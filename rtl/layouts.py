@@ -11,6 +11,7 @@ from .bank_layout import bank_address_bits, stretch_bits
 from .format import BLOCK, EngineConfig
 
 __all__ = [
+    "ClearedLayout",
     "CodeWordLayout",
     "DealLayout",
     "ElementLayout",
@@ -98,6 +99,13 @@ class PlaceLayout(data.StructLayout):
 
     def __init__(self, config: EngineConfig):
         super().__init__({"word": config.word_bits, "line": config.line_bits})
+
+
+class ClearedLayout(data.StructLayout):
+    """A line of a window of rows of lanes, by its place there, of which a beat is cleared."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"valid": 1, "place": config.slot_bits})
 
 
 class FlushLayout(data.StructLayout):
@@ -271,7 +279,8 @@ class BlockLayout(data.StructLayout):
     is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
     the window but for its three lowest bits. ``words``: the two words that the block's columns lie
     in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one;
-    ``rows[q]``: of any. ``end`` and ``top`` as in :class:`TileLayout`.
+    ``rows[q]``: of any. ``mode``: of the first four lines alone. ``end`` and ``top`` as in
+    :class:`TileLayout`.
     """
 
     def __init__(self, config: EngineConfig):
@@ -285,6 +294,7 @@ class BlockLayout(data.StructLayout):
                 "group": data.ArrayLayout(config.group_bits, BLOCK),
                 "words": data.ArrayLayout(config.word_bits, 2),
                 "z": config.z.width,
+                "mode": config.mode.width,
                 "top": signed(config.line_bits + 2),
                 "end": 1,
             }

@@ -17,7 +17,7 @@ WIDE = BANKED.replace(name="wide", raster_words=2)
 
 SWIFT = WIDE.replace(name="swift", lanes=True, banks=16, pixels_per_word=8)
 """A code word a cycle, whatever its size and whatever came before it: the fewest cycles, of sparse
-scenes too, in hardly more LUTs than ``wide`` and eight times the block RAMs."""
+scenes too, in fewer LUTs than ``wide`` and eight times the block RAMs."""
 
 PRESETS = {
     config.name: config

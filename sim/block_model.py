@@ -74,12 +74,12 @@ def walk_blocks(words: Any, machine: Machine) -> int:
     block = np.zeros(ROWS + BLOCK, np.int64)
     turned, turned_top = EMPTY, -ABOVE  # the code word whose rows are in the columns of lanes
     laid, laid_top = EMPTY, -ABOVE  # the one whose pixels are in lanes
-    given, top = NOTHING, -ABOVE  # what the window is given
+    given, top, last_rows = NOTHING, -ABOVE, 0  # what the window is given
     ending = False
     lagging = False  # in the cycle before, for lines that leave to go before elements
     left, left_before = False, False  # a beat left two cycles before, and three
     near = False  # the lines of what the window is given are there
-    edge = 0  # the first line in the window, in the cycle before
+    cleared = 0  # the line of the beat that left in the cycle before
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
@@ -89,6 +89,7 @@ def walk_blocks(words: Any, machine: Machine) -> int:
         ending = given == END and walk[WRITTEN] == 0 and not walk[BEATS]
 
         oldest = walk[OLDEST]
+        empties = walk[WRITTEN] == 0 and walk[BEATS] <= 1  # and comes to ``top``
         first, lagging = lagging, (top - oldest) % BLOCK >= LAGGING
         # Whether the element wants the row of lanes of the beat that leaves, or marks of the row
         # of which some are taken; and whether it waits for the one or the other.
@@ -110,29 +111,34 @@ def walk_blocks(words: Any, machine: Machine) -> int:
 
         # The next element.
         steps = given == NOTHING or going
-        lays = steps or laid == EMPTY
-        turns = lays or turned == EMPTY
         waiting = given != NOTHING and not near
         if given == END:
             near = False
         elif waiting or steps:
-            near = (top if waiting else laid_top) - edge < machine.lines - BLOCK
-        edge = oldest
+            wanted = top if waiting else laid_top
+            rows = last_rows if waiting else BLOCK
+            comes = waiting and empties and (oldest - wanted) % machine.lines >= rows
+            clears = left and (cleared - wanted) % machine.lines < rows
+            near = (wanted - oldest < machine.lines - BLOCK or comes) and not clears
+        cleared = oldest
         if steps:
             given = NOTHING
             if laid != EMPTY:
                 given, top = END if laid == front.state[END_WORD] else ELEMENT, laid_top
+                last_rows = _rows(words[laid])
             if given == ELEMENT:
                 _place(words[laid], top, block, machine)
-        if lays:
-            laid = turned
-            if laid != EMPTY:
-                laid_top = turned_top
-        if turns:
+            laid, laid_top = turned, turned_top
             turned, turned_top = front.held[HEAD], front.tops[HEAD]
-        advance(words, front, turns, machine)
+        advance(words, front, steps, machine, rigid=True)
         cycle += 1
     return 0
+
+
+@nb.njit(cache=True)
+def _rows(word: int) -> int:
+    """Return the lines from an element's first one on that it may be drawn into."""
+    return BLOCK // 2 if word & 1 else BLOCK
 
 
 @nb.njit(cache=True)

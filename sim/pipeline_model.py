@@ -176,7 +176,7 @@ def new_front() -> Front:
 
 
 @nb.njit(cache=True)
-def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
+def advance(words: Any, front: Front, done: bool, machine: Machine, rigid: bool = False) -> bool:
     """Let a cycle pass; return whether the last stage took something, or nothing, anew.
 
     Every stage moves on if what it holds is taken or it holds nothing. Control words that advance
@@ -192,12 +192,14 @@ def advance(words: Any, front: Front, done: bool, machine: Machine) -> bool:
         The window takes what the last stage holds.
     machine
         The engine.
+    rigid
+        The last stage moves on only then, though it may hold nothing.
     """
     held, tops, state = front.held, front.tops, front.state
-    head_moves = held[HEAD] == EMPTY or done
+    head_moves = done or (held[HEAD] == EMPTY and not rigid)
     moves = head_moves
     for stage in range(HEAD, FIRST_STAGE, -1):
-        moves = moves or held[stage] == EMPTY
+        moves = moves or (stage < HEAD and held[stage] == EMPTY)
         if moves:
             held[stage], tops[stage] = held[stage - 1], tops[stage - 1]
             held[stage - 1] = EMPTY

@@ -1,11 +1,12 @@
 """The tiler of blocks against the contract: an element's block has its pixels, each once."""
 
 from amaranth.hdl import Cat, Signal
+from block_window_proof import comes_to_top, lines_are_there
 from prove import Fault, Proof
 from tiler_proof import TilerProperties
 
 from splatline.rtl.block_tiler import BlockTiler
-from splatline.rtl.format import BLOCK, ROWS
+from splatline.rtl.format import ROWS
 from splatline.rtl.presets import SWIFT
 
 __all__ = ["PROOFS"]
@@ -14,8 +15,8 @@ __all__ = ["PROOFS"]
 class BlockTilerProperties(TilerProperties):
     """Any one pixel of any one place in the window: the elements that cover it, in order.
 
-    As of tiles. And what the window counts on of blocks without a pixel as well: they wait for
-    their lines, and an end token is offered at once.
+    As of tiles. And what the window counts on of blocks without a pixel as well: their lines are
+    there, and an end token is offered at once.
     """
 
     tiler = BlockTiler
@@ -24,11 +25,11 @@ class BlockTilerProperties(TilerProperties):
     def describe(self, m):
         """Add the tiler and its properties."""
         super().describe(m)
-        block, oldest = self.dut.o.payload, Signal.like(self.dut.oldest, name="oldest_then")
+        block = self.dut.o.payload
         top, passed = (Signal.like(block.top, name=name, init=-ROWS) for name in ("now", "passed"))
         offered, given = self.dut.o.valid, self.dut.o.valid & self.dut.o.ready
         waited = Signal()
-        m.d.sync += [oldest.eq(self.dut.oldest), top.eq(block.top), waited.eq(offered & ~given)]
+        m.d.sync += [top.eq(block.top), waited.eq(offered & ~given)]
         with m.If(given):
             m.d.sync += passed.eq(block.top)
             with m.If(block.end):
@@ -38,9 +39,15 @@ class BlockTilerProperties(TilerProperties):
             touches = touch == Cat((mask & odd).any(), (mask & ~odd).any())
             self.always(m, f"touch_{row}", ~offered | touches)
             self.always(m, f"rows_{row}", ~offered | (block.rows[row] == mask.any()))
-        near = block.top - oldest < self.config.window_lines - BLOCK
-        self.always(m, "near", ~offered | block.end | near)
+            lower = (row - block.top[:3])[2]
+            self.always(m, f"mode_{row}", ~(offered & block.mode & lower) | ~mask.any())
+        self.given(m, "comes", comes_to_top(m, self.dut, offered, top))
+        there = lines_are_there(m, self.config, self.dut, block, top)
+        self.always(m, "there", ~offered | waited | block.end | there)
         self.always(m, "end_at_once", ~(offered & block.end & ~waited) | (top == passed))
+
+    def _settle(self, m, draws, slot, oldest):
+        """Assert nothing more of a pixel than of its block."""
 
     def _meet(self, m, tile, both):
         """Blocks may follow each other into any pixel."""
@@ -112,6 +119,15 @@ PROOFS = [
                 r"Mux\(waiting, top, lanes\.top\)",
                 "lanes.top",
             ),
+            Fault(
+                "over what is cleared",
+                BlockTiler,
+                r" & ~\(self\.cleared\.valid & [^\n]+\)",
+                ")",
+            ),
+            Fault("over what leaves", BlockTiler, r" & _outside\(behind\[:bits\], mode\)", ""),
+            Fault("coming to another", BlockTiler, r"self\.empties & waiting", "self.empties"),
+            Fault("a fraction of the one before", BlockTiler, r"waiting & last\.mode", "last.mode"),
             Fault("empty, and no end in sight", BlockTiler, r"\(near \| last\.end\)", "1"),
         ),
     )

@@ -1,7 +1,7 @@
 """The window of rows of lanes: its lines never mix, and no pixel is lost or invented."""
 
-from amaranth.hdl import Cat, Module, Signal
-from amaranth.lib import stream, wiring
+from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from lane_window_proof import LaneWindowProperties, Narrow
 from properties import OneWord, any_value
@@ -17,7 +17,7 @@ from splatline.rtl.lane_row import LaneRow, row_address_bits
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.loader import Loader
 
-__all__ = ["PROOFS", "Passing", "any_value"]
+__all__ = ["PROOFS", "Passing", "any_value", "comes_to_top", "lines_are_there"]
 
 TINY = Narrow(
     lanes=True,
@@ -47,6 +47,34 @@ class Passing(wiring.Component):
         m = Module()
         m.d.sync += [self.o.valid.eq(self.i.valid), self.o.payload.eq(self.i.payload)]
         return m
+
+
+def lines_are_there(m, config, window, block, top):
+    """Return whether a block may come, by what the window said a cycle before, and ``top`` was."""
+    said = data.StructLayout(
+        {"oldest": window.oldest.shape(), "cleared": window.cleared.shape(), "empties": 1}
+    )
+    # None is in the window before it said anything.
+    then = Signal(said, name="said_then", init={"oldest": -2 * config.window_lines})
+    m.d.sync += [getattr(then, name).eq(getattr(window, name)) for name in said.members]
+
+    def is_free(place):
+        below = (place - block.top)[: config.slot_bits]
+        return below >= Mux(block.mode, ROWS, BLOCK)
+
+    inside = block.top - then.oldest < config.window_lines - BLOCK
+    comes = then.empties & (top == block.top) & is_free(then.oldest)
+    return (inside | comes) & (~then.cleared.valid | is_free(then.cleared.place))
+
+
+def comes_to_top(m, window, offered, top):
+    """Return whether the window is where it said a cycle before that it was about to come to.
+
+    That is ``top`` as it was then, if nothing was ``offered``.
+    """
+    told, oldest = Signal(), Signal.like(window.oldest, name="oldest_before_it_comes")
+    m.d.sync += [told.eq(window.empties & ~offered), oldest.eq(window.oldest)]
+    return ~told | (window.oldest == Mux(top > oldest, top, oldest))
 
 
 class BlockWindowProperties(LaneWindowProperties):
@@ -91,26 +119,28 @@ class BlockWindowProperties(LaneWindowProperties):
         config, dut = self.config, self.dut
         block = dut.i.payload
         top, passed = (Signal.like(block.top, name=name, init=-ROWS) for name in ("now", "passed"))
-        oldest = Signal.like(dut.oldest, name="oldest_then")
         waited = Signal(name="block_waited")
-        m.d.sync += [
-            top.eq(block.top),
-            oldest.eq(dut.oldest),
-            waited.eq(dut.i.valid & ~dut.i.ready),
-        ]
+        m.d.sync += [top.eq(block.top), waited.eq(dut.i.valid & ~dut.i.ready)]
         with m.If(dut.i.valid & dut.i.ready):
             m.d.sync += passed.eq(block.top)
         with m.If(self.close):
             m.d.sync += [top.eq(-ROWS), passed.eq(-ROWS)]
-        near = block.top - oldest < config.window_lines - BLOCK
-        self.given(m, "near", ~dut.i.valid | block.end | near)
+        there = lines_are_there(m, config, dut, block, top)
+        self.given(m, "there", ~dut.i.valid | waited | block.end | there)
         for row in range(BLOCK):
             touch, mask, odd = block.touch[row], block.mask[row], block.odd[row]
             touches = touch == Cat((mask & odd).any(), (mask & ~odd).any())
             self.given(m, f"touch_{row}", ~dut.i.valid | touches)
             self.given(m, f"rows_{row}", ~dut.i.valid | (block.rows[row] == mask.any()))
+            lower = (row - block.top[:3])[2]
+            self.given(m, f"mode_{row}", ~(dut.i.valid & block.mode & lower) | ~mask.any())
+        self.always(m, "comes", comes_to_top(m, dut, dut.i.valid, top))
         self.given(m, "end_at_once", ~(dut.i.valid & block.end & ~waited) | (top == passed))
         return super()._tiles(m)
+
+    def _settled(self, line, oldest):
+        """Return nothing more than what is assumed of the whole block."""
+        return 1
 
     def _meet(self, m, tile, both):
         """Blocks may follow each other into any pixel."""
@@ -189,12 +219,20 @@ PROOFS = [
         Fault("marks taken over beats", BeatWalker, r" & ~behind\.any\(\)", ""),
         Fault("not held by its beats", BeatWalker, r"m\.Elif\(turns\)", "m.Elif(1)"),
         Fault("jumps over what is written", BeatWalker, r"self\.jump & clean", "self.jump"),
+        Fault("comes while beats are behind", BeatWalker, r"~behind\.any\(\) & free", "free"),
+        Fault(
+            "comes while there is no room",
+            BlockWindow,
+            r"walker\.empties & emitter\.room",
+            "walker.empties",
+        ),
         Fault("a turn ahead unnoticed", Changeover, r"self\.wraps &", "0 &"),
         Fault("frames meet", Changeover, r"turns\[1:\], self\.closing", "turns[1:], 0"),
         Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
         Fault("a frame closed twice", BlockWindow, r" & ~walker\.closing", ""),
+        Fault("closed twice at once", BlockWindow, r" & ~close\)", ")"),
         Fault("over before its beats", BeatEmitter, r" & ~valid\.any\(\)", ""),
-        Fault("not clipped", BeatEmitter, r"Cat\(is_last &", "Cat(0 &", "_join"),
+        Fault("not clipped", BlockWindow, r"is_last & ", "0 & ", "_outside"),
     ),
     plan(
         "block window, further",
@@ -202,6 +240,7 @@ PROOFS = [
         0,
         16,
         Fault("a block goes where a beat does", BlockWindow, r"& ~\(first & meeting\)", ""),
+        Fault("nothing is cleared", BlockWindow, r"valid\.eq\(flushing\)", "valid.eq(0)"),
         long=True,
     ),
     plan(

@@ -125,9 +125,13 @@ class LaneRowProperties(Properties):
             left_known.eq(known & clears(caught)),
             gone.eq(pixel),
         ]
+        outside = Signal(2)  # of the last two cycles
+        now = Mux(half, dut.outside.odd, dut.outside.even).bit_select(column, 1)
+        m.d.sync += outside.eq(Cat(now, outside))
         leaving = pick(dut.leaving)
-        self.always(m, "leaves", ~left_known | (leaving == gone))
-        self.always(m, "nothing_else", ~begun[0] | left | (leaving == background))
+        expected = Mux(outside[1], background.as_value(), gone.as_value())
+        self.always(m, "leaves", ~left_known | (leaving.as_value() == expected))
+        self.always(m, "nothing_else", ~begun[1] | left | (leaving == background))
 
 
 PROOFS = [
@@ -178,9 +182,10 @@ PROOFS = [
             Fault(
                 "leaves where nothing is cleared",
                 LaneRow,
-                r"Mux\(caught\.clear, (read\.data\.depth), background\)",
+                r"Mux\(keep, background, (read\.data\.depth)\)",
                 r"\1",
             ),
+            Fault("leaves from outside", LaneRow, r"Mux\(outside, 1, (.*)\)\)", r"\1)"),
             Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
             Fault("hidden by another line", LaneRow, r" & \(then == last\)", "", "_meet"),
             Fault("hidden by what is behind", LaneRow, r" & caught\.behind\[0\]", "", "_meet"),

@@ -169,9 +169,7 @@ class LaneWindowProperties(Properties):
             own = (line >= tile.top) & (line < tile.top + 8)
             inside = (line >= 0) & (line <= self.last_line)
             self.given(m, f"row_{row}", ~masked | (own & inside & ~tile.end))
-            # And was there a cycle before; of a higher window that is loaded, not as the last one.
-            lines = config.window_lines - self.load * (config.window_lines > BLOCK)
-            self.given(m, f"settled_{row}", ~masked | (line < oldest + lines))
+            self.given(m, f"settled_{row}", ~masked | self._settled(line, oldest))
             for column in range(config.pixels_per_word):
                 masked = dut.i.valid & tile.mask[row][column]
                 word = tile.words[self._second(tile, row, column)]
@@ -194,6 +192,14 @@ class LaneWindowProperties(Properties):
         m.d.sync += drew.eq(taken & draws)
         self._meet(m, tile, drew & draws)
         return taken & draws
+
+    def _settled(self, line, oldest):
+        """Return whether a tile's line was there a cycle before.
+
+        Of a higher window that is loaded, not as the last one.
+        """
+        lines = self.config.window_lines - self.load * (self.config.window_lines > BLOCK)
+        return line < oldest + lines
 
     def _meet(self, m, tile, both):
         """Assume that a tile says so where it draws the pixel that was drawn a cycle before."""

@@ -123,20 +123,25 @@ class TilerProperties(Properties):
             distance.eq(dut.oldest + place - tile.top),
         ]
         self.always(m, "in_window", ~draws | ((distance >= 0) & (distance < 8)))
-        # And in the window as it was a cycle ago: the word that left is still being cleared.
-        place_before = Signal.like(place)
-        before = Signal.like(distance)
-        m.d.comb += [
-            place_before.eq(slot - oldest),
-            before.eq(oldest + place_before - tile.top),
-        ]
-        self.always(m, "settled", ~draws | ((before >= 0) & (before < 8)))
-        # Nor in the last line of a window of more than eight, of which words may still be loaded.
-        self.always(m, "not_the_last", ~draws | (before + tile.top < oldest + lines))
+        self._settle(m, draws, slot, oldest)
         drew = Signal()
         m.d.sync += drew.eq(drawn)
         self._meet(m, tile, drew & draws)
         self.always(m, "output_steady", self.steady(m, dut.o, "o"))
+
+    def _settle(self, m, draws, slot, oldest):
+        """Assert that a pixel is in the window as it was a cycle ago.
+
+        For the word that left is still being cleared.
+        """
+        config, top = self.config, self.dut.o.payload.top
+        place = Signal(config.slot_bits, name="place_before")
+        distance = Signal.like(top, name="before")
+        m.d.comb += [place.eq(slot - oldest), distance.eq(oldest + place - top)]
+        self.always(m, "settled", ~draws | ((distance >= 0) & (distance < 8)))
+        # Nor in the last line of a window of more than eight, of which words may still be loaded.
+        lines = config.window_lines - (config.window_lines > BLOCK)
+        self.always(m, "not_the_last", ~draws | (distance + top < oldest + lines))
 
     def _meet(self, m, tile, both):
         """Assert that a tile says so where it draws the pixel that was drawn a cycle before."""

@@ -26,6 +26,7 @@ class BeatSlide(Slide):
     def __init__(self, dut, seed, rate=1.0):
         super().__init__(dut, seed, rate, PLACE, LOWEST)
         self.left = 0  # beats of ``expected`` that were taken
+        self.came = 0  # times it was said that the window comes to ``top``
         self.pending = set()
         self.next = set()
 
@@ -54,8 +55,13 @@ class BeatSlide(Slide):
         touch.drive(dut, drawing=not waits, load=load)
         dut.reaching.value = touch is not NOTHING
         closing = int(dut.closing.value)
+        comes_to = None
 
         def observe():
+            nonlocal comes_to
+            goes = not int(dut.flush__valid.value) or int(dut.flush__ready.value)
+            if int(dut.empties.value) and goes:
+                comes_to = max(oldest, top)
             # What is closed is complete, and ``top`` is of the next frame.
             self.check_flush(oldest, LOWEST if closing else top)
             assert closing or front == oldest
@@ -63,6 +69,8 @@ class BeatSlide(Slide):
             assert oldest <= line
 
         await self.bench.step(observe=observe)
+        self.came += comes_to is not None
+        assert comes_to in (None, int(dut.oldest.value)), "not where it was to come"
         for bits in self.flush.received[self.left :]:
             self.pending.remove(*self.words_of(bits))
         self.left = len(self.flush.received)
@@ -341,6 +349,27 @@ async def untouched_lines_leave_at_once(dut):
         await slide.cycle(700)
     assert int(dut.oldest.value) == 700
     await slide.finish(rng)
+
+
+@cocotb.test()
+async def where_the_window_comes_to_is_told(dut):
+    """While the last beat of all is asked for: not before, and not where a raster may still come.
+
+    (``cycle`` checks that it comes there.)
+    """
+    for jump in (1, 0):
+        for beats in range(1, BEATS + 1):
+            rng, slide = random.Random(beats), BeatSlide(dut, beats)
+            await slide.start(jump)
+            for line in (4, 6):
+                for beat in range(beats):
+                    await slide.cycle(0, Touch.of_line(line, stretch_word(2, beat)))
+            slide.came = 0
+            while len(slide.flush.received) < 2 * beats:
+                assert not slide.came
+                await slide.cycle(300)
+            assert slide.came == jump
+            await slide.finish(rng)
 
 
 @cocotb.test()

@@ -92,8 +92,14 @@ REWRITTEN = {
     ),
     "leaving is not background": (
         LaneRow,
-        r"Mux\(caught\.clear, read\.data\.depth, background\)",
+        r"Mux\(keep, background, read\.data\.depth\)",
         "read.data.depth",
+        "random_requests",
+    ),
+    "leaving from outside": (
+        LaneRow,
+        r"Mux\(outside, 1, ~request\.clear\)",
+        "~request.clear",
         "random_requests",
     ),
     "over what is nearer": (LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
@@ -173,6 +179,38 @@ REWRITTEN = {
         "one_element_a_cycle",
     ),
     "a line too early": (BlockTiler, r"> BLOCK\b", "> BLOCK - 1", LAGS),
+    "a line that is cleared": (
+        BlockTiler,
+        r" & ~\(self\.cleared\.valid & [^\n]+\)",
+        ")",
+        "a_block_waits_for_its_places_alone",
+    ),
+    "any line that is cleared": (
+        BlockTiler,
+        r"self\.cleared\.valid & ~_outside\(left, mode\)",
+        "self.cleared.valid",
+        "a_block_waits_for_its_places_alone",
+    ),
+    "no coming in sight": (
+        BlockTiler,
+        r"self\.empties & waiting",
+        "0",
+        "a_block_waits_for_its_places_alone",
+    ),
+    "coming to another element": (BlockTiler, r"self\.empties & waiting", "self.empties", LAGS),
+    "the place that it comes from": (
+        BlockTiler,
+        r" & _outside\(behind\[:bits\], mode\)",
+        "",
+        "a_block_waits_for_its_places_alone",
+    ),
+    "a fraction of the one before": (BlockTiler, r"waiting & last\.mode", "last.mode", LAGS),
+    "eight lines of a fraction": (
+        BlockTiler,
+        r"waiting & last\.mode",
+        "0",
+        "a_block_waits_for_its_places_alone",
+    ),
     "top of the last frame": (BlockTiler, r"top\.eq\(-ROWS\)", "top.eq(top)", "end_tokens"),
     "marks clear too much": (
         BeatMarks,
@@ -213,6 +251,18 @@ REWRITTEN = {
         WALK,
     ),
     "jumps over what is written": (BeatWalker, r"self\.jump & clean", "self.jump", WALK),
+    "comes while beats are behind": (
+        BeatWalker,
+        r"~behind\.any\(\) & free",
+        "free",
+        "where_the_window_comes_to_is_told",
+    ),
+    "comes to what is not loaded": (
+        BeatWalker,
+        r"self\.jump & clean",
+        "clean",
+        "where_the_window_comes_to_is_told",
+    ),
     "marks taken unasked": (BeatWalker, r" & self\.enable\)", ")", "nothing_leaves_unasked"),
     "left before it has come": (
         BeatWalker,
@@ -283,9 +333,6 @@ REWRITTEN = {
         "raster.ready",
         "background_leaves_untaken",
     ),
-    "not clipped": (BeatEmitter, r"Cat\(is_last &", "Cat(0 &", COMES, "_join"),
-    "clipped a pixel early": (BeatEmitter, r"n > last", "n >= last", COMES, "_join"),
-    "clipped as the one behind": (BeatEmitter, r"places\[-2\]\)", "places[-1])", COMES),
     "never forgotten": (
         BeatWalker,
         r"clean \| turned, 0",
@@ -337,8 +384,23 @@ def one_after_another(rng, config):
     return films(rng, test_presets.RATES[:1], config)
 
 
+def few(rng, config):
+    """Frames of a few elements far apart: each comes to an empty window, as the last one leaves."""
+    for _ in range(6):
+        words = []
+        for _ in range(30):
+            rows = [(0, int(last)) for last in rng.integers(1, 8, 4)]
+            x, z = int(rng.integers(500)), int(rng.integers(511))
+            words += [
+                advance_word(int(rng.integers(9, 50)), config),
+                word(rows, x, z, mode=int(rng.integers(2)), material=9, config=config),
+            ]
+        yield Job(frame=frame_of(words, 512, 900, config=config))
+
+
 OVER, DOWN = test_presets.over_an_initial_raster, test_variants.down_the_image
-FILMS = one_after_another
+FILMS, FEW = one_after_another, few
+BEYOND = r"is_last & \(n > self\.last_column\[:bits\]\)"
 IN_THE_WINDOW = {
     "nothing was drawn before": (r"other\.drawn & same", "0", OVER, "_follow"),
     "what is drawn lies before all": (r"block\.z >= other\.new\.depth", "0", OVER, "_follow"),
@@ -351,6 +413,15 @@ IN_THE_WINDOW = {
     ),
     "no wait for what is cleared": (r"(?<=loader\.oldest\.eq\()front", "walker.front", OVER),
     "where the frame before was": (r"-2 \* config\.window_lines", "walker.front", FILMS),
+    "nothing is said to be cleared": (r"(?<=cleared\.valid\.eq\()flushing", "0", FEW),
+    "another is said to be cleared": (
+        r"walker\.flush\.payload\.line\[: config\.slot_bits\]",
+        "walker.line",
+        FEW,
+    ),
+    "not clipped": (BEYOND, "0", OVER, "_outside"),
+    "clipped a pixel early": (BEYOND, "is_last & (n >= self.last_column[:bits])", OVER, "_outside"),
+    "clipped as the next one": (r"(?<=is_last = )requested", "word[1:]", OVER, "_outside"),
     "half a wait for the sweep": (r"sweeping \| just_swept", "sweeping", behind_the_sweep),
     "a block goes where a beat goes first": (r"~\(first & meeting\)", "1", OVER),
     "a block goes where marks go first": (r"~\(marks_first & marking\)", "1", DOWN),
@@ -414,7 +485,8 @@ def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
         )
         built = wrap(collide(edit(generate(config)[0])), config)
     rng = np.random.default_rng(11)
-    jobs = {case: list(case(rng, config)) for case in (OVER, DOWN, FILMS, behind_the_sweep)}
+    cases = (OVER, DOWN, FILMS, FEW, behind_the_sweep)
+    jobs = {case: list(case(rng, config)) for case in cases}
     run = simulator.run
 
     def is_wrong(case, number):

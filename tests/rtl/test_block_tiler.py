@@ -52,6 +52,13 @@ def block_pixels(block, rows, mode, x, top):
     return pixels
 
 
+def tell(dut, oldest, cleared=None, comes_to=None):
+    """Say of a window where it begins, which place is cleared, and whether it is about to move."""
+    dut.oldest.value = oldest
+    dut.cleared.value = 0 if cleared is None else 1 + 2 * cleared
+    dut.empties.value = comes_to is not None
+
+
 class BlockSlide(ElementSlide):
     """Blocks, each of which waits for all its lines."""
 
@@ -62,27 +69,45 @@ class BlockSlide(ElementSlide):
         # Elements behind the one at hand: whose rows are in the columns of lanes, whose pixels are
         # in lanes, and which is offered once its lines are there.
         self.stages = [None, None, None]
+        # What the window said in this cycle, and in the one before: its first line, the place that
+        # is cleared, and where it is about to come to.
+        self.now = self.then = (0, None, None)
 
     def in_window(self, bits, case):
-        return case[3] - self.oldest < ROOM
+        (_, mode, _, top), (oldest, cleared, comes_to) = case, self.then
+
+        def is_free(place):
+            return (place - top) % LINES >= (4 if mode else 8)
+
+        comes = comes_to == top and is_free(oldest)
+        return (top - oldest < ROOM or comes) and (cleared is None or is_free(cleared))
+
+    def drive(self):
+        random, oldest = self.bench.random, self.oldest
+        cleared = comes_to = None
+        if 0 < self.follow[0] < 1:
+            cleared = random.choice([None, random.randrange(LINES)])
+            comes_to = self.shown if self.shown > oldest and random.random() < 0.2 else None
+        self.then, self.now = self.now, (oldest, cleared, comes_to)
+        tell(self.dut, *self.now)
+
+    def observe(self):
+        over = self.over
+        super().observe()
+        if self.now[2] is not None and self.over == over:
+            self.oldest = self.now[2]
 
     def check_moves(self, valid, ready):
-        moves, self.moves = valid and ready, []
-        for stage in reversed(self.stages):
-            moves = moves or stage is None
-            self.moves.insert(0, moves)
-        assert int(self.dut.moves.value) == sum(moves << n for n, moves in enumerate(self.moves))
+        self.moves = bool(valid and ready) or self.stages[2] is None
+        assert int(self.dut.moves.value) == int(self.dut.i__ready.value) == self.moves
 
     def move_on(self, over):
-        if self.moves[2]:
-            last = self.stages[1]
-            if over or last is not None:
-                self.moved, self.shown = last, self.first_line(last)
-        for stage, before in ((2, self.stages[1]), (1, self.stages[0]), (0, self.hand)):
-            if self.moves[stage]:
-                self.stages[stage] = before
-        if self.moves[0]:
-            self.hand = None
+        if not self.moves:
+            return
+        last = self.stages[1]
+        if over or last is not None:
+            self.moved, self.shown = last, self.first_line(last)
+        self.stages, self.hand = [self.hand, *self.stages[:2]], None
 
 
 async def check(dut, cases, width=512, height=512, rates=(1.0, 1.0), seed=1, follow=(1.0, LOWEST)):
@@ -247,12 +272,39 @@ async def a_block_comes_as_soon_as_its_lines(dut):
 
 
 @cocotb.test()
+async def a_block_waits_for_its_places_alone(dut):
+    """What is cleared keeps a block waiting if it is a line of its own, for as long as it is said.
+
+    Of what the window is about to come to, the place of the line that still leaves does.
+    """
+    top = 300
+    for mode, rows in ((0, 8), (1, 4)):
+        for below in range(LINES):
+            place, far = (top + below) % LINES, top - 2 * LINES + below
+            for before, told, after in (
+                ((far,), (top, place), (top,)),
+                ((far,), (far, None, top), (top,)),
+            ):
+                slide = BlockSlide.begin(dut, [(WHOLE, mode, 40, top)], 512, 512)
+                tell(dut, *before)
+                await slide.bench.reset()
+                for says, count in ((before, 9), (told, 1), (after, 1), (after, 1)):
+                    received = len(slide.sink.received)
+                    for _ in range(count):
+                        await slide.bench.step(lambda says=says: tell(dut, *says))
+                    if says is told:
+                        assert not received
+                assert received == (below >= rows), (mode, below, told)
+                assert len(slide.sink.received) == 1
+
+
+@cocotb.test()
 async def an_element_behind_an_end(dut):
     """It comes two cycles after the end token was taken, and the token at once."""
     bench, element = StreamBench(dut, 1), ([(0, 3)] * 4, 1, 40, 0)
     cases = [element, END, element, element]
     dut.last_column.value = dut.last_line.value = 511
-    dut.oldest.value = 0
+    tell(dut, 0)
     bench.source("i", [pack_element(*case, z=0, end=case is END) for case in cases])
     sink, times = bench.sink("o"), []
     await bench.reset()

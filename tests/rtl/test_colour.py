@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import cocotb
 import pytest
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import Out, connect, flipped
 from presets import CONFIG, OTHERS, run_bench
@@ -48,8 +48,8 @@ class Painter(wiring.Component):
         m = Module()
         m.submodules.unit = unit = self.unit
         connect(m, flipped(self.i), unit.i)
-        count = len(unit.moves)
-        valid, steps = Signal(count), Signal(count)
+        count = 3 if self.config.rows_of_lanes else 1
+        valid, step = Signal(count), Signal()
         held = [Signal.like(unit.o.payload, name=f"held_{n}") for n in range(count)]
         m.d.comb += [
             unit.ambient.eq(self.ambient),
@@ -61,17 +61,17 @@ class Painter(wiring.Component):
         there, twice = Signal(), Signal()
         at_hand = Signal.like(held[0])
         m.d.comb += [
-            steps.eq(~valid | Cat(steps[1:], self.o.ready)),
-            unit.moves.eq(steps),
-            unit.o.ready.eq(~there | (steps[0] & (twice | ~at_hand.mode))),
+            step.eq(~valid[-1] | self.o.ready),
+            unit.moves.eq(step),
+            unit.o.ready.eq(~there | (step & (twice | ~at_hand.mode))),
         ]
         with m.If(unit.o.ready):
             m.d.sync += [there.eq(unit.o.valid), at_hand.eq(unit.o.payload), twice.eq(0)]
-        with m.Elif(steps[0]):
+        with m.Elif(step):
             m.d.sync += twice.eq(1)
         stages = [(at_hand, there), *zip(held, valid, strict=True)]
-        for n, (before, after) in enumerate(pairwise(stages)):
-            with m.If(steps[n]):
+        with m.If(step):
+            for before, after in pairwise(stages):
                 m.d.sync += [now.eq(then) for now, then in zip(after, before, strict=True)]
         return m
 

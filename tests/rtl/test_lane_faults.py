@@ -284,7 +284,7 @@ REWRITTEN = {
         "one_tile_a_cycle",
         "_meets",
     ),
-    "colour of the next": (ColourUnit, r"If\(self\.moves\[.*\]\)", "If(1)", "random_materials"),
+    "colour of the next": (ColourUnit, r"If\(self\.moves\)", "If(1)", "random_materials"),
     "coefficients of the next": (ColourUnit, r"If\(self\.o\.ready\)", "If(1)", "random_materials"),
     "coefficients move with colours": (
         ColourUnit,

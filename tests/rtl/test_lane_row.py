@@ -90,7 +90,8 @@ class Operator:
         self.coming, self.leaving = None, None  # words that leave; before the reset unknown
 
     async def reset(self):
-        self.dut.request.value = self.dut.new.value = self.dut.loaded.value = 0
+        dut = self.dut
+        dut.request.value = dut.new.value = dut.loaded.value = dut.outside.value = 0
         await self.bench.reset()
         self.coming = self.leaving = None
         for place in range(PLACES):
@@ -136,6 +137,7 @@ class Operator:
         fields |= {"mask": rng.getrandbits(COLUMNS), "odd": rng.getrandbits(COLUMNS)}
         fields["again"] = [{name: rng.randrange(2) for name in HALVES} for _ in range(2)]
         fields["behind"] = rng.randrange(4)
+        outside = [rng.choice([0, rng.getrandbits(COLUMNS)]) for _ in HALVES]
         new, loaded = self.drawn, {place: random_pixel(rng) for place in ALL}
         self.drawn = random_pixel(rng)
         if request:
@@ -151,6 +153,7 @@ class Operator:
 
         def drive():
             dut.request.value = pack(REQUEST, **fields)
+            dut.outside.value = outside[0] | outside[1] << COLUMNS
             dut.new.value = pack(PIXEL, depth=new[0], colour=new[1])
             dut.loaded.value = pack(
                 BEAT,
@@ -172,11 +175,11 @@ class Operator:
 
         await self.bench.step(drive, observe)
         self.leaving, self.coming = self.coming, BLANK
-        self._take(request)
+        self._take(request, outside)
         if not known:  # what stood there before the first clear
             self.coming = None
 
-    def _take(self, request):
+    def _take(self, request, outside):
         self.latest = [request, *self.latest[:-1]]
         if request is None:
             return
@@ -185,7 +188,8 @@ class Operator:
             if isinstance(request, Load):
                 self.pixels[key] = request.pixels[half, column]
             elif isinstance(request, Clear):
-                self.coming = {**self.coming, (half, column): self.pixels[key]}
+                if not outside[half] >> column & 1:
+                    self.coming = {**self.coming, (half, column): self.pixels[key]}
                 self.pixels[key] = BACKGROUND
             elif request.pixel[0] < self.pixels[key][0]:
                 self.pixels[key] = request.pixel
