@@ -78,7 +78,7 @@ class BeatWalker(wiring.Component):
         A frame was closed and is not over.
     empties : Out(1)
         Nothing is left in the window but one beat of ``oldest`` at most: as soon as that goes, the
-        window comes to what is ``top`` now, if it lies above.
+        window comes to what is ``top`` now, unless it is there.
     over : Out(1)
         Nothing of the closed frame is in the window any more.
     flush : Out(stream of PlaceLayout)

@@ -81,10 +81,10 @@ class BlockTiler(wiring.Component):
         First line of the window as far as it was loaded, of the frame that is drawn: which is the
         next one as soon as an ``end`` token was taken from ``o``.
     cleared : In(ClearedLayout)
-        The place of that line is not free for the next two cycles.
+        The place of that line is not free in this cycle and the next one.
     empties : In(1)
-        The window comes to the ``top`` of what waits, and only the place of the line of ``oldest``
-        is not free for the next three cycles.
+        The window comes to the ``top`` of what waits, and of its places only those of ``cleared``
+        and of the line of ``oldest`` are not free, the latter in the two cycles after this as well.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)

@@ -139,7 +139,7 @@ class LaneRow(wiring.Component):
             depth.eq(Mux(caught.clear, background, self.new.depth)),
             colour.eq(Mux(caught.clear, 0, self.new.colour)),
         ]
-        kept = Signal(words, reset_less=True)  # of what was requested: the pixels that do not leave
+        kept = Signal(words, reset_less=True)  # pixels that do not leave, for those that are read
         for half in HALVES:
             m.d.sync += [
                 keep.eq(Mux(outside, 1, ~request.clear))

@@ -35,7 +35,8 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
         What to draw.
     after_reset
         The frame is the engine's first, as in ``simulate_frame``: the window is still being cleared
-        when the first code word is taken. False: a later frame, or an engine that had the time.
+        when the first code word is taken. False: it has been, in a frame that took long enough or
+        before.
     conflicts
         False counts as if a bank could take the word that it is writing at the moment, as rows of
         lanes can. That is not

@@ -31,6 +31,7 @@ from splatline.sim.cosim import frames, simulator
 from splatline.sim.cosim.frames import Job
 from splatline.sim.cosim.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
+from splatline.sim.raster import Raster
 
 BENCHES = {
     LaneRow: test_lane_row,
@@ -385,8 +386,14 @@ def one_after_another(rng, config):
 
 
 def few(rng, config):
-    """Frames of a few elements far apart: each comes to an empty window, as the last one leaves."""
-    for _ in range(6):
+    """Frames of a few elements far apart: each comes to an empty window, as the last one leaves.
+
+    Behind no initial raster, an empty one, and one that ends early.
+    """
+    for number in range(6):
+        start = Raster.background(512, 900, config) if number % 3 else None
+        if number % 3 == 2:
+            start.depth[:60:4, ::9] = 300
         words = []
         for _ in range(30):
             rows = [(0, int(last)) for last in rng.integers(1, 8, 4)]
@@ -395,7 +402,7 @@ def few(rng, config):
                 advance_word(int(rng.integers(9, 50)), config),
                 word(rows, x, z, mode=int(rng.integers(2)), material=9, config=config),
             ]
-        yield Job(frame=frame_of(words, 512, 900, config=config))
+        yield Job(frame=frame_of(words, 512, 900, config=config), initial=start)
 
 
 OVER, DOWN = test_presets.over_an_initial_raster, test_variants.down_the_image
