@@ -240,7 +240,6 @@ PROOFS = [
         0,
         16,
         Fault("a block goes where a beat does", BlockWindow, r"& ~\(first & meeting\)", ""),
-        Fault("nothing is cleared", BlockWindow, r"valid\.eq\(flushing\)", "valid.eq(0)"),
         long=True,
     ),
     plan(
