@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..host.cloud import Cloud
+    from ..host.frame import Frame
     from ..rtl.format import EngineConfig
 
-__all__ = ["COUNTS", "PIXELS", "measure_few"]
+__all__ = ["COUNTS", "PIXELS", "few_splats", "measure_few"]
 
 COUNTS = (1, 10, 100, 1000)
 """Splats of a frame."""
@@ -27,22 +28,14 @@ def measure_few(presets: Sequence[EngineConfig], size: tuple[int, int]) -> Itera
     """
     import numpy as np
 
-    from ..host.pipeline import make_frame
-    from ..host.view import View
     from ..sim import golden
     from ..sim.cycles import count_cycles
 
-    width, height = size
-    eye = np.array([0.0, 0.0, -1.0])
-    view = View(eye, np.eye(3), float(max(size)), width, height, near=0.1)
     for config in presets:
         for count in COUNTS:
-            radii = np.full(count, 0.5 * PIXELS / max(size))
-            frame = make_frame(
-                _scatter(count, size), view, radii=radii, quality="fast", config=config
-            )
+            frame = few_splats(count, size, config)
             words = np.add.reduceat(
-                golden.render(frame).drawn, range(0, width, config.raster_pixels), axis=1
+                golden.render(frame).drawn, range(0, size[0], config.raster_pixels), axis=1
             )
             yield {
                 "preset": config.name,
@@ -51,6 +44,18 @@ def measure_few(presets: Sequence[EngineConfig], size: tuple[int, int]) -> Itera
                 "raster_words": int(np.count_nonzero(words)),
                 "cycles": count_cycles(frame, after_reset=False),
             }
+
+
+def few_splats(count: int, size: tuple[int, int], config: EngineConfig) -> Frame:
+    """Return a frame of so many splats at random places of an image of a size."""
+    import numpy as np
+
+    from ..host.pipeline import make_frame
+    from ..host.view import View
+
+    view = View(np.array([0.0, 0.0, -1.0]), np.eye(3), float(max(size)), *size, near=0.1)
+    radii = np.full(count, 0.5 * PIXELS / max(size))
+    return make_frame(_scatter(count, size), view, radii=radii, quality="fast", config=config)
 
 
 def _scatter(count: int, size: tuple[int, int]) -> Cloud:

@@ -6,6 +6,7 @@ import pytest
 from random_frames import nonsense, shapes
 from scene_frames import scene_frame
 
+from splatline.cli.bench_engine_few import few_splats
 from splatline.host.deal import deal
 from splatline.host.errors import InputError
 from splatline.rtl.bank_layout import bank_address_bits
@@ -13,6 +14,7 @@ from splatline.rtl.engine import engine_latency
 from splatline.rtl.lane import lane_address_bits
 from splatline.rtl.presets import PAPER, SWIFT, WIDE, get_preset
 from splatline.rtl.variants import BANKS16
+from splatline.sim import golden
 from splatline.sim.cosim.frames import Job, play
 from splatline.sim.cycles import clearing_cycles, count_cycles
 
@@ -123,6 +125,18 @@ def test_the_count_is_that_of_the_verilog_to_the_cycle(played):
         for name, (frame, _) in played.items()
     }
     assert counted == {name: cycles for name, (_, cycles) in played.items()}
+
+
+@pytest.mark.parametrize("config", [WIDE, SWIFT], ids=lambda config: config.name)
+def test_ten_splats_anywhere_take_tens_of_cycles(config):
+    """Of the Verilog, as of the model: a second frame, as the window is cleared before the first.
+
+    The smallest engine, ``paper``, takes 220.
+    """
+    frame = few_splats(10, (512, 512), config)
+    _, second = play([Job(frame=frame), Job(frame=frame)])
+    assert not second.raster.mismatches(golden.render(frame))
+    assert second.cycles == count_cycles(frame, after_reset=False) < 100
 
 
 def test_without_conflicts_the_count_would_be_another(played):
