@@ -71,8 +71,8 @@ class Sweep:
     views: tuple[tuple[float, float], ...]
     size: tuple[int, int] = (512, 512)
     splats: tuple[float | None, ...] = (None, 1.5, 3.5, 7.0, 14.0)
-    presets: tuple[str, ...] = ("paper", "dither", "rgb18", "rgb24", "deep")
-    fewer_presets: tuple[str, ...] = ("paper", "dither", "rgb18", "rgb24")
+    presets: tuple[str, ...] = ("paper", "rgb24", "depth12")
+    fewer_presets: tuple[str, ...] = ("paper", "rgb24")
     ladders: tuple[float | None, ...] = (None, 3.5, 7.0)
     sampled: tuple[float | None, ...] = (None, 3.5, 7.0)
     samples: Mapping[str, tuple[int, ...]] = field(

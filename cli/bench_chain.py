@@ -20,7 +20,7 @@ from .statistics import tool_versions
 
 __all__ = ["chain"]
 
-CLOCKS_MHZ = {"paper": 102.8, "wide": 84.9}
+CLOCKS_MHZ = {"paper": 102.8, "swift": 94.5}
 """What one engine is routed at, by preset: ``splatline pnr``."""
 
 MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
@@ -62,7 +62,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 @click.option(
     "--clock",
     type=click.FloatRange(1, 1000),
-    help="Clock rate for the times, MHz; without it those that paper and wide are routed at.",
+    help="Clock rate for the times, MHz; without it those that paper and swift are routed at.",
 )
 @folder_option("chain.json and chain.md")
 def chain(

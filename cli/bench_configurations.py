@@ -27,7 +27,7 @@ from .statistics import tool_versions
 __all__ = ["POINTS", "configurations"]
 
 POINTS = {
-    **{name: PRESETS[name] for name in ("paper", "wide", "swift")},
+    **{name: PRESETS[name] for name in ("paper", "rgb24", "swift")},
     **{config.name: config for config in VARIANTS},
 }
 """The engines compared, by name."""
@@ -74,14 +74,14 @@ def configurations(
     Cycles of the built-in scenes, those of the Verilog counted without running it; with Yosys what
     each takes of the XC2V250, in half a minute to two; and with --clock the rate that nextpnr
     reaches on a Lattice ECP5, in one to three minutes, of
-    `swift` in four, of sixteen banks in ten.
+    `swift` in four.
 
     \b
     Examples:
       splatline bench configurations
       splatline bench configurations --clock
       splatline bench configurations --point paper --point word8 --scene knot --no-luts
-      splatline bench configurations --point wide --clock --keep
+      splatline bench configurations --point rgb24 --clock --keep
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from ..host.scenes import SCENES
 

@@ -23,7 +23,7 @@ def page(report: dict[str, Any]) -> str:
         f"Made by `splatline bench engine`: {width} x {height} pixels; {versions}. Cycles run from"
         " the first code word of an engine's first frame to its end beat; they are the Verilog's,"
         " counted without running it. The bound is the fewest that the organisation of the memory"
-        " allows for the same frame: banks or lanes, a window of so many lines, and a beat of the"
+        " allows for the same frame: lanes, a window of so many lines, and a beat of the"
         f" raster a cycle. Rates are those of {report['clock_hz'] / 1e6:g} MHz.",
         "## What it must show",
         "The worst run of each kind. A splat's size is the median diameter.",

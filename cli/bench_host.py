@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..rtl.presets import DEFAULT
 from .bench_options import folder_option
 from .outputs import check_folder, write_json, write_text
 from .parameters import PRESET, SIZE
@@ -43,7 +44,7 @@ VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
 @click.command()
 @click.argument("clouds", nargs=-1, type=click.Path(path_type=Path), metavar="[CLOUD ...]")
 @click.option("--size", type=SIZE, metavar="WxH", default="512x512", help="Size of the image.")
-@click.option("--preset", type=PRESET, default="paper", help="The engine to draw for.")
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine to draw for.")
 @click.option(
     "--points",
     type=click.IntRange(1),

@@ -9,6 +9,7 @@ import click
 
 from ..host.errors import InputError, install_hint
 from ..rtl.format import EngineConfig
+from ..rtl.presets import DEFAULT
 from .chain_options import chain_options
 from .outputs import check_files, check_folder, require_suffix, write_json, write_text
 from .parameters import PRESET
@@ -25,7 +26,7 @@ TOP = click.option(
 
 
 @click.command()
-@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @click.option(
     "-o",
     "--output",
@@ -101,7 +102,7 @@ def verilog(
 
 
 @click.command()
-@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @TOP
 @click.option(
     "--json", "report", type=click.Path(path_type=Path), metavar="FILE", help="Write the report."

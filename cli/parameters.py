@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from ..rtl.format import EngineConfig
-from ..rtl.presets import PRESETS
+from ..rtl.presets import PRESETS, REMOVED
 from ..rtl.variants import SHAPED, VARIANTS
 
 __all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
@@ -119,6 +119,8 @@ class _Preset(click.Choice):  # type: ignore[type-arg]
         """Return the configuration."""
         if isinstance(value, EngineConfig):
             return value
+        if value in REMOVED:
+            self.fail(f"preset {value!r} was removed; take {REMOVED[value]}", param, ctx)
         return self._configs[super().convert(value, param, ctx)]
 
 

@@ -10,6 +10,7 @@ import click
 
 from ..host.errors import InputError, install_hint
 from ..rtl.format import EngineConfig
+from ..rtl.presets import DEFAULT
 from .outputs import check_files, require_suffix, write_json, write_text
 from .parameters import PRESET
 from .progress import Stages
@@ -20,7 +21,7 @@ _FILE = click.Path(path_type=Path)
 
 
 @click.command()
-@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @click.option("--seed", type=click.IntRange(0), default=1, help="Of the placer: the first one.")
 @click.option(
     "--tries",
@@ -43,9 +44,8 @@ def pnr(
 ) -> None:
     """Place and route an engine with its pins on a Lattice ECP5, LFE5U-25F or as large as it takes.
 
-    Each try takes a minute or two, of `swift` four, of
-    sixteen banks ten. The rate of the paper's Virtex-II
-    is an estimate beside it: only the vendor's tools could route that (docs/ise.md).
+    Each try takes a minute or two, of `swift` ten. The rate of the paper's Virtex-II is an estimate
+    beside it: only the vendor's tools could route that (docs/ise.md).
 
     \b
     Examples:
@@ -65,7 +65,7 @@ def pnr(
 
 
 @click.command()
-@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @click.option(
     "-o", "--output", type=_FILE, metavar="FILE", show_default="splatline_PRESET.edif", help="EDIF."
 )

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ..rtl.format import EngineConfig
+from ..rtl.presets import DEFAULT
 from .outputs import check_files, require_suffix, write_json, write_text
 from .parameters import PRESET
 
@@ -14,7 +15,7 @@ __all__ = ["registers"]
 
 
 @click.command()
-@click.option("--preset", type=PRESET, default="paper", help="The engine's configuration.")
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @click.option(
     "--c-header", "header", type=click.Path(path_type=Path), metavar="FILE", help="Write C99."
 )

@@ -16,6 +16,7 @@ from ..host.quality import DEFAULT_QUALITY, QUALITIES
 from ..host.shape_source import SHAPE_SOURCES
 from ..host.skips import DEFAULT_SKIPS, SKIPS
 from ..rtl.format import EngineConfig
+from ..rtl.presets import DEFAULT
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from .progress import Stages
 
@@ -176,7 +177,7 @@ def subject_options(command: _Command) -> _Command:
             help="; ".join(f"{name}: {what}" for name, what in SHAPE_SOURCES.items())
             + ". rom takes the quality paper, and of --preset the variant with a ROM.",
         ),
-        click.option("--preset", type=PRESET, default="paper", help="The engine to draw for."),
+        click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine to draw for."),
         click.option(
             "--quality",
             type=click.Choice(list(QUALITIES)),

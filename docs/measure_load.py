@@ -1,6 +1,6 @@
 """Measure what a dense frame pays for the picture that it leaves, and for the one it starts from.
 
-Run as ``.venv/bin/python docs/measure_load.py [ENGINE ...]`` (``paper``, ``wide`` and ``swift`` if
+Run as ``.venv/bin/python docs/measure_load.py [ENGINE ...]`` (``paper``, ``rgb24`` and ``swift`` if
 none is named). It draws the built-in scenes, 512 x 512, in the generated Verilog: each as an
 engine's second frame, once over nothing and once over its own picture, whose words are all loaded
 and then leave again. It prints cycles, and what they are more than one for each code word, which no
@@ -28,7 +28,7 @@ def main() -> None:
     heads = ("scene", "splats", "preset", "code words", "raster words", "cycles", "more")
     print("| " + " | ".join([*heads, "over a picture", "more"]) + " |")
     print("|---|---:|---|" + "---:|" * 6)
-    for name in sys.argv[1:] or ("paper", "wide", "swift"):
+    for name in sys.argv[1:] or ("paper", "rgb24", "swift"):
         config = ENGINES[name]
         for scene_name in SCENES:
             scene = load_scene(scene_name)

@@ -115,6 +115,6 @@ def material_tables(
     gloss = min(round(lighting.gloss * scale), largest)
     specular = np.full_like(diffuse, gloss)
     # Dithering adds 0..15 sixteenths itself: what is added here is a part of one of those.
-    level = 1 << config.colour_shift - (4 if config.dither else 0)
+    level = 1 << config.colour_shift
     ambient = np.full(3, round(rounding * level), np.int64)
     return Tables(ambient, np.minimum(diffuse, largest), specular)

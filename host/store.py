@@ -19,7 +19,7 @@ from .view import View
 __all__ = ["describe_frame", "load_frame", "save_frame", "sidecar_path"]
 
 FORMAT = "splatline-frame"
-VERSION = 1
+VERSION = 2
 
 
 def sidecar_path(path: str | Path) -> Path:
@@ -98,7 +98,8 @@ def load_frame(path: str | Path) -> Frame:
         raise InputError(f"{beside} does not describe a frame; encode the frame again")
     if sidecar.get("version") != VERSION:
         raise InputError(
-            f"{beside} has version {sidecar.get('version')!r}; this Splatline reads {VERSION}"
+            f"{beside} has version {sidecar.get('version')!r}; this Splatline reads {VERSION};"
+            " encode the frame again"
         )
     if len(data) % 8:
         raise InputError(f"{path} has {len(data)} bytes, not whole 64-bit words; it is cut short")

@@ -20,10 +20,6 @@ class ColourUnit(wiring.Component):
     itself).
     **Throughput**: one element a cycle.
 
-    With ``dither`` a channel keeps four fraction bits, ``min((I0 + kd D + ks S) >> shift - 4,
-    16 largest + 15)``: adding a threshold of 0..15 and dropping them gives what adding it before
-    the shift would, and 0..15 sixteenths above the largest channel are the largest still.
-
     Members
     -------
     i : In(stream of ElementLayout)
@@ -33,7 +29,7 @@ class ColourUnit(wiring.Component):
     moves : In(1)
         The element that was last taken from ``o`` goes on to where it is drawn; with rows of lanes
         to the next of three stages on the way there: multiplications, sums and the rest.
-    shade : Out(3 x (channel_bits + dither_bits))
+    shade : Out(colour_bits)
         Colour of the element that last moved on, into the last stage.
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
@@ -48,7 +44,7 @@ class ColourUnit(wiring.Component):
                 "i": In(stream.Signature(ElementLayout(config))),
                 "o": Out(stream.Signature(GeometryLayout(config))),
                 "moves": In(1),
-                "shade": Out(3 * (config.channel_bits + config.dither_bits)),
+                "shade": Out(config.colour_bits),
                 "ambient": In(data.ArrayLayout(config.ambient_bits, 3)),
                 "material": In(MaterialWriteLayout(config)),
             }
@@ -102,7 +98,7 @@ class ColourUnit(wiring.Component):
                 coefficients[kd.lsb : kd.end] * diffuse,
                 coefficients[ks.lsb : ks.end] * specular,
             ]
-            if config.rows_of_lanes:
+            if config.draws_blocks:
                 both = [
                     self._hold(m, product, f"{kind}_{name}")
                     for kind, product in zip(("diffuse", "specular"), both, strict=True)
@@ -110,22 +106,19 @@ class ColourUnit(wiring.Component):
             with m.If(self.moves):
                 m.d.sync += products.eq(both[0] + both[1])
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
-            # With dithering a channel keeps the fraction that the thresholds are added to.
-            shift = config.colour_shift - config.dither_bits
-            level = Signal(len(total) - shift, name=f"level_{name}")
+            level = Signal(len(total) - config.colour_shift, name=f"level_{name}")
             m.d.comb += [
                 # Not beside the multiplication, which takes long enough.
                 total.eq(products + self.ambient[channel]),
-                level.eq(total >> shift),
+                level.eq(total >> config.colour_shift),
             ]
-            bits = config.channel_bits + config.dither_bits
-            largest = Const((1 << bits) - 1, bits)
-            channels.append(Mux(level > largest, largest, level[:bits]))
+            largest = Const(config.channel_max, config.channel_bits)
+            channels.append(Mux(level > largest, largest, level[: config.channel_bits]))
 
         with m.If(step):
             m.d.sync += [valid.eq(self.i.valid), looked_up.eq(self.i.payload)]
         shade = Cat(channels)
-        if config.rows_of_lanes:
+        if config.draws_blocks:
             shade = self._hold(m, shade, "held_shade")
         m.d.comb += self.shade.eq(shade)
         return m

@@ -4,11 +4,9 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from .bank_layout import bank_address_bits
 from .block_tiler import BlockTiler
 from .block_window import BlockWindow
 from .colour import ColourUnit
-from .decoder import Decoder
 from .format import EngineConfig
 from .lane import lane_address_bits
 from .lane_row import row_address_bits
@@ -19,14 +17,13 @@ from .sequencer import Sequencer
 from .shape_rom import ROM_LATENCY, ShapeRom
 from .tables import Tables
 from .tiler import Tiler
-from .window import Window
 
 __all__ = ["Engine", "engine_latency"]
 
 
 def engine_latency(config: EngineConfig) -> int:
     """Return ``Engine(config).latency`` without building the engine."""
-    latency = 8 if config.rows_of_lanes else 4
+    latency = 8 if config.draws_blocks else 4
     return latency + (ROM_LATENCY if config.shapes != "none" else 0)
 
 
@@ -37,17 +34,13 @@ class Engine(wiring.Component):
     opens right behind its end word, while its last lines are still on their way out; or, where a
     table write is offered, behind that, which waits until nothing is left of the frame.
 
-    **Latency**: 4 cycles from a code word to its pixels, 8 with rows of lanes, and 3 more with a
-    shape ROM;
-    a line leaves once a code word follows that lies five lines or more below it, or ends the frame.
-    **Throughput**: with rows of lanes a cycle a code word, whatever follows whatever; with other
-    lanes a cycle a tile of ``pixels_per_word`` x 4 pixels, so 1 to 4 a code word with words of four
-    pixels, up to 8 with two; with eight banks 1 to 3 a code word, with sixteen 1 or 2, or 1 if
-    their words have eight pixels; in all but rows of lanes, where two follow each other into the
-    same pixel of a lane, or word of a bank, one more.
-    Where ``colour_planes`` is over 1, a word of memory in which a pixel passes the depth test takes
-    its bank for two cycles and not one: 1 to 3 cycles for what is hidden, up to 6 for what is
-    drawn.
+    **Latency**: 4 cycles from a code word to its pixels, 8 with a window of blocks, and 3 more with
+    a shape ROM. A line leaves once a code word follows that lies five lines or more below it, or
+    ends the frame.
+    **Throughput**: a window of blocks takes one code word a cycle, without hazards. A window of
+    tiles takes one tile of ``pixels_per_word`` x 4 pixels a cycle: 1 to 4 cycles a code word with
+    words of four pixels, up to 8 with two. Two tiles that follow each other into the same pixel
+    take one cycle more.
 
     Parameters
     ----------
@@ -72,18 +65,13 @@ class Engine(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Cycles from the one that takes a code word to the one that writes its first pixels.
-
-        The further planes of their colours follow two cycles later.
-        """
+        """Cycles from the one that takes a code word to the one that writes its first pixels."""
         return engine_latency(self.config)
 
     @property
     def clear_cycles(self) -> int:
         """Cycles after reset in which the window's memory is cleared; code words wait."""
-        bits = bank_address_bits
-        if self.config.lanes:
-            bits = row_address_bits if self.config.rows_of_lanes else lane_address_bits
+        bits = row_address_bits if self.config.draws_blocks else lane_address_bits
         return 1 << bits(self.config)
 
     def __init__(self, config: EngineConfig = PAPER, *, load: bool | None = None):
@@ -106,12 +94,9 @@ class Engine(wiring.Component):
         m.submodules.tables = tables = Tables(config)
         m.submodules.sequencer = sequencer = Sequencer(config)
         m.submodules.colour = colour = ColourUnit(config)
-        decoder_of, window_of = Decoder, Window
-        if config.rows_of_lanes:
-            decoder_of, window_of = BlockTiler, BlockWindow
-        elif config.lanes:
-            decoder_of, window_of = Tiler, LaneWindow
-        m.submodules.decoder = decoder = decoder_of(config)
+        kinds = {"tiles": (Tiler, LaneWindow), "blocks": (BlockTiler, BlockWindow)}
+        tiler_of, window_of = kinds[config.window]
+        m.submodules.decoder = tiler = tiler_of(config)
         m.submodules.window = window = window_of(config)
 
         connect(m, flipped(self.tables), tables.i)
@@ -123,20 +108,18 @@ class Engine(wiring.Component):
             m.submodules.shapes = shapes = ShapeRom(config, ElementLayout(config))
             connect(m, sequencer.o, shapes.i)
             connect(m, shapes.o, colour.i)
-        connect(m, colour.o, decoder.i)
-        connect(m, decoder.o, window.i)
+        connect(m, colour.o, tiler.i)
+        connect(m, tiler.o, window.i)
         connect(m, flipped(self.initial), window.initial)
         connect(m, window.raster, flipped(self.raster))
 
         m.d.comb += [
-            decoder.oldest.eq(window.oldest),
-            colour.moves.eq((decoder if config.lanes else window).moves),
+            tiler.oldest.eq(window.oldest),
+            colour.moves.eq(tiler.moves),
             window.shade.eq(colour.shade),
         ]
-        if config.rows_of_lanes:
-            m.d.comb += [decoder.cleared.eq(window.cleared), decoder.empties.eq(window.empties)]
-        elif not config.lanes:
-            m.d.comb += decoder.running.eq(window.running)
+        if config.draws_blocks:
+            m.d.comb += [tiler.cleared.eq(window.cleared), tiler.empties.eq(window.empties)]
 
         # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
         frames = Signal(2)
@@ -149,7 +132,7 @@ class Engine(wiring.Component):
             frames.eq(frames + opens - window.finished),
             waits.eq(sequencer.o.valid & ~sequencer.o.ready),
         ]
-        if config.rows_of_lanes:
+        if config.draws_blocks:
             # ``finished`` says that the end beat went into a queue, which it has yet to leave.
             unfinished = Signal(2)
             end_taken = self.raster.valid & self.raster.ready & self.raster.payload.end
@@ -161,8 +144,8 @@ class Engine(wiring.Component):
             sequencer.admit.eq((~self.tables.valid | waits) & ~unfinished[1]),
             colour.ambient.eq(registers.ambient),
             colour.material.eq(tables.material),
-            decoder.last_column.eq(registers.last_column),
-            decoder.last_line.eq(registers.last_line),
+            tiler.last_column.eq(registers.last_column),
+            tiler.last_line.eq(registers.last_line),
             window.last_column.eq(registers.last_column),
             window.last_line.eq(registers.last_line),
             window.load.eq(registers.load if self.load is None else self.load),

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from .fields import Field
 
 __all__ = [
-    "BANKS",
-    "BAYER",
     "BLOCK",
     "COMPACT",
     "MOST_BEAT_BITS",
     "ROWS",
     "SHAPES",
+    "WINDOWS",
     "EngineConfig",
 ]
 
@@ -32,38 +31,17 @@ ROWS = 4
 COMPACT = 0b00010
 """What marks a compact word."""
 
-BANKS = (8, 16)
-"""How many banks a window may be made of."""
-
-_WINDOWS: dict[tuple[bool, int], tuple[str, dict[str, tuple[int, ...]]]] = {
-    (True, 8): (
-        "lanes",
-        {"window_lines": (8, 16, 32), "pixels_per_word": (2, 4, 8), "raster_words": (1,)},
-    ),
-    (True, 16): (
-        "16 banks of lanes",
-        {"window_lines": (16, 32), "pixels_per_word": (8,), "raster_words": (2,)},
-    ),
-    (False, 8): (
-        "8 banks",
-        {"window_lines": (16,), "pixels_per_word": (4,), "raster_words": (1, 2)},
-    ),
-    (False, 16): (
-        "16 banks",
-        {"window_lines": (16,), "pixels_per_word": (4, 8), "raster_words": (1, 2)},
-    ),
+WINDOWS: dict[str, dict[str, tuple[int, ...]]] = {
+    "tiles": {"window_lines": (8, 16, 32), "pixels_per_word": (2, 4, 8), "raster_words": (1,)},
+    "blocks": {"window_lines": (16, 32), "pixels_per_word": (8,), "raster_words": (2,)},
 }
-"""Each kind of window and what it leaves to choose, by ``lanes`` and ``banks``."""
-
-BAYER = ((0, 8, 2, 10), (12, 4, 14, 6), (3, 11, 1, 9), (15, 7, 13, 5))
-"""Thresholds of ordered dithering in sixteenths, by line and column modulo 4 (Bayer, 1973)."""
+"""Each kind of window, with the values that it allows."""
 
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs there are, and the largest size that each holds."""
 
-MOST_BEAT_BITS = 512
-"""Of a beat of the raster: 64 bytes is the widest stream of common DMA cores, and all that CONFIG_1
-can say."""
+MOST_BEAT_BITS = 1024
+"""Most bits of a raster beat: 128 bytes is the widest stream of common DMA cores."""
 
 
 def _is_among(value: object, choices: tuple[int, ...]) -> bool:
@@ -96,37 +74,18 @@ class EngineConfig:
         Bits of each of a material's six coefficients: kd and ks for red, green and blue.
     colour_shift
         Fraction bits of the colour sum, dropped after the addition.
+    window
+        How the window draws. ``tiles``: a tile of four lines and a memory word's columns a cycle,
+        in four lanes for each column; small. ``blocks``: a whole element a cycle, in eight rows of
+        lanes; fast.
     window_lines
         Lines of the sliding window. Eight are drawn into; the others wait to be flushed. 8, 16 or
-        32 with lanes, else 16.
+        32 with tiles, 16 or 32 with blocks.
     pixels_per_word
-        Pixels in one word of the window's memory: 2, 4 or 8 with lanes, 4 with eight banks, 4 or 8
-        with sixteen.
+        Pixels in one raster word: 2, 4 or 8 with tiles, 8 with blocks. Each lies in a lane of its
+        own, so a memory word is one pixel.
     raster_words
-        Words of the window's memory in a beat of the raster, 1 or 2: two neighbours leave together.
-        2 with banks and one colour plane alone.
-    colour_planes
-        Memory words that hold the colours of one word of pixels, 1..3. Further planes lie in the
-        halves that the bank's block RAMs leave empty (the second beside the first, the third beside
-        the depth), and cost a bank a cycle where a pixel passes the depth test.
-    banks
-        Banks of a window that is made of them, 8 or 16. A bank of eight has words of every fourth
-        line, and a bank of sixteen of every eighth: one line of an element, which draws it in two
-        cycles at most, out of the way of the lines that leave; for twice the block RAMs. With words
-        of eight pixels that line has two words at most, in two banks: a cycle an element, for twice
-        as many again.
-    lanes
-        The window is made of lanes of pixels, whose memories have one pixel in a word, so that
-        nothing is merged. With eight banks (which there are none of) four for each pixel of a word,
-        which take the least silicon and a tile of four lines and a word's columns a cycle; with
-        sixteen the banks are rows of lanes, which take any element in a cycle. Else the window is
-        made of banks of words, which take fewer block RAMs for larger elements.
-    mark_words
-        Words of a bank that share the mark which says that something was drawn into one of them: 1,
-        2, 4 or 8. More take less silicon; all of them are read when their line leaves. With 1,
-        stretches of marks that nothing reached are passed over as well.
-    dither
-        Ordered dithering: a threshold for each pixel is added to the colour sum.
+        Raster words in a beat: 1 with tiles, 2 with blocks, whose neighbours leave together.
     shapes
         One of ``SHAPES``: the ROM that turns compact words into code words; ``none``: there is
         none, and no word is compact.
@@ -135,7 +94,7 @@ class EngineConfig:
     ------
     ValueError
         If a value is out of its range, the code word does not come out at 64 bits, or a beat of the
-        raster has more than 512.
+        raster has more than 1024.
     """
 
     name: str = "custom"
@@ -147,14 +106,10 @@ class EngineConfig:
     material_bits: int = 7
     coefficient_bits: int = 6
     colour_shift: int = 10
+    window: str = "tiles"
     window_lines: int = 16
     pixels_per_word: int = 4
     raster_words: int = 1
-    colour_planes: int = 1
-    banks: int = 8
-    lanes: bool = False
-    mark_words: int = 1
-    dither: bool = False
     shapes: str = "none"
 
     def __post_init__(self) -> None:
@@ -167,21 +122,16 @@ class EngineConfig:
             "intensity_bits": (1, 9),
             "material_bits": (3, 9),  # the registers need as many addresses as six
             "coefficient_bits": (1, 12),
-            # Dithering adds four bits right below the point.
-            "colour_shift": (
-                4 if self.dither else 1,
-                self.coefficient_bits + self.intensity_bits,
-            ),
-            "colour_planes": (1, 3),
+            "colour_shift": (1, self.coefficient_bits + self.intensity_bits),
         }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
             if not isinstance(value, int) or not low <= value <= high:
                 raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
         # Of these too none but an integer: 8.0 is in (4, 8).
-        if not _is_among(self.banks, BANKS):
-            raise ValueError(f"banks must be 8 or 16, not {self.banks!r}")
-        for name, choices in _WINDOWS[self.lanes, self.banks][1].items():
+        if self.window not in WINDOWS:
+            raise ValueError(f"window must be {' or '.join(WINDOWS)}, not {self.window!r}")
+        for name, choices in WINDOWS[self.window].items():
             value = getattr(self, name)
             if not _is_among(value, choices):
                 *most, last = map(str, choices)
@@ -192,12 +142,6 @@ class EngineConfig:
                 f"x_bits must be at least {self.pixel_bits + 2}"
                 f" for {self.pixels_per_word} pixels a word, not {self.x_bits}"
             )
-        if self.raster_words > 1 and self.colour_planes > 1:
-            raise ValueError("raster_words must be 1 with further colour planes")
-        if not _is_among(self.mark_words, (1, 2, 4, 8)):
-            raise ValueError(f"mark_words must be 1, 2, 4 or 8, not {self.mark_words!r}")
-        if self.lanes and (self.colour_planes > 1 or self.dither or self.mark_words > 1):
-            raise ValueError("lanes have no further colour planes, dithering or shared marks")
         if self.shapes not in SHAPES:
             raise ValueError(f"shapes must be {', '.join(SHAPES)}, not {self.shapes!r}")
         if self.z.end != 64:
@@ -334,16 +278,6 @@ class EngineConfig:
         """Largest value of a stored channel, at which the colour sum saturates."""
         return (1 << self.channel_bits) - 1
 
-    @property
-    def plane_bits(self) -> int:
-        """Bits of a pixel's colour in one plane; the last plane may have fewer."""
-        return -(-self.colour_bits // self.colour_planes)
-
-    @property
-    def dither_bits(self) -> int:
-        """Fraction bits that an element's channels keep until the thresholds are added."""
-        return 4 if self.dither else 0
-
     # The tables: a write is (address, data).
 
     @property
@@ -403,19 +337,14 @@ class EngineConfig:
         return self.window_lines.bit_length() - 1
 
     @property
-    def window(self) -> str:
-        """What the window is made of, in words."""
-        return _WINDOWS[self.lanes, self.banks][0]
-
-    @property
-    def rows_of_lanes(self) -> bool:
-        """Whether the window takes any element whole, in a cycle: eight rows of lanes."""
-        return self.lanes and self.banks > BANKS[0]
+    def draws_blocks(self) -> bool:
+        """Whether the window draws a whole element a cycle, in eight rows of lanes."""
+        return self.window == "blocks"
 
     @property
     def tile_lines(self) -> int:
-        """Lines of what lanes draw in a cycle, which are as many rows of lanes: 4, or a block's."""
-        return BLOCK if self.banks > BANKS[0] else 4
+        """Lines that the window draws in a cycle, each in its own row of lanes: 4 or 8."""
+        return BLOCK if self.draws_blocks else 4
 
     @property
     def group_bits(self) -> int:

@@ -7,23 +7,17 @@ ones are the engine's own.
 from amaranth.hdl import signed
 from amaranth.lib import data
 
-from .bank_layout import bank_address_bits, stretch_bits
 from .format import BLOCK, EngineConfig
 
 __all__ = [
     "ClearedLayout",
     "CodeWordLayout",
-    "DealLayout",
     "ElementLayout",
-    "FlushLayout",
-    "FootprintLayout",
     "GeometryLayout",
     "LoadLayout",
     "PixelsLayout",
     "PlaceLayout",
-    "PlaneLayout",
     "RasterLayout",
-    "SpanLayout",
     "TableWriteLayout",
     "TileLayout",
     "WordLayout",
@@ -74,26 +68,6 @@ class WordLayout(PixelsLayout):
         super().__init__(config, config.pixels_per_word)
 
 
-class PlaneLayout(data.StructLayout):
-    """What one access of a bank's two memories moves, where colours are cut into planes.
-
-    At a word's own address its depths and the lowest bits of its colours (plane 0); at the address
-    in the memories' upper halves, plane 1 in the colours' and plane 2, if there is one, in the
-    depths'.
-    """
-
-    def __init__(self, config: EngineConfig):
-        depth = config.depth_bits
-        if config.colour_planes == 3:
-            depth = max(depth, config.plane_bits)
-        super().__init__(
-            {
-                "depth": data.ArrayLayout(depth, config.pixels_per_word),
-                "colour": data.ArrayLayout(config.plane_bits, config.pixels_per_word),
-            }
-        )
-
-
 class PlaceLayout(data.StructLayout):
     """A memory word's place in the image."""
 
@@ -106,17 +80,6 @@ class ClearedLayout(data.StructLayout):
 
     def __init__(self, config: EngineConfig):
         super().__init__({"valid": 1, "place": config.slot_bits})
-
-
-class FlushLayout(data.StructLayout):
-    """Words of a window of banks that are to leave: of two neighbours one or both.
-
-    ``pair`` counts in twos from the left. ``halves[h]``: the one that lies in the lower half of the
-    banks (h = 0) or in the upper: for which of the two that is see ``bank_layout``.
-    """
-
-    def __init__(self, config: EngineConfig):
-        super().__init__({"pair": config.word_bits - 1, "halves": 2, "line": config.line_bits})
 
 
 class RasterLayout(data.StructLayout):
@@ -139,8 +102,7 @@ class RasterLayout(data.StructLayout):
 class LoadLayout(data.StructLayout):
     """A memory word of the initial raster with its place in the image, or the raster's end.
 
-    ``pixels`` are those of its beat: of a beat of two words the left one is meant if ``word`` is
-    even, else the right one; before a :class:`Halver` ``word`` is even, and both are.
+    ``pixels`` are those of its beat. Of a beat of two words ``word`` is the left one.
     """
 
     def __init__(self, config: EngineConfig):
@@ -181,66 +143,6 @@ class GeometryLayout(data.StructLayout):
 
     def __init__(self, config: EngineConfig):
         super().__init__(_geometry(config))
-
-
-class SpanLayout(data.StructLayout):
-    """Which pixels of one line an element covers, counted from the word that X lies in.
-
-    ``first`` and ``last`` (inclusive) count pixels from the left edge of that word; ``words`` has a
-    bit for it and each of its neighbours on the right, two of four pixels or one of eight: set if
-    the span touches the word, and the word lies in the image. In an image's last word a span may
-    reach past the right border.
-    """
-
-    def __init__(self, config: EngineConfig):
-        super().__init__({"first": 4, "last": 4, "words": config.block_words})
-
-
-class FootprintLayout(data.StructLayout):
-    """An element clipped to the image and laid out as the window's banks need it.
-
-    The eight lines that an element may touch are two of each residue modulo 4: for residue q,
-    ``upper[q]`` is the span on that one of the lines y - 4 .. y - 1 and ``lower[q]`` the span four
-    lines below. ``upper_group[q]`` is bits 3:2 of the upper line's number; the lower line's is
-    one more.
-
-    ``top`` is y - 4: no later element touches a line above it; that holds even while none is
-    offered. The colour comes beside it (:class:`ColourUnit`).
-    """
-
-    def __init__(self, config: EngineConfig):
-        super().__init__(
-            {
-                "upper": data.ArrayLayout(SpanLayout(config), 4),
-                "lower": data.ArrayLayout(SpanLayout(config), 4),
-                "upper_group": data.ArrayLayout(2, 4),
-                "word": config.word_bits,
-                "z": config.z.width,
-                "top": signed(config.line_bits + 2),
-                "end": 1,
-            }
-        )
-
-
-class DealLayout(data.StructLayout):
-    """The words of an element that the banks are to draw at the same time, one each at most.
-
-    ``want``: the banks that have one, ``shares``: its address and the pixels to draw. ``reach``:
-    the stretches of marks that the element may lie in.
-    """
-
-    def __init__(self, config: EngineConfig):
-        share = data.StructLayout(
-            {"mask": config.pixels_per_word, "address": bank_address_bits(config)}
-        )
-        super().__init__(
-            {
-                "want": config.banks,
-                "shares": data.ArrayLayout(share, config.banks),
-                "z": config.z.width,
-                "reach": 1 << stretch_bits(config),
-            }
-        )
 
 
 class TileLayout(data.StructLayout):

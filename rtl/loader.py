@@ -17,8 +17,7 @@ class Loader(wiring.Component):
     leaves elsewhere: an element waits until its lines have come, and a line until it has come
     before it leaves. Beats outside the image are dropped, and words of lines above that of the word
     before: once a line was waited for, those before it may be on their way out. A beat of two words
-    is offered as a whole, to a :class:`Halver`; the right one is written even if it alone lies
-    outside, where nothing ever leaves.
+    is written as a whole, even if the right one lies outside, where nothing ever leaves.
 
     **Latency**: 1 cycle. **Throughput**: one beat in two cycles, the first of which tells whether
     its line is in the window; or one a cycle that is dropped.
@@ -29,8 +28,6 @@ class Loader(wiring.Component):
         The initial raster. Taken during a frame alone, and only if ``enable`` is set.
     o : Out(stream of LoadLayout)
         Words to write, or beats of two; their lines are in the window.
-    held : In(1)
-        If beats have two words: of the one that was taken something is still to be written.
     enable : In(1)
         The frame starts from an initial raster.
     active : In(1)
@@ -58,12 +55,10 @@ class Loader(wiring.Component):
     def __init__(self, config: EngineConfig):
         self.config = config
         line = signed(config.line_bits + 2)
-        held = {"held": In(1)} if config.raster_words == 2 else {}
         super().__init__(
             {
                 "i": In(stream.Signature(LoadLayout(config))),
                 "o": Out(stream.Signature(LoadLayout(config))),
-                **held,
                 "enable": In(1),
                 "active": In(1),
                 "last_line": In(config.line_bits),
@@ -93,14 +88,8 @@ class Loader(wiring.Component):
         ahead = Signal(signed(config.line_bits + 2))
         loaded = Signal.like(self.front, init=-lines)
         limit = Signal.like(self.limit)  # so many lines below: an addition less on a long way
-        waits = self.i.valid & self.enable & self.active & ~ended
-        comes = waiting & ~drop
-        if config.raster_words == 2:
-            # The end waits until all is written, and so does what is said of lines.
-            waits &= ~(beat.end & self.held)
-            comes &= ~self.held | (self.o.valid & self.o.ready)
         m.d.comb += [
-            waiting.eq(waits),
+            waiting.eq(self.i.valid & self.enable & self.active & ~ended),
             ahead.eq(beat.line - self.oldest),
             # Not before the window: a line leaves when it lies above ``limit``.
             in_window.eq(~ahead[config.slot_bits :].any()),
@@ -120,7 +109,7 @@ class Loader(wiring.Component):
         m.d.sync += offered.eq(waiting & ~drop & in_window & ~(self.o.valid & self.o.ready))
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
-        with m.If(comes):
+        with m.If(waiting & ~drop):
             # One that waits below the window says that all lines of the window have come.
             m.d.sync += [
                 loaded.eq(Mux(in_window, beat.line - lines, self.oldest)),

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-from .format import BANKS, EngineConfig
+from .format import EngineConfig
 from .netlist import pin_netlist
 from .pins import generate_pins
 from .presets import PAPER
@@ -54,9 +54,9 @@ SYNTHESIS = "synth_ecp5 -cmp2softlogic"
 """Comparisons with constants in LUTs: a carry chain takes longer to get into and out of."""
 
 MANY_MEMORIES = " -no-rw-check"
-"""Yosys gives a bank's block RAMs registers and multiplexers, so that a word which is read while it
-is written is the old one. Nobody counts on that (``docs/formal.md``), and round 32 of them the
-router finds no way in a quarter of an hour."""
+"""Yosys gives a lane's block RAM registers and multiplexers, so that a pixel which is read while it
+is written is the old one. Nothing depends on that (``docs/formal.md``), and the router cannot place
+so many in a quarter of an hour."""
 
 RESOURCES = {
     "TRELLIS_COMB": "4-input LUTs",
@@ -77,8 +77,7 @@ def place_and_route(
 ) -> dict:
     """Return how fast an engine with its pins is on an ECP5, placed and routed.
 
-    It is the smallest of ``DEVICES`` that has all its block RAMs and, for sixteen banks, room for
-    its wires: an LFE5U-25F for all others.
+    It is the smallest of ``DEVICES`` that has all its block RAMs.
 
     Parameters
     ----------
@@ -114,12 +113,12 @@ def place_and_route(
         # The last of two rates of a clock counts.
         limits = CONSTRAINTS.read_text() + f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
-        synthesis = SYNTHESIS + (MANY_MEMORIES if config.banks > BANKS[0] else "")
+        synthesis = SYNTHESIS + (MANY_MEMORIES if config.draws_blocks else "")
         script = f"read_verilog top.v; {synthesis} -top {name} -json top.json"
         run_yosys(script, folder)
         cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
         block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
-        device = smallest(block_rams, banks=config.banks)
+        device = smallest(block_rams)
         options = [device.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {n: _route(folder, [*route, str(n)], n) for n in range(seed, seed + tries)}
@@ -144,19 +143,14 @@ def place_and_route(
     }
 
 
-def smallest(block_rams: int, *, banks: int = BANKS[0]) -> Device:
-    """Return the smallest device that has so many block RAMs, or else the largest there is.
-
-    Sixteen banks begin at the second: in an LFE5U-25F the router finds no way for their wires in
-    half an hour, though it has LUTs and block RAMs enough for words of four pixels.
-    """
-    roomy = DEVICES[1:] if banks > BANKS[0] else DEVICES
-    return next((device for device in roomy if device.block_rams >= block_rams), DEVICES[-1])
+def smallest(block_rams: int) -> Device:
+    """Return the smallest device that has so many block RAMs, or else the largest there is."""
+    return next((device for device in DEVICES if device.block_rams >= block_rams), DEVICES[-1])
 
 
 def placer(config: EngineConfig) -> tuple[str, ...]:
     """Return nextpnr's options for how an engine is placed."""
-    return SHORT if config.rows_of_lanes else TIMED
+    return SHORT if config.draws_blocks else TIMED
 
 
 def _route(folder: Path, route: list[str], seed: int) -> dict:

@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Iterator
 
 from .fields import Field, Register
-from .format import BANKS, SHAPES, EngineConfig
+from .format import SHAPES, WINDOWS, EngineConfig
 from .registers import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
 __all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]
@@ -25,17 +25,17 @@ twice that."""
 IDENTITY = 0x53504C54
 """``SPLT``: what the first register reads as."""
 
-VERSION = (1, 0)
+VERSION = (2, 0)
 """Of the map: the first number grows where an old driver would no longer work."""
 
 PARAMETERS = (
     {
         "x_bits": 4, "line_bits": 4, "depth_bits": 5, "channel_bits": 4, "intensity_bits": 4,
-        "material_bits": 4, "coefficient_bits": 4, "lanes": 1, "dither": 1, "banks": 1,
+        "material_bits": 4, "coefficient_bits": 4, "window": 1,
     },
     {
-        "colour_shift": 5, "window_lines": 6, "pixels_per_word": 4, "colour_planes": 2,
-        "mark_words": 4, "shapes": 2, "raster_words": 2,
+        "colour_shift": 5, "window_lines": 6, "pixels_per_word": 4, "shapes": 2,
+        "raster_words": 2,
     },
 )  # fmt: skip
 """Bits of each parameter of the configuration in CONFIG_0 and in CONFIG_1."""
@@ -105,7 +105,7 @@ def register_map(config: EngineConfig) -> RegisterMap:
     )
 
 
-CHOICES: dict[str, tuple[str | int, ...]] = {"shapes": tuple(SHAPES), "banks": BANKS}
+CHOICES: dict[str, tuple[str | int, ...]] = {"shapes": tuple(SHAPES), "window": tuple(WINDOWS)}
 """Parameters of which a field says which one of some it is."""
 
 # A register in short: its name, meaning and fields, and the engine's register that it becomes.

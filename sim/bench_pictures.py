@@ -33,7 +33,6 @@ COLUMNS = (
     ("float", None),
     ("exact", "rgb24"),
     ("exact \N{MULTIPLICATION SIGN}4", "paper"),
-    ("exact", "dither"),
     ("exact", "paper"),
     ("paper", "paper"),
 )

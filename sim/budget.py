@@ -56,7 +56,7 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
         One of ``LADDERS``: ``paper`` has one depth a splat, whole places and diameters and the
         shape table; ``exact`` one depth a fraction, and footprints as they are.
     config
-        The engine: bits of depth, intensity and colour, materials, dithering.
+        The engine: bits of depth, intensity and colour, materials.
 
     Returns
     -------
@@ -76,12 +76,12 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
             ("whole diameters", {"size": "whole"}),
             ("levels of n'", {"normal_levels": True}),
         ]
-    colour = f"{config.channel_bits}-bit colour" + (", dithered" if config.dither else "")
+    colour = f"{config.channel_bits}-bit colour"
     levels = LEVELS if quality == "paper" else SHADE_LEVELS
     changes += [
         ("shading table", {"intensity_bits": config.intensity_bits, "shade_levels": levels}),
         ("materials", {"materials": 1 << config.material_bits}),
-        (colour, {"channel_bits": config.channel_bits, "dither": config.dither}),
+        (colour, {"channel_bits": config.channel_bits}),
     ]
     rungs = [Step("one sample a pixel", Steps())]
     for name, change in changes:
@@ -133,8 +133,8 @@ def measure(
 def blurred_psnr(rgb: npt.NDArray[np.float64], exact: npt.NDArray[np.float64]) -> float | None:
     """Return the PSNR in dB of what is left of the error seen from afar; None without error.
 
-    The error is blurred by a Gaussian of ``BLUR`` pixels. Noise from pixel to pixel, as dithering
-    has it, counts for little then, and a colour that is wrong over an area for as much as before.
+    The error is blurred by a Gaussian of ``BLUR`` pixels. Noise from pixel to pixel
+    counts for little then, and a colour that is wrong over an area for as much as before.
 
     Parameters
     ----------

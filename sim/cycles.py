@@ -7,7 +7,6 @@ import numpy as np
 from ..host.errors import InputError
 from ..host.frame import Frame
 from ..rtl.format import EngineConfig
-from .bank_model import walk_banks
 from .block_model import walk_blocks
 from .expand import slots
 from .lane_model import walk_lanes
@@ -38,9 +37,9 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
         when the first code word is taken. False: it has been, in a frame that took long enough or
         before.
     conflicts
-        False counts as if a bank could take the word that it is writing at the moment, as rows of
-        lanes can. That is not
-        always less: an element that waits leaves its other banks to the lines that leave.
+        False counts as if a lane could take the pixel that it is writing at the moment, as rows of
+        lanes can. That is not always less: a tile that waits leaves its lanes to the lines that
+        leave.
 
     Raises
     ------
@@ -51,9 +50,7 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     clearing = clearing_cycles(config) if after_reset else 0
     words = slots(np.ascontiguousarray(frame.codewords, np.uint64), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
-    walk = walk_banks
-    if config.lanes:
-        walk = walk_blocks if config.rows_of_lanes else walk_lanes
+    walk = walk_blocks if config.draws_blocks else walk_lanes
     cycles = walk(words.view(np.int64), machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
@@ -63,14 +60,10 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
 def clearing_cycles(config: EngineConfig) -> int:
     """Return for how long the window is still cleared when a first frame's first word is taken.
 
-    It takes a cycle an address of a bank (half the words of its lines) or of a lane (a pixel of
-    each word of every fourth line, or of half the words of every eighth), from the reset on; the
-    table writes go before the first code word.
+    It takes a cycle an address of a lane (a pixel of each word of every fourth line, or of half the
+    words of every eighth), from the reset on; the table writes go before the first code word.
     """
-    if config.lanes:
-        clearing = config.window_lines // config.tile_lines << config.word_bits
-        clearing //= config.raster_words
-    else:
-        clearing = config.window_lines // (config.banks // 2) << config.word_bits - 1
+    clearing = config.window_lines // config.tile_lines << config.word_bits
+    clearing //= config.raster_words
     writes = config.register_base + REGISTERS
     return max(clearing - writes - START, 0)

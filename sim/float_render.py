@@ -21,7 +21,6 @@ from ..host.materials import find_materials
 from ..host.shade import SHADE_LEVELS, shade_tables
 from ..host.shapes import level_slopes, quantise
 from ..host.view import View
-from ..rtl.format import BAYER
 from . import reference
 from .float_draw import DEPTHS, PLACES, SIZES, SPLAT, draw_bands, place_splats
 
@@ -67,8 +66,6 @@ class Steps:
         Most colours of the palette; None: each point's own.
     channel_bits
         Bits of a stored colour channel; None: as it is.
-    dither
-        The 4 x 4 thresholds of ``rtl.format.BAYER`` are added before a colour is rounded.
     """
 
     depth: Literal["pixel", "fraction", "splat"] = "pixel"
@@ -83,7 +80,6 @@ class Steps:
     shade_levels: int = SHADE_LEVELS
     materials: int | None = None
     channel_bits: int | None = None
-    dither: bool = False
 
 
 @dataclass(frozen=True)
@@ -207,9 +203,5 @@ def _levels(rgb: _Floats, steps: Steps) -> _Floats:
     if steps.channel_bits is None:
         return rgb
     largest = (1 << steps.channel_bits) - 1
-    half: Any = 0.5
-    if steps.dither:
-        lines, columns = np.ogrid[: rgb.shape[0], : rgb.shape[1]]
-        half = (np.array(BAYER)[lines % 4, columns % 4, np.newaxis] + 0.5) / 16.0
-    levels: _Floats = np.minimum(np.floor(rgb * largest + half), largest) / largest
+    levels: _Floats = np.minimum(np.floor(rgb * largest + 0.5), largest) / largest
     return levels

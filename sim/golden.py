@@ -20,7 +20,7 @@ from ..rtl.fields import Field
 from ..rtl.format import BLOCK, ROWS, EngineConfig
 from ..rtl.presets import PAPER
 from .expand import expand_frame
-from .golden_draw import ABOVE, draw_bands, index_lines, layout_of, thresholds
+from .golden_draw import ABOVE, draw_bands, index_lines, layout_of
 from .raster import Raster
 
 __all__ = ["block_rows", "decode", "render", "render_parts"]
@@ -102,7 +102,6 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
         _cut(starts, frame.width, frame.height, bands),
         np.ascontiguousarray(tables.ambient, np.int64),
         np.stack([tables.diffuse, tables.specular], axis=1).astype(np.int64, copy=False),
-        thresholds(config),
         layout,
         raster.depth,
         raster.colour,

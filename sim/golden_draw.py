@@ -16,13 +16,12 @@ from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
-import numpy.typing as npt
 from numba.extending import intrinsic
 
-from ..rtl.format import BAYER, BLOCK, ROWS, EngineConfig
+from ..rtl.format import BLOCK, ROWS, EngineConfig
 from ..rtl.presets import PAPER
 
-__all__ = ["Layout", "draw_bands", "index_lines", "layout_of", "thresholds"]
+__all__ = ["Layout", "draw_bands", "index_lines", "layout_of"]
 
 ABOVE = BLOCK // 2
 """Lines of an element's block that lie above the engine's current line."""
@@ -89,12 +88,6 @@ def layout_of(config: EngineConfig) -> Layout:
     )
 
 
-def thresholds(config: EngineConfig) -> npt.NDArray[np.int64]:
-    """Return what each pixel adds to its colour sums, by line and column modulo 4: shape (4, 4)."""
-    bayer = np.array(BAYER, np.int64)
-    return bayer << (config.colour_shift - 4) if config.dither else np.zeros_like(bayer)
-
-
 @nb.njit(cache=True)
 def index_lines(words: Any, lines: int, layout: Layout) -> Any:
     """Find the words of each line of the engine.
@@ -138,7 +131,6 @@ def draw_bands(
     cuts: Any,
     ambient: Any,
     coefficients: Any,
-    bias: Any,
     layout: Layout,
     depth: Any,
     colour: Any,
@@ -157,8 +149,6 @@ def draw_bands(
         I0 of each channel: shape (3,), int64.
     coefficients
         kd and ks of each material and channel: shape (materials, 2, 3), int64.
-    bias
-        From ``thresholds``.
     layout
         The fields' places.
     depth
@@ -177,7 +167,7 @@ def draw_bands(
             if y >= 0:
                 _draw_line(words, starts, canvas, y, width, layout)
             if y - ABOVE >= begin:
-                _close_line(canvas, y - ABOVE, ambient, coefficients, bias, layout, depth, colour)
+                _close_line(canvas, y - ABOVE, ambient, coefficients, layout, depth, colour)
 
 
 @nb.njit(cache=True)
@@ -254,7 +244,6 @@ def _close_line(
     line: int,
     ambient: Any,
     coefficients: Any,
-    bias: Any,
     layout: Layout,
     depth: Any,
     colour: Any,
@@ -262,11 +251,9 @@ def _close_line(
     """Turn the words that a line's pixels hold into depths and colours.
 
     Int64 holds every sum: I0 < 2^(c + i + 1) and each product < 2^(c + i), with c <= 12 bits of a
-    coefficient and i <= 9 of an intensity; the threshold is < 2^shift <= 2^(c + i). So a sum is
-    less than 5 * 2^(c + i) < 2^24.
+    coefficient and i <= 9 of an intensity. So a sum is less than 4 * 2^(c + i) < 2^23.
     """
     pixels = canvas[line % BLOCK]
-    thresholds = bias[line % len(BAYER)]
     for column in range(depth.shape[1]):
         word = pixels[column]
         if _is_control(word):
@@ -275,11 +262,10 @@ def _close_line(
         material = _field(word, layout.material_lsb, layout.material_mask)
         d = np.int64(_field(word, layout.diffuse_lsb, layout.diffuse_mask))
         s = np.int64(_field(word, layout.specular_lsb, layout.specular_mask))
-        threshold = thresholds[column % len(BAYER)]
         for channel in range(3):
             kd, ks = coefficients[material, 0, channel], coefficients[material, 1, channel]
             total = ambient[channel] + kd * d + ks * s
-            level = (total + threshold) >> layout.colour_shift
+            level = total >> layout.colour_shift
             colour[line, column, channel] = min(level, layout.channel_max)
 
 

@@ -1,8 +1,8 @@
 """The engine's clock, as a program: what each stage holds from cycle to cycle.
 
 It follows the circuit of ``rtl/`` stage by stage, but only in what decides about time. Here are the
-stages before the window, which all engines share; :mod:`splatline.sim.bank_model` and
-:mod:`splatline.sim.lane_model` have the windows.
+stages before the window, which all engines share; :mod:`splatline.sim.lane_model` and
+:mod:`splatline.sim.block_model` have the windows.
 
 All ports are willing in every cycle and there is no initial raster.
 """
@@ -25,7 +25,6 @@ __all__ = [
     "FIRST_STAGE",
     "FOLLOWING",
     "HEAD",
-    "LINES",
     "Front",
     "Machine",
     "advance",
@@ -33,14 +32,11 @@ __all__ = [
     "new_front",
 ]
 
-LINES = PAPER.window_lines
-"""Lines of a window of banks, which is one size only."""
-
 FIRST_STAGE, HEAD = 0, 1
 """The pipeline's stages before the window: the table of materials, and the decoder."""
 
 EMPTY = -1
-"""In place of a code word's index: a stage holds none; in place of an address: a bank rests."""
+"""In place of a code word's index: a stage holds none."""
 
 ABOVE = BLOCK // 2
 """Lines from a block's first row to the line that the engine is at."""
@@ -64,16 +60,11 @@ class Machine(NamedTuple):
     lowest
         The line at which a block's top stays, far below every image.
     half_words
-        Words of a line that a bank holds: half of them.
+        Half the words of a line.
     clearing
         Cycles, from the first code word on, in which the window is still being cleared.
     hazard
-        A bank cannot take the word, nor a lane the pixel, that it writes at that moment. False is a
-        machine that could.
-    planes
-        Planes of a colour.
-    mark_words
-        Words of a bank that share a mark.
+        A lane cannot take the pixel that it writes at that moment. False is a machine that could.
     z_lsb, z_mask
         Place of a code word's depth; the mask is the background's depth as well.
     lines
@@ -84,8 +75,6 @@ class Machine(NamedTuple):
         Words of a line that an element touches at most.
     raster_words
         Of them in a beat of the raster.
-    half_banks
-        Half the banks: lines so many apart lie in the same two.
     rom
         The engine has a shape ROM.
     pair_lsb
@@ -101,15 +90,12 @@ class Machine(NamedTuple):
     half_words: int
     clearing: int
     hazard: bool
-    planes: int
-    mark_words: int
     z_lsb: int
     z_mask: int
     lines: int
     pixels: int
     block_words: int
     raster_words: int
-    half_banks: int
     rom: bool
     pair_lsb: int
 
@@ -126,15 +112,12 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         half_words=1 << (config.word_bits - 1),
         clearing=clearing,
         hazard=True,
-        planes=config.colour_planes,
-        mark_words=config.mark_words,
         z_lsb=config.z.lsb,
         z_mask=config.z.mask,
         lines=config.window_lines,
         pixels=config.pixels_per_word,
         block_words=config.block_words,
         raster_words=config.raster_words,
-        half_banks=config.banks // 2,
         rom=config.shapes != "none",
         pair_lsb=config.material.lsb,
     )

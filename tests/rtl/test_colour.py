@@ -48,7 +48,7 @@ class Painter(wiring.Component):
         m = Module()
         m.submodules.unit = unit = self.unit
         connect(m, flipped(self.i), unit.i)
-        count = 3 if self.config.rows_of_lanes else 1
+        count = 3 if self.config.draws_blocks else 1
         valid, step = Signal(count), Signal()
         held = [Signal.like(unit.o.payload, name=f"held_{n}") for n in range(count)]
         m.d.comb += [

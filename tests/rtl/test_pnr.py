@@ -93,6 +93,6 @@ def test_the_vendor_s_constraints_fit_the_pins():
         assert any(port["name"].startswith(glob.rstrip("*")) for glob in globs), port["name"]
 
 
-def test_only_rows_of_lanes_are_placed_for_short_wires_alone():
+def test_only_draws_blocks_are_placed_for_short_wires_alone():
     short = [c.name for c in (*PRESETS.values(), *VARIANTS) if placer(c) == SHORT]
     assert short == ["swift"]

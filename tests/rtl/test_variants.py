@@ -107,7 +107,7 @@ def behind_a_slow_raster(rng, config):
         )
 
 
-def test_rows_of_lanes_at_borders_and_behind_a_slow_raster():
+def test_draws_blocks_at_borders_and_behind_a_slow_raster():
     rng = np.random.default_rng(31)
     cases = [at_the_right_border, down_the_image, behind_a_slow_raster]
     made = [(case.__name__, job) for case in cases for job in case(rng, SWIFT)]

@@ -180,7 +180,7 @@ def test_known_counts(config):
     Lanes know one cycle later that nothing is left in the window, or have the end beat in a queue;
     in banks none is dealt.
     """
-    tiles = config.lanes and not config.rows_of_lanes
+    tiles = config.lanes and not config.draws_blocks
     latency = engine_latency(config) + (1 if config.lanes else -1)
 
     def count(words):
@@ -203,7 +203,7 @@ def test_known_counts(config):
         same = [dot(4)] * dots
         start = cw.advance(4, config)
         beats = 1 if tiles else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
-        waits = 0 if config.rows_of_lanes else dots - 1
+        waits = 0 if config.draws_blocks else dots - 1
         assert count([start, *same]) - count([start, *apart]) == waits - (beats - 1)
 
 

@@ -79,7 +79,7 @@ def test_the_largest_numbers_do_not_overflow(config):
     # The sums themselves, where nothing saturates: as wide a channel as there is.
     sums = {"channel_bits": 8, "colour_shift": config.coefficient_bits}
     # Beats of two words have no room for it, and rows of lanes have no others.
-    window = {"raster_words": 1, "lanes": config.lanes and not config.rows_of_lanes}
+    window = {"raster_words": 1, "lanes": config.lanes and not config.draws_blocks}
     wide = config.replace(**sums, **window)
     frame = cw.make_frame([first, *words], (16, 8), cw.largest_tables(wide), wide)
     assert_same(golden.render(frame), cw.draw(frame))
