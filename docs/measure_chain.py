@@ -23,7 +23,7 @@ from splatline.rtl.merger import Merger
 from splatline.rtl.pins import BEAT_PIECE, Gatherer, Splitter
 from splatline.rtl.pnr import CONSTRAINTS, DEVICES, OPTIONS, SYNTHESIS, read_report
 from splatline.rtl.presets import PAPER
-from splatline.rtl.queue import Queue
+from splatline.rtl.queue import Fifo
 from splatline.rtl.synth import count_component
 from splatline.rtl.tools import run_nextpnr, run_yosys
 from splatline.rtl.verilog import convert
@@ -54,7 +54,7 @@ class Link(wiring.Component):
             ]
 
         for name in ("before", "own"):
-            gatherer, queue = Gatherer(bits, BEAT_PIECE), Queue(self.config, QUEUE)
+            gatherer, queue = Gatherer(bits, BEAT_PIECE), Fifo(self.config, QUEUE)
             m.submodules[f"{name}_gatherer"], m.submodules[f"{name}_queue"] = gatherer, queue
             link(getattr(self, name), gatherer.i)
             link(gatherer.o, queue.i)
@@ -84,7 +84,7 @@ def route(component: wiring.Component) -> dict[int, float]:
 
 def main() -> None:
     """Print what there is to know."""
-    for name, component in (("merger", Merger(PAPER)), ("queue", Queue(PAPER, QUEUE))):
+    for name, component in (("merger", Merger(PAPER)), ("queue", Fifo(PAPER, QUEUE))):
         counts = count_component(component)
         print(name, ", ".join(f"{kind} {count:,}" for kind, count in counts.items()), flush=True)
     rates = route(Link(PAPER))

@@ -9,16 +9,16 @@ from amaranth.lib.wiring import In, Out
 from .format import BLOCK, EngineConfig
 from .lane_row import HALVES, BeatWordsLayout
 from .layouts import PlaceLayout, RasterLayout
-from .queue import Queue
+from .queue import Fifo
 from .wide import all_of, any_of
 
-__all__ = ["BeatEmitter"]
+__all__ = ["BlockReadout"]
 
 DEPTH = 512
 """Beats of the queue. As many block RAMs hold up to 512: their width decides how many they are."""
 
 
-class BeatEmitter(wiring.Component):
+class BlockReadout(wiring.Component):
     """Takes each flushed beat from its row of lanes and offers it on ``raster``.
 
     A beat stands on its row's output three cycles after it was asked for, while all other rows give
@@ -66,7 +66,7 @@ class BeatEmitter(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        m.submodules.queue = queue = Queue(config, DEPTH)
+        m.submodules.queue = queue = Fifo(config, DEPTH)
 
         # Its stages: the request, the pixels that were read, the row's output.
         valid = Signal(3)

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from .choose import choose
 from .format import EngineConfig
 
-__all__ = ["BeatMarks", "mark_bits", "residue_bits", "stretch_bits"]
+__all__ = ["BlockDirtyBits", "mark_bits", "residue_bits", "stretch_bits"]
 
 
 def residue_bits(config: EngineConfig) -> int:
@@ -29,10 +29,10 @@ def stretch_bits(config: EngineConfig) -> int:
     return config.word_bits - 1 - mark_bits(config)
 
 
-class BeatMarks(wiring.Component):
+class BlockDirtyBits(wiring.Component):
     """Marks beats as written, and hands out a stretch of a line's marks at a time.
 
-    As :class:`Marks`, but for eight residues of lines, with a mark a beat (a pair of words), a
+    As :class:`TileDirtyBits`, but for eight residues of lines, with a mark a beat (a pair of words), a
     memory a mark, so that nothing is read to be written, and an address a residue, so that marks
     are taken of one while a block is drawn into others. They are read by an address of their own,
     which hangs on nothing that is known late: the way from there to what is taken is long.

@@ -4,22 +4,22 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .beat_marks import BeatMarks, mark_bits, residue_bits, stretch_bits
-from .changeover import Changeover
+from .beat_marks import BlockDirtyBits, mark_bits, residue_bits, stretch_bits
+from .frame_overlap import FrameOverlap
 from .choose import number_of
 from .format import EngineConfig
 from .layouts import PlaceLayout
 
-__all__ = ["BeatWalker"]
+__all__ = ["BlockFlushScan"]
 
 
-class BeatWalker(wiring.Component):
+class BlockFlushScan(wiring.Component):
     """Asks for each written beat of the lines that no later element touches to be flushed.
 
     Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
     first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
     above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`Changeover`). A line that nothing was written into
+    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written into
     leaves in one cycle, and all at once if none was written.
 
     Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
@@ -118,8 +118,8 @@ class BeatWalker(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        m.submodules.marks = marks = BeatMarks(config)
-        m.submodules.changeover = changeover = Changeover(config)
+        m.submodules.dirty_bits = dirty_bits = BlockDirtyBits(config)
+        m.submodules.frame_overlap = frame_overlap = FrameOverlap(config)
         line = Signal.like(self.line)
         place = line[: config.slot_bits]
         written = Signal(config.window_lines)
@@ -138,15 +138,15 @@ class BeatWalker(wiring.Component):
         m.d.comb += [
             known.eq(here | empty),
             goes.eq(left | empty),
-            free.eq(self.jump & clean & ~changeover.closing),
+            free.eq(self.jump & clean & ~frame_overlap.closing),
             jumps.eq((empty | complete) & free),
             looked_at.eq(line + known),
             complete.eq(looked_at < self.top),
             loaded.eq(looked_at < self.limit),
             leaving.eq(
-                (changeover.closing | (complete & (self.jump | loaded)))
-                & ~changeover.halted
-                & ~(goes & changeover.last)
+                (frame_overlap.closing | (complete & (self.jump | loaded)))
+                & ~frame_overlap.halted
+                & ~(goes & frame_overlap.last)
                 & ~jumps
             ),
         ]
@@ -202,7 +202,7 @@ class BeatWalker(wiring.Component):
             self.empties.eq(~behind.any() & free),
         ]
         with m.If(take):
-            m.d.sync += beats.eq(marks.taken)
+            m.d.sync += beats.eq(dirty_bits.taken)
         with m.Elif(self.flush.ready):
             m.d.sync += beats.eq(behind)
         with m.If(self.restart):
@@ -211,31 +211,33 @@ class BeatWalker(wiring.Component):
             m.d.sync += [oldest.eq(Mux(jumps, self.top, line)), asked_stretch.eq(stretch)]
 
         m.d.comb += [
-            marks.look.eq(self.enable | self.wipe),
-            marks.take.eq(take | self.wipe),
-            marks.wipe.eq(self.wipe),
-            marks.line.eq(
+            dirty_bits.look.eq(self.enable | self.wipe),
+            dirty_bits.take.eq(take | self.wipe),
+            dirty_bits.wipe.eq(self.wipe),
+            dirty_bits.line.eq(
                 Mux(
                     self.wipe,
                     Cat(Const(0, residue_bits(config)), self.wipe_row[len(stretch) :]),
                     place,
                 )
             ),
-            marks.stretch.eq(Mux(self.wipe, self.wipe_row[: len(stretch)], stretch)),
+            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[: len(stretch)], stretch)),
             *(
-                getattr(marks, name).eq(getattr(self, name))
+                getattr(dirty_bits, name).eq(getattr(self, name))
                 for name in ("drawing", "touch", "group", "words", "load", "load_word", "lone")
             ),
-            changeover.oldest.eq(self.oldest),
-            changeover.line.eq(line),
-            changeover.leaves.eq(goes),
-            changeover.wraps.eq(Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()),
-            changeover.clean.eq(clean),
-            changeover.close.eq(self.close),
-            changeover.restart.eq(self.restart),
-            self.front.eq(changeover.front),
-            self.closing.eq(changeover.closing),
-            self.over.eq(changeover.over & ~beats.any()),
+            frame_overlap.oldest.eq(self.oldest),
+            frame_overlap.line.eq(line),
+            frame_overlap.leaves.eq(goes),
+            frame_overlap.wraps.eq(
+                Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()
+            ),
+            frame_overlap.clean.eq(clean),
+            frame_overlap.close.eq(self.close),
+            frame_overlap.restart.eq(self.restart),
+            self.front.eq(frame_overlap.front),
+            self.closing.eq(frame_overlap.closing),
+            self.over.eq(frame_overlap.over & ~beats.any()),
         ]
         for slot in range(config.window_lines):
             group, residue = divmod(slot, config.tile_lines)
@@ -244,7 +246,7 @@ class BeatWalker(wiring.Component):
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
         with m.If(jumps):
             m.d.sync += line.eq(self.top)
-        with m.Elif(goes & ~changeover.last):
+        with m.Elif(goes & ~frame_overlap.last):
             m.d.sync += line.eq(looked_at)
         with m.If(self.restart):
             m.d.sync += line.eq(0)

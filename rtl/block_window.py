@@ -4,9 +4,9 @@ from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from .beat_emitter import BeatEmitter
+from .beat_emitter import BlockReadout
 from .beat_marks import residue_bits
-from .beat_walker import BeatWalker
+from .beat_walker import BlockFlushScan
 from .format import BLOCK, EngineConfig
 from .lane import PixelLayout
 from .lane_row import HALVES, BeatWordsLayout, LaneRow, RowRequestLayout, row_address_bits
@@ -24,7 +24,7 @@ class BlockWindow(wiring.Component):
     even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`).
     Stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
     half), *read*, *catch*, and *test* (the lanes write over what is behind), or *emit* in its place
-    (what was flushed waits for ``raster`` in a queue, see :class:`BeatEmitter`). A block and a beat
+    (what was flushed waits for ``raster`` in a queue, see :class:`BlockReadout`). A block and a beat
     that is flushed go together if their rows differ; if not, the block goes first, or the beat (see
     ``lagging``). In place of that beat one of the initial raster goes, into a row that the block
     leaves free, or alone (see ``pressing``). Where ``raster`` takes nothing, beats are flushed
@@ -98,13 +98,13 @@ class BlockWindow(wiring.Component):
         block = self.i.payload
         bits = residue_bits(config)
 
-        m.submodules.walker = walker = BeatWalker(config)
+        m.submodules.flush_scan = flush_scan = BlockFlushScan(config)
         m.submodules.loader = loader = Loader(config)
-        m.submodules.emitter = emitter = BeatEmitter(config)
+        m.submodules.readout = readout = BlockReadout(config)
         close = Signal()  # the end token is taken
         closable = Signal()  # it may be: known a cycle ahead, as much waits for who is taken
         ending = Signal()
-        front = Signal.like(walker.front, name="front")
+        front = Signal.like(flush_scan.front, name="front")
 
         sweeping = Signal(init=1)
         sweep = Signal(row_address_bits(config))
@@ -115,7 +115,7 @@ class BlockWindow(wiring.Component):
         m.d.sync += [just_swept.eq(sweeping), swept.eq(sweeping | just_swept)]
 
         beat, load = self.initial.payload, loader.o.payload
-        connect(m, emitter.raster, flipped(self.raster))
+        connect(m, readout.raster, flipped(self.raster))
         m.d.comb += [
             loader.i.valid.eq(self.initial.valid),
             loader.i.payload.pixels.eq(beat.pixels),
@@ -129,18 +129,18 @@ class BlockWindow(wiring.Component):
             loader.last_word.eq(self.last_column[config.pixel_bits :]),
             loader.oldest.eq(front),
             loader.restart.eq(close),
-            emitter.end.eq(ending),
-            self.finished.eq(emitter.finished),
+            readout.end.eq(ending),
+            self.finished.eq(readout.finished),
             close.eq(self.i.valid & block.end & closable),
-            walker.close.eq(close),
-            self.closing.eq(walker.closing),
-            self.oldest.eq(Mux(loader.finished, walker.front, loader.front)),
+            flush_scan.close.eq(close),
+            self.closing.eq(flush_scan.closing),
+            self.oldest.eq(Mux(loader.finished, flush_scan.front, loader.front)),
             # While none is offered that beat goes at once, if there is room.
-            self.empties.eq(walker.empties & emitter.room),
+            self.empties.eq(flush_scan.empties & readout.room),
         ]
         m.d.sync += [
-            ending.eq(walker.over & ~self.finished),
-            closable.eq(loader.finished & ~walker.closing & ~close),
+            ending.eq(flush_scan.over & ~self.finished),
+            closable.eq(loader.finished & ~flush_scan.closing & ~close),
         ]
         # A beat that left a cycle ago is still to be cleared. Loading waits that long for any; an
         # element for those in its place alone. Which lines are in the window of the next frame is
@@ -148,12 +148,12 @@ class BlockWindow(wiring.Component):
         with m.If(close):
             m.d.sync += front.eq(-2 * config.window_lines)
         with m.Else():
-            m.d.sync += front.eq(walker.front)
+            m.d.sync += front.eq(flush_scan.front)
 
         # What is served beside the block: a beat of the initial raster, or one that leaves.
         service = Signal(PlaceLayout(config))
         serving = Signal()  # the former
-        m.d.comb += service.eq(walker.flush.payload)
+        m.d.comb += service.eq(flush_scan.flush.payload)
         with m.If(serving):
             m.d.comb += [service.word.eq(load.word), service.line.eq(load.line)]
         row_served = Signal(BLOCK)  # the row of lanes that it lies in
@@ -174,25 +174,25 @@ class BlockWindow(wiring.Component):
             going.eq(offered & ~(first & meeting) & ~(marks_first & marking)),
             self.i.ready.eq(going | close),
             wanted.eq(block.rows),
-            meeting.eq(wanted.bit_select(walker.flush.payload.line[:bits], 1)),
-            marking.eq(wanted.bit_select(walker.line[:bits], 1)),
-            leaves.eq(walker.flush.valid & emitter.room),
+            meeting.eq(wanted.bit_select(flush_scan.flush.payload.line[:bits], 1)),
+            marking.eq(wanted.bit_select(flush_scan.line[:bits], 1)),
+            leaves.eq(flush_scan.flush.valid & readout.room),
             first.eq(leaves & lagging),
-            marks_first.eq(walker.takes & lagging),
+            marks_first.eq(flush_scan.takes & lagging),
             # Whether the block goes is known late; its lanes are kept for it in any case.
             busy.eq(wanted & offered.replicate(BLOCK) & ~(row_served & first.replicate(BLOCK))),
             # In turn with beats that leave, where one of the two is refused.
             serving.eq(loader.o.valid & (pressing | ~(leaves & (refused | lagging)))),
             loading.eq(serving & ~swept & ~(offered & wanted.bit_select(load.line[:bits], 1))),
             loader.o.ready.eq(loading),
-            flushing.eq(walker.flush.valid & walker.flush.ready),
-            walker.flush.ready.eq(emitter.room & ~serving & (first | ~(offered & meeting))),
-            emitter.flush.eq(flushing),
-            emitter.place.eq(walker.flush.payload),
+            flushing.eq(flush_scan.flush.valid & flush_scan.flush.ready),
+            flush_scan.flush.ready.eq(readout.room & ~serving & (first | ~(offered & meeting))),
+            readout.flush.eq(flushing),
+            readout.place.eq(flush_scan.flush.payload),
         ]
         m.d.sync += [
             self.cleared.valid.eq(flushing),
-            self.cleared.place.eq(walker.flush.payload.line[: config.slot_bits]),
+            self.cleared.place.eq(flush_scan.flush.payload.line[: config.slot_bits]),
         ]
         # Which of them goes first. Elements of up to four lines lie about the fifth line from
         # ``top`` on and leave the rows of the lines one and two above ``top``: those leave beside
@@ -201,7 +201,7 @@ class BlockWindow(wiring.Component):
         # below ``top``, modulo 8, go beside them, in the rows of those two; others go first.
         above, distance = Signal(3), Signal(3)
         m.d.comb += [
-            above.eq(block.top[:3] - walker.oldest[:3]),
+            above.eq(block.top[:3] - flush_scan.oldest[:3]),
             distance.eq(load.line[:3] - block.top[:3]),
         ]
         m.d.sync += [
@@ -222,7 +222,7 @@ class BlockWindow(wiring.Component):
         ]
         loaded = Signal(BeatWordsLayout(config), reset_less=True)
         new, again, behind = self._follow(m, going)
-        outside = self._outside(m, walker.flush.payload.word)
+        outside = self._outside(m, flush_scan.flush.payload.word)
         for q, (row, request) in enumerate(zip(rows, requests, strict=True)):
             m.submodules[f"row_{q}"] = row
             m.d.comb += [
@@ -230,7 +230,7 @@ class BlockWindow(wiring.Component):
                 row.new.eq(new),
                 row.loaded.eq(loaded),
                 row.outside.eq(outside),
-                emitter.rows[q].eq(row.leaving),
+                readout.rows[q].eq(row.leaving),
             ]
             m.d.sync += [
                 request.draw.eq(going),
@@ -259,27 +259,27 @@ class BlockWindow(wiring.Component):
                 for column in range(config.pixels_per_word)
             ]
 
-        # The words that are written, for the walker.
+        # The words that are written, for the flush scan.
         for q in range(BLOCK):
             group = load.line[bits : config.slot_bits]
-            m.d.comb += walker.group[q].eq(Mux(walker.lone[q], group, block.group[q]))
+            m.d.comb += flush_scan.group[q].eq(Mux(flush_scan.lone[q], group, block.group[q]))
         m.d.comb += [
-            walker.top.eq(block.top),
-            walker.limit.eq(loader.limit),
-            walker.jump.eq(loader.finished),
+            flush_scan.top.eq(block.top),
+            flush_scan.limit.eq(loader.limit),
+            flush_scan.jump.eq(loader.finished),
             # Whether a beat that is offered is loaded is known late.
-            walker.enable.eq(~serving & (marks_first | ~(offered & marking))),
-            walker.wipe.eq(sweeping),
-            walker.wipe_row.eq(sweep),
-            walker.restart.eq(self.finished),
-            walker.drawing.eq(going),
-            walker.words.eq(block.words),
-            walker.touch.eq(block.touch),
-            walker.reaching.eq(self.i.valid & ~block.end),
-            walker.load.eq(row_served & loading.replicate(BLOCK)),
-            walker.load_word.eq(load.word),
+            flush_scan.enable.eq(~serving & (marks_first | ~(offered & marking))),
+            flush_scan.wipe.eq(sweeping),
+            flush_scan.wipe_row.eq(sweep),
+            flush_scan.restart.eq(self.finished),
+            flush_scan.drawing.eq(going),
+            flush_scan.words.eq(block.words),
+            flush_scan.touch.eq(block.touch),
+            flush_scan.reaching.eq(self.i.valid & ~block.end),
+            flush_scan.load.eq(row_served & loading.replicate(BLOCK)),
+            flush_scan.load_word.eq(load.word),
             # Where no block draws, what would be loaded is what would be marked.
-            walker.lone.eq(~(wanted & offered.replicate(BLOCK))),
+            flush_scan.lone.eq(~(wanted & offered.replicate(BLOCK))),
         ]
         return m
 

@@ -15,7 +15,7 @@ from .layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 from .links import LINKS, MOST_ENGINES
 from .merger import Merger
 from .presets import PAPER
-from .queue import Queue
+from .queue import Fifo
 
 __all__ = ["QUEUE", "Chain", "check_chain"]
 
@@ -141,7 +141,7 @@ class Chain(wiring.Component):
         for n, engine in enumerate(engines):
             if n and not merges:
                 connect(m, picture, engine.initial)
-            make = partial(Queue, self.config, self.queue)
+            make = partial(Fifo, self.config, self.queue)
             m.submodules[f"queue_{n}"] = queue = self._place("queue", make)
             connect(m, engine.raster, queue.i)
             if n and merges:

@@ -6,10 +6,10 @@ from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
 
-__all__ = ["Changeover"]
+__all__ = ["FrameOverlap"]
 
 
-class Changeover(wiring.Component):
+class FrameOverlap(wiring.Component):
     """Says where the window lies for the frame that is being drawn, and when the other is over.
 
     Line n of every frame stands in place n mod ``window_lines``, so the next frame's line 0 follows

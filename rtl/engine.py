@@ -10,7 +10,7 @@ from .colour import ColourUnit
 from .format import EngineConfig
 from .lane import lane_address_bits
 from .lane_row import row_address_bits
-from .lane_window import LaneWindow
+from .lane_window import TileWindow
 from .layouts import CodeWordLayout, ElementLayout, RasterLayout, TableWriteLayout
 from .presets import PAPER
 from .sequencer import Sequencer
@@ -94,7 +94,7 @@ class Engine(wiring.Component):
         m.submodules.tables = tables = Tables(config)
         m.submodules.sequencer = sequencer = Sequencer(config)
         m.submodules.colour = colour = ColourUnit(config)
-        kinds = {"tiles": (Tiler, LaneWindow), "blocks": (BlockTiler, BlockWindow)}
+        kinds = {"tiles": (Tiler, TileWindow), "blocks": (BlockTiler, BlockWindow)}
         tiler_of, window_of = kinds[config.window]
         m.submodules.decoder = tiler = tiler_of(config)
         m.submodules.window = window = window_of(config)

@@ -8,10 +8,10 @@ from .format import EngineConfig
 from .lane import PixelLayout
 from .layouts import PlaceLayout, RasterLayout
 
-__all__ = ["LaneEmitter"]
+__all__ = ["TileReadout"]
 
 
-class LaneEmitter(wiring.Component):
+class TileReadout(wiring.Component):
     """Picks each flushed word from its lanes and offers it on ``raster``.
 
     A word stands on its lanes' outputs in the cycle after its request and is taken from there into

@@ -6,18 +6,18 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .format import EngineConfig
 from .lane import Lane, PixelLayout, lane_address_bits
-from .lane_emitter import LaneEmitter
+from .lane_emitter import TileReadout
 from .layouts import PlaceLayout, RasterLayout, TileLayout
 from .loader import Loader
-from .walker import Walker
+from .flush_scan import TileFlushScan
 
-__all__ = ["LaneWindow"]
+__all__ = ["TileWindow"]
 
 SIDE = 4
 """Lines of a tile."""
 
 
-class LaneWindow(wiring.Component):
+class TileWindow(wiring.Component):
     """Draws tiles into a window of lines that slides down the image.
 
     The lane of a pixel is the residue of its line modulo 4 and of its column modulo a word's
@@ -33,9 +33,9 @@ class LaneWindow(wiring.Component):
     the lanes are cleared, which takes as many cycles as a lane has pixels.
 
     **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
-    for that, for a cycle for each stretch of 32 words whose marks are taken (see :class:`Walker`),
+    for that, for a cycle for each stretch of 32 words whose marks are taken (see :class:`TileFlushScan`),
     and for words that go first; a word in two cycles of the initial raster, and a word a cycle of
-    ``raster``, of those that were written, but for what the walker takes, for tiles that go first
+    ``raster``, of those that were written, but for what the flush scan takes, for tiles that go first
     and for each other.
 
     Members
@@ -89,15 +89,15 @@ class LaneWindow(wiring.Component):
         config = self.config
         tile = self.i.payload
 
-        m.submodules.walker = walker = Walker(config)
+        m.submodules.flush_scan = flush_scan = TileFlushScan(config)
         m.submodules.loader = loader = Loader(config)
-        m.submodules.emitter = emitter = LaneEmitter(config)
+        m.submodules.readout = readout = TileReadout(config)
         columns = range(config.pixels_per_word)
         lanes = [[Lane(config) for _ in columns] for _ in range(SIDE)]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
                 m.submodules[f"lane_{i}_{j}"] = lane
-        running = emitter.running
+        running = readout.running
         close = Signal()  # the end token is taken
         ending = Signal()
 
@@ -109,27 +109,27 @@ class LaneWindow(wiring.Component):
         m.d.sync += swept.eq(sweeping)
 
         connect(m, flipped(self.initial), loader.i)
-        connect(m, emitter.raster, flipped(self.raster))
+        connect(m, readout.raster, flipped(self.raster))
         m.d.comb += [
             loader.enable.eq(self.load),
             loader.active.eq(self.active),
             loader.last_line.eq(self.last_line),
             loader.last_word.eq(self.last_column[config.pixel_bits :]),
-            loader.oldest.eq(walker.front),
+            loader.oldest.eq(flush_scan.front),
             loader.restart.eq(close),
-            emitter.last_column.eq(self.last_column),
-            emitter.end.eq(ending),
-            self.finished.eq(emitter.finished),
-            close.eq(self.i.valid & tile.end & loader.finished & ~walker.closing),
-            walker.close.eq(close),
-            self.closing.eq(walker.closing),
+            readout.last_column.eq(self.last_column),
+            readout.end.eq(ending),
+            self.finished.eq(readout.finished),
+            close.eq(self.i.valid & tile.end & loader.finished & ~flush_scan.closing),
+            flush_scan.close.eq(close),
+            self.closing.eq(flush_scan.closing),
         ]
-        m.d.sync += ending.eq(walker.over & ~self.finished)
+        m.d.sync += ending.eq(flush_scan.over & ~self.finished)
 
         # What is served beside the tile: a word of the initial raster, or one that leaves.
         service = Signal(PlaceLayout(config))
         serving = Signal()  # the former
-        m.d.comb += service.eq(walker.flush.payload)
+        m.d.comb += service.eq(flush_scan.flush.payload)
         with m.If(serving):
             m.d.comb += [
                 service.word.eq(loader.o.payload.word),
@@ -148,27 +148,31 @@ class LaneWindow(wiring.Component):
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
         m.d.comb += [
-            walker.top.eq(tile.top),
+            flush_scan.top.eq(tile.top),
             self.oldest.eq(loader.front),
-            walker.limit.eq(loader.limit),
-            walker.jump.eq(loader.finished),
-            walker.enable.eq(~sweeping),
-            walker.wipe.eq(sweeping),
-            walker.wipe_row.eq(sweep),
-            walker.restart.eq(self.finished),
+            flush_scan.limit.eq(loader.limit),
+            flush_scan.jump.eq(loader.finished),
+            flush_scan.enable.eq(~sweeping),
+            flush_scan.wipe.eq(sweeping),
+            flush_scan.wipe_row.eq(sweep),
+            flush_scan.restart.eq(self.finished),
             offered.eq(self.i.valid & ~tile.end & ~pressing),
-            going.eq(offered & running & ~swept & ~walker.taking & ~conflict & ~(first & meeting)),
+            going.eq(
+                offered & running & ~swept & ~flush_scan.taking & ~conflict & ~(first & meeting)
+            ),
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of it or of a word that left if all stood still since.
             conflict.eq((drawn & tile.meets) | stopped),
             self.i.ready.eq(going | close),
-            first.eq(walker.flush.valid & lagging),
-            meeting.eq(wanted.bit_select(walker.oldest[:2], 1)),
+            first.eq(flush_scan.flush.valid & lagging),
+            meeting.eq(wanted.bit_select(flush_scan.oldest[:2], 1)),
             # Whether the tile goes is known late; its lanes are kept for it in any case.
             wanted.eq(Cat(row.any() for row in tile.mask)),
             busy.eq(wanted & offered.replicate(SIDE) & ~(line & first.replicate(SIDE))),
             # In turn with words that leave, where one of the two is refused.
-            serving.eq(loader.o.valid & (pressing | ~(walker.flush.valid & (refused | lagging)))),
+            serving.eq(
+                loader.o.valid & (pressing | ~(flush_scan.flush.valid & (refused | lagging)))
+            ),
             # The line whose place it takes may have left since all stood still, while its last word
             # is still cleared: there the port that writes would meet the one that loads.
             loading.eq(
@@ -177,12 +181,12 @@ class LaneWindow(wiring.Component):
                 & ~sweeping
                 & ~swept
                 & ~stopped
-                & ~walker.taking
+                & ~flush_scan.taking
                 & ~(offered & wanted.bit_select(loader.o.payload.line[:2], 1))
             ),
             loader.o.ready.eq(loading),
-            flushing.eq(walker.flush.valid & walker.flush.ready),
-            walker.flush.ready.eq(
+            flushing.eq(flush_scan.flush.valid & flush_scan.flush.ready),
+            flush_scan.flush.ready.eq(
                 running
                 & ~sweeping
                 & ~serving
@@ -190,8 +194,8 @@ class LaneWindow(wiring.Component):
                 # The line of a tile that stood still may leave since, while it is still written.
                 & ~(stopped & drawn)
             ),
-            emitter.flush.eq(flushing),
-            emitter.place.eq(service),
+            readout.flush.eq(flushing),
+            readout.place.eq(service),
         ]
         # Which of them goes first. Elements of up to three lines lie about the fourth line from
         # ``top`` on and leave the row of lanes of the line two above ``top``: that one leaves
@@ -205,7 +209,7 @@ class LaneWindow(wiring.Component):
         m.d.comb += distance.eq(loader.o.payload.line[:3] - tile.top[:3])
         m.d.sync += [
             stopped.eq(~running),
-            lagging.eq((tile.top[:2] - walker.oldest[:2])[1]),
+            lagging.eq((tile.top[:2] - flush_scan.oldest[:2])[1]),
             # Known a cycle ahead, as all before a tile waits for it.
             pressing.eq(serving & ~loading & ((distance < 2) | (distance > 5))),
         ]
@@ -238,30 +242,30 @@ class LaneWindow(wiring.Component):
                     lane.new.eq(drawing),
                     lane.loaded.depth.eq(pixels.depth[j]),
                     lane.loaded.colour.eq(pixels.colour[j]),
-                    emitter.lanes[i][j].eq(lane.old),
+                    readout.lanes[i][j].eq(lane.old),
                 ]
-        self._touch(m, walker, going)
+        self._touch(m, flush_scan, going)
         m.d.comb += [
-            walker.load.eq(line & loading.replicate(SIDE)),
-            walker.load_word.eq(loader.o.payload.word),
+            flush_scan.load.eq(line & loading.replicate(SIDE)),
+            flush_scan.load_word.eq(loader.o.payload.word),
         ]
         # Where no tile draws, what would be loaded is what would be marked.
-        m.d.comb += walker.lone.eq(~(wanted & offered.replicate(SIDE)))
+        m.d.comb += flush_scan.lone.eq(~(wanted & offered.replicate(SIDE)))
         for i in range(SIDE):
-            with m.If(walker.lone[i]):
-                m.d.comb += walker.group[i].eq(loader.o.payload.line[2 : config.slot_bits])
+            with m.If(flush_scan.lone[i]):
+                m.d.comb += flush_scan.group[i].eq(loader.o.payload.line[2 : config.slot_bits])
         return m
 
-    def _touch(self, m, walker, going):
-        """Tell the walker which words the tile writes."""
+    def _touch(self, m, flush_scan, going):
+        """Tell the flush scan which words the tile writes."""
         tile = self.i.payload
         m.d.comb += [
-            walker.words.eq(tile.words),
-            walker.group.eq(tile.group),
-            walker.reaching.eq(self.i.valid & ~tile.end),
+            flush_scan.words.eq(tile.words),
+            flush_scan.group.eq(tile.group),
+            flush_scan.reaching.eq(self.i.valid & ~tile.end),
         ]
         for i in range(SIDE):
             m.d.comb += [
-                walker.touch[i][0].eq(going & (tile.mask[i] & ~tile.next).any()),
-                walker.touch[i][1].eq(going & (tile.mask[i] & tile.next).any()),
+                flush_scan.touch[i][0].eq(going & (tile.mask[i] & ~tile.next).any()),
+                flush_scan.touch[i][1].eq(going & (tile.mask[i] & tile.next).any()),
             ]

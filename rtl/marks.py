@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from .format import EngineConfig
 
-__all__ = ["Marks", "mark_bits", "stretches"]
+__all__ = ["TileDirtyBits", "mark_bits", "stretches"]
 
 RESIDUES = 4
 """Lines of the window that are marked in a cycle: one of each residue modulo 4."""
@@ -22,7 +22,7 @@ def stretches(config: EngineConfig) -> int:
     return 1 << (config.word_bits - 1 - mark_bits(config))
 
 
-class Marks(wiring.Component):
+class TileDirtyBits(wiring.Component):
     """Marks pairs of words as written, and hands out a stretch of a line's marks at a time.
 
     A row of marks is a stretch of a line; even and odd pairs have memories of their own, as have

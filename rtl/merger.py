@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from .format import EngineConfig
 from .layouts import RasterLayout
-from .queue import Queue
+from .queue import Fifo
 
 __all__ = ["Merger"]
 
@@ -56,7 +56,7 @@ class Merger(wiring.Component):
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
-        m.submodules.way_out = way_out = Queue(self.config, ROOM)
+        m.submodules.way_out = way_out = Fifo(self.config, ROOM)
         before, own, joined = self.before.payload, self.own.payload, way_out.i.payload
 
         first = Signal()  # the place of ``before`` lies before that of ``own``

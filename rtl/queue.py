@@ -8,14 +8,14 @@ from amaranth.lib.wiring import In, Out
 from .format import EngineConfig
 from .layouts import RasterLayout
 
-__all__ = ["Queue"]
+__all__ = ["Fifo"]
 
 SHORT = 16
 """Beats of a memory whose words come out of registers; that of a longer one is a block RAM, which
 is so slow that what compares the beats wants a register before it."""
 
 
-class Queue(wiring.Component):
+class Fifo(wiring.Component):
     """Holds beats until they are taken, in order.
 
     No path leads through it: what it offers stands in a register, and whether it takes hangs on how

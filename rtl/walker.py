@@ -4,22 +4,22 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from .changeover import Changeover
+from .frame_overlap import FrameOverlap
 from .choose import number_of
 from .format import EngineConfig
 from .layouts import PlaceLayout
-from .marks import RESIDUES, Marks, mark_bits, stretches
+from .dirty_bits import RESIDUES, TileDirtyBits, mark_bits, stretches
 
-__all__ = ["Walker"]
+__all__ = ["TileFlushScan"]
 
 
-class Walker(wiring.Component):
+class TileFlushScan(wiring.Component):
     """Asks for each written word of the lines that no later element touches to be flushed.
 
     Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
     first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
     above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`Changeover`). A line that nothing was written into
+    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written into
     leaves in one cycle, and all at once if none was written. Of others the marks are taken a
     stretch at a time, in cycles in which nothing is written (``taking``), and each marked pair of
     words is asked for. A stretch that nothing has reached for long is passed over (``_reached``).
@@ -109,34 +109,34 @@ class Walker(wiring.Component):
         m = Module()
         config = self.config
         stretch_bits = len(self.wipe_row) - config.group_bits
-        m.submodules.marks = marks = Marks(config)
+        m.submodules.dirty_bits = dirty_bits = TileDirtyBits(config)
         written = Signal(config.window_lines)
         place = self.oldest[: config.slot_bits]
         leaving = Signal()  # the oldest line is on its way out
         here = Signal()  # it was written
         clean = Signal()
         left = Signal()
-        m.submodules.changeover = changeover = Changeover(config)
+        m.submodules.frame_overlap = frame_overlap = FrameOverlap(config)
         m.d.comb += [
             leaving.eq(
                 (
-                    changeover.closing
+                    frame_overlap.closing
                     | ((self.oldest < self.top) & (self.jump | (self.oldest < self.limit)))
                 )
-                & ~changeover.halted
+                & ~frame_overlap.halted
             ),
             here.eq(written.bit_select(place, 1)),
             clean.eq(~written.any()),
-            changeover.oldest.eq(self.oldest),
-            changeover.line.eq(self.oldest),
-            changeover.leaves.eq(left | (leaving & ~here)),
-            changeover.wraps.eq(Cat(self._wraps(residue) for residue in range(RESIDUES)).any()),
-            changeover.clean.eq(clean),
-            changeover.close.eq(self.close),
-            changeover.restart.eq(self.restart),
-            self.front.eq(changeover.front),
-            self.closing.eq(changeover.closing),
-            self.over.eq(changeover.over),
+            frame_overlap.oldest.eq(self.oldest),
+            frame_overlap.line.eq(self.oldest),
+            frame_overlap.leaves.eq(left | (leaving & ~here)),
+            frame_overlap.wraps.eq(Cat(self._wraps(residue) for residue in range(RESIDUES)).any()),
+            frame_overlap.clean.eq(clean),
+            frame_overlap.close.eq(self.close),
+            frame_overlap.restart.eq(self.restart),
+            self.front.eq(frame_overlap.front),
+            self.closing.eq(frame_overlap.closing),
+            self.over.eq(frame_overlap.over),
         ]
 
         # Its stretches that are still to be taken: none that nothing reached. The first of them is
@@ -169,16 +169,18 @@ class Walker(wiring.Component):
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
             moves.eq(~asking | (asked & second_word)),
-            marks.take.eq(self.taking | self.wipe),
-            marks.wipe.eq(self.wipe),
-            marks.line.eq(Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)),
-            marks.stretch.eq(Mux(self.wipe, self.wipe_row[:stretch_bits], next_stretch)),
-            marks.touch.eq(self.touch),
-            marks.group.eq(self.group),
-            marks.words.eq(self.words),
-            marks.load.eq(self.load),
-            marks.load_word.eq(self.load_word),
-            marks.lone.eq(self.lone),
+            dirty_bits.take.eq(self.taking | self.wipe),
+            dirty_bits.wipe.eq(self.wipe),
+            dirty_bits.line.eq(
+                Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)
+            ),
+            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[:stretch_bits], next_stretch)),
+            dirty_bits.touch.eq(self.touch),
+            dirty_bits.group.eq(self.group),
+            dirty_bits.words.eq(self.words),
+            dirty_bits.load.eq(self.load),
+            dirty_bits.load_word.eq(self.load_word),
+            dirty_bits.lone.eq(self.lone),
             left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any()),
         ]
         # Known a cycle ahead, because whatever is drawn waits for it.
@@ -194,7 +196,7 @@ class Walker(wiring.Component):
                 pairs.eq(pairs & ~first),
             ]
         with m.If(self.taking):
-            m.d.sync += [pairs.eq(marks.taken), stretch.eq(next_stretch)]
+            m.d.sync += [pairs.eq(dirty_bits.taken), stretch.eq(next_stretch)]
             m.d.sync += ahead.eq(ahead & ~stretch_bit)
         with m.If(left):
             m.d.sync += ahead.eq(-1)
@@ -203,9 +205,9 @@ class Walker(wiring.Component):
             touched = self._written(slot % 4) & (self.group[slot % 4] == slot // 4)
             gone = left & (place == slot)
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
-        with m.If(leaving & self.jump & clean & ~changeover.closing):
+        with m.If(leaving & self.jump & clean & ~frame_overlap.closing):
             m.d.sync += self.oldest.eq(self.top)
-        with m.Elif(changeover.leaves & ~changeover.last):
+        with m.Elif(frame_overlap.leaves & ~frame_overlap.last):
             m.d.sync += self.oldest.eq(self.oldest + 1)
         with m.If(self.restart):
             m.d.sync += self.oldest.eq(0)

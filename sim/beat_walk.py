@@ -1,4 +1,4 @@
-"""The walker of rows of lanes: which lines leave, and which of their beats are asked for."""
+"""The flush scan of rows of lanes: which lines leave, and which of their beats are asked for."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ STRETCH = 4
     BEFORE,
     TURN,
 ) = range(12)
-"""Registers of the walker: the line whose marks are taken next, and whether it is on its way out
+"""Registers of the flush scan: the line whose marks are taken next, and whether it is on its way out
 and was written, or was not; a bit a place that was written into; stretches that the line still has,
 a bit each, and the first of them; how many beats of the marks taken last are still asked for, and
 their line, or else the first in the window; whether one left one cycle before; stretches reached
@@ -46,22 +46,24 @@ modulo 2."""
 
 @nb.njit(cache=True)
 def new_walk() -> Any:
-    """Return the walker's registers before the first element: see ``LINE``."""
+    """Return the flush scan's registers before the first element: see ``LINE``."""
     walk = np.zeros(TURN + 1, np.int64)
     walk[AHEAD] = -1
     return walk
 
 
 @nb.njit(cache=True)
-def reached(beat: int, next_beat: int, marks: Any) -> int:
+def reached(beat: int, next_beat: int, dirty_bits: Any) -> int:
     """Return the stretches, a bit each, that two beats of a line lie in."""
-    beats = marks.shape[1]
+    beats = dirty_bits.shape[1]
     return 1 << beat % beats // STRETCH | 1 << next_beat % beats // STRETCH
 
 
 @nb.njit(cache=True)
-def step_walk(walk: Any, marks: Any, top: int, flushing: bool, reach: int, enable: bool) -> None:
-    """Move the walker on: by a beat, a stretch, a line that has left, or over all not written.
+def step_walk(
+    walk: Any, dirty_bits: Any, top: int, flushing: bool, reach: int, enable: bool
+) -> None:
+    """Move the flush scan on: by a beat, a stretch, a line that has left, or over all not written.
 
     Parameters
     ----------
@@ -79,7 +81,7 @@ def step_walk(walk: Any, marks: Any, top: int, flushing: bool, reach: int, enabl
         Marks may be taken.
     """
     line, here, empty = walk[LINE], walk[HERE], walk[EMPTY]
-    place, lines = line % len(marks), len(marks)
+    place, lines = line % len(dirty_bits), len(dirty_bits)
     clean = walk[WRITTEN] == 0
     turns = walk[BEATS] - flushing <= 0
     known = walk[NOW] | walk[BEFORE]
@@ -99,7 +101,7 @@ def step_walk(walk: Any, marks: Any, top: int, flushing: bool, reach: int, enabl
         stretch = 0
         while not first >> stretch & 1:
             stretch += 1
-        found = marks[place, stretch * STRETCH : (stretch + 1) * STRETCH]
+        found = dirty_bits[place, stretch * STRETCH : (stretch + 1) * STRETCH]
         walk[BEATS] = found.sum()
         found[:] = False
 

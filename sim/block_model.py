@@ -70,7 +70,7 @@ def walk_blocks(words: Any, machine: Machine) -> int:
         0 if there is no end word.
     """
     walk = new_walk()
-    marks = np.zeros((machine.lines, machine.half_words), np.bool_)
+    dirty_bits = np.zeros((machine.lines, machine.half_words), np.bool_)
     block = np.zeros(ROWS + BLOCK, np.int64)
     turned, turned_top = EMPTY, -ABOVE  # the code word whose rows are in the columns of lanes
     laid, laid_top = EMPTY, -ABOVE  # the one whose pixels are in lanes
@@ -104,10 +104,12 @@ def walk_blocks(words: Any, machine: Machine) -> int:
         reach = 0
         if offered:
             word = block[COLUMN] // machine.pixels
-            reach = reached(word // PAIR, (word + 1) % (PAIR * machine.half_words) // PAIR, marks)
-        step_walk(walk, marks, top, flushing, reach, enable)
+            reach = reached(
+                word // PAIR, (word + 1) % (PAIR * machine.half_words) // PAIR, dirty_bits
+            )
+        step_walk(walk, dirty_bits, top, flushing, reach, enable)
         if going:
-            _mark(block, walk, marks, machine)
+            _mark(block, walk, dirty_bits, machine)
 
         # The next element.
         steps = given == NOTHING or going
@@ -157,12 +159,12 @@ def _place(word: int, top: int, block: Any, machine: Machine) -> None:
 
 
 @nb.njit(cache=True)
-def _mark(block: Any, walk: Any, marks: Any, machine: Machine) -> None:
+def _mark(block: Any, walk: Any, dirty_bits: Any, machine: Machine) -> None:
     """Mark the beats that an element is drawn into."""
     for row in range(BLOCK):
         place, columns = (block[FIRST_LINE] + row) % machine.lines, block[ROWS + row]
         for column in range(BLOCK + 1):
             if columns >> column & 1:
                 beat = (block[COLUMN] + column) // (machine.pixels * PAIR)
-                marks[place, beat] = True
+                dirty_bits[place, beat] = True
                 walk[WRITTEN] |= 1 << place

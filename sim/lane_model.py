@@ -58,7 +58,7 @@ class Lanes(NamedTuple):
 
     tiles: Any
     left: Any
-    marks: Any
+    dirty_bits: Any
     walk: Any
 
 
@@ -77,7 +77,7 @@ class Lanes(NamedTuple):
     TURN,
     CHOSEN,
 ) = range(13)
-"""Registers of the walker: the first line in the window; the line above which all lines are
+"""Registers of the flush scan: the first line in the window; the line above which all lines are
 complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
 whether the second word of the one that is asked for is next; stretches that the line still has, a
 bit each; whether a word left one cycle before; whether a stretch's marks are taken, and whether a
@@ -274,7 +274,7 @@ def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
         place, columns = (tile[0] + k) % machine.lines, tile[2 + k]
         for j in range(machine.pixels):
             if columns >> j & 1:
-                lanes.marks[place, (tile[1] + j) // (machine.pixels * PAIR)] = True
+                lanes.dirty_bits[place, (tile[1] + j) // (machine.pixels * PAIR)] = True
                 lanes.walk[WRITTEN] |= 1 << place
 
 
@@ -291,10 +291,10 @@ def _reach(tile: Any, machine: Machine) -> int:
 
 @nb.njit(cache=True)
 def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
-    """Move the walker on: by a word, a stretch, a line that has left, or over all not written."""
-    walk, marks = lanes.walk, lanes.marks
+    """Move the flush scan on: by a word, a stretch, a line that has left, or over all not written."""
+    walk, dirty_bits = lanes.walk, lanes.dirty_bits
     oldest = walk[OLDEST]
-    place = oldest % len(marks)
+    place = oldest % len(dirty_bits)
     leaving, written = oldest < walk[TOP], walk[WRITTEN] >> place & 1
     wanted = (walk[NOW] | walk[BEFORE]) & walk[AHEAD]
     walks = leaving and written and walk[PAIRS] == 0
@@ -309,7 +309,7 @@ def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
         walk[PAIRS] -= walk[ASKING]
     if taking:
         stretch = walk[CHOSEN]
-        found = marks[place, stretch * STRETCH // PAIR : (stretch + 1) * STRETCH // PAIR]
+        found = dirty_bits[place, stretch * STRETCH // PAIR : (stretch + 1) * STRETCH // PAIR]
         walk[PAIRS] = found.sum()
         found[:] = False
         walk[AHEAD] &= ~(1 << stretch)
@@ -317,7 +317,7 @@ def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
         walk[CHOSEN] = 0
         while not wanted >> walk[CHOSEN] & 1:
             walk[CHOSEN] += 1
-    turn = oldest // len(marks) % 2
+    turn = oldest // len(dirty_bits) % 2
     if walk[WRITTEN] == 0:
         walk[NOW] = walk[BEFORE] = 0
     elif turn != walk[TURN]:

@@ -1,4 +1,4 @@
-"""The emitter of beats asks for no more than its queue has room for."""
+"""The readout of beats asks for no more than its queue has room for."""
 
 from amaranth.hdl import Cat, Module, Signal, Value
 from amaranth.lib import stream, wiring
@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from properties import Properties, any_value, parts
 from prove import Fault, Proof
 
-from splatline.rtl.beat_emitter import DEPTH, BeatEmitter
+from splatline.rtl.beat_emitter import DEPTH, BlockReadout
 from splatline.rtl.layouts import RasterLayout
 from splatline.rtl.presets import SWIFT
 
@@ -56,8 +56,8 @@ class BeatEmitterProperties(Properties):
         self.places = places
 
     def describe(self, m):
-        """Add the emitter and its properties."""
-        dut = BeatEmitter(SWIFT)
+        """Add the readout and its properties."""
+        dut = BlockReadout(SWIFT)
         fragment = self.add(m, dut)
         (queue,) = parts(fragment, Counting)
         self.free(m, dut)
@@ -76,15 +76,15 @@ def changes(places):
     return (
         Fault(
             "counted alone",
-            BeatEmitter,
-            r"Queue\(config, DEPTH\)",
+            BlockReadout,
+            r"Fifo\(config, DEPTH\)",
             '__import__("beat_emitter_proof").Counting(config, DEPTH)',
         ),
-        Fault("short", BeatEmitter, r"m = Module\(\)", f"m = Module(); DEPTH = {places}"),
+        Fault("short", BlockReadout, r"m = Module\(\)", f"m = Module(); DEPTH = {places}"),
     )
 
 
-BEHIND = Fault("over before its beats", BeatEmitter, r" & ~valid\.any\(\)", "")
+BEHIND = Fault("over before its beats", BlockReadout, r" & ~valid\.any\(\)", "")
 
 PROOFS = [
     Proof(
@@ -102,8 +102,8 @@ PROOFS = [
             12,
             24,
             (
-                Fault("one too many", BeatEmitter, r"DEPTH // 2", "DEPTH - 3"),
-                Fault("ends without room", BeatEmitter, r"self\.end & self\.room", "self.end"),
+                Fault("one too many", BlockReadout, r"DEPTH // 2", "DEPTH - 3"),
+                Fault("ends without room", BlockReadout, r"self\.end & self\.room", "self.end"),
             ),
         ),
     )

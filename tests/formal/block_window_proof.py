@@ -7,11 +7,11 @@ from lane_window_proof import LaneWindowProperties, Narrow
 from properties import OneWord, any_value
 from prove import Fault, Proof
 
-from splatline.rtl.beat_emitter import BeatEmitter
+from splatline.rtl.beat_emitter import BlockReadout
 from splatline.rtl.beat_marks import residue_bits
-from splatline.rtl.beat_walker import BeatWalker
+from splatline.rtl.beat_walker import BlockFlushScan
 from splatline.rtl.block_window import BlockWindow
-from splatline.rtl.changeover import Changeover
+from splatline.rtl.frame_overlap import FrameOverlap
 from splatline.rtl.format import BLOCK, ROWS
 from splatline.rtl.lane_row import LaneRow, row_address_bits
 from splatline.rtl.layouts import RasterLayout
@@ -87,7 +87,7 @@ class BlockWindowProperties(LaneWindowProperties):
 
     delay = 5  # two stages more than with lanes: requests and what leaves stand in registers
     window = BlockWindow
-    walker = BeatWalker
+    flush_scan = BlockFlushScan
 
     def describe(self, m):
         """Add the window and its properties."""
@@ -100,15 +100,15 @@ class BlockWindowProperties(LaneWindowProperties):
         m.d.comb += address.eq(Cat(self.word[1:], self.slot[residue_bits(self.config) :]))
         return OneWord(address, init=self.config.background_depth)
 
-    def _mark(self, m, walker):
-        """Assert what the walker takes for granted while it may take marks.
+    def _mark(self, m, flush_scan):
+        """Assert what the flush scan takes for granted while it may take marks.
 
         Nothing is loaded, or drawn into lines of that residue.
         """
-        residue = walker.line[: residue_bits(self.config)]
-        touched = Cat(touch.any() for touch in walker.touch).bit_select(residue, 1)
-        busy = (walker.drawing & touched) | walker.load.any()
-        self.always(m, "markable", ~(walker.enable & busy))
+        residue = flush_scan.line[: residue_bits(self.config)]
+        touched = Cat(touch.any() for touch in flush_scan.touch).bit_select(residue, 1)
+        busy = (flush_scan.drawing & touched) | flush_scan.load.any()
+        self.always(m, "markable", ~(flush_scan.enable & busy))
 
     def _tiles(self, m):
         """Assume of the blocks what they are; return whether one draws the pixel now.
@@ -152,8 +152,10 @@ class BlockWindowProperties(LaneWindowProperties):
 
 OURS = '__import__("block_window_proof")'
 CHANGES = (
-    Fault("no queue", BeatEmitter, r"Queue\(config, DEPTH\)", f"{OURS}.Passing(config)"),
-    Fault("room", BeatEmitter, r"queue\.level < DEPTH // 2", f'{OURS}.any_value(m, 1, "any_room")'),
+    Fault("no queue", BlockReadout, r"Fifo\(config, DEPTH\)", f"{OURS}.Passing(config)"),
+    Fault(
+        "room", BlockReadout, r"queue\.level < DEPTH // 2", f'{OURS}.any_value(m, 1, "any_room")'
+    ),
     Fault("the sweep's last cycle", BlockWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),
     Fault(
         "nothing was requested before",
@@ -216,22 +218,22 @@ PROOFS = [
             r"\(marks_first \| ~\(offered & marking\)\)",
             "1",
         ),
-        Fault("marks taken over beats", BeatWalker, r" & ~behind\.any\(\)", ""),
-        Fault("not held by its beats", BeatWalker, r"m\.Elif\(turns\)", "m.Elif(1)"),
-        Fault("jumps over what is written", BeatWalker, r"self\.jump & clean", "self.jump"),
-        Fault("comes while beats are behind", BeatWalker, r"~behind\.any\(\) & free", "free"),
+        Fault("marks taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", ""),
+        Fault("not held by its beats", BlockFlushScan, r"m\.Elif\(turns\)", "m.Elif(1)"),
+        Fault("jumps over what is written", BlockFlushScan, r"self\.jump & clean", "self.jump"),
+        Fault("comes while beats are behind", BlockFlushScan, r"~behind\.any\(\) & free", "free"),
         Fault(
             "comes while there is no room",
             BlockWindow,
             r"walker\.empties & emitter\.room",
-            "walker.empties",
+            "flush_scan.empties",
         ),
-        Fault("a turn ahead unnoticed", Changeover, r"self\.wraps &", "0 &"),
-        Fault("frames meet", Changeover, r"turns\[1:\], self\.closing", "turns[1:], 0"),
-        Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
+        Fault("a turn ahead unnoticed", FrameOverlap, r"self\.wraps &", "0 &"),
+        Fault("frames meet", FrameOverlap, r"turns\[1:\], self\.closing", "turns[1:], 0"),
+        Fault("over too early", FrameOverlap, r"self\.clean \| self", "1 | self"),
         Fault("a frame closed twice", BlockWindow, r" & ~walker\.closing", ""),
         Fault("closed twice at once", BlockWindow, r" & ~close\)", ")"),
-        Fault("over before its beats", BeatEmitter, r" & ~valid\.any\(\)", ""),
+        Fault("over before its beats", BlockReadout, r" & ~valid\.any\(\)", ""),
         Fault("not clipped", BlockWindow, r"is_last & ", "0 & ", "_outside"),
     ),
     plan(
@@ -256,16 +258,19 @@ PROOFS = [
         ),
         Fault("loaded while the last is swept", BlockWindow, r"serving & ~swept &", "serving &"),
         Fault(
-            "where the frame before was", BlockWindow, r"-2 \* config\.window_lines", "walker.front"
+            "where the frame before was",
+            BlockWindow,
+            r"-2 \* config\.window_lines",
+            "flush_scan.front",
         ),
         Fault(
             "loaded while one is cleared",
             BlockWindow,
             r"loader\.oldest\.eq\(front\)",
-            "loader.oldest.eq(walker.front)",
+            "loader.oldest.eq(flush_scan.front)",
         ),
         Fault("a beat leaves for one that is loaded", BlockWindow, r" & ~serving &", " &"),
-        Fault("a line left unloaded", BeatWalker, r"self\.jump \| loaded", "1"),
+        Fault("a line left unloaded", BlockFlushScan, r"self\.jump \| loaded", "1"),
         Fault(
             "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
         ),

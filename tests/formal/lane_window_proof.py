@@ -5,13 +5,13 @@ from amaranth.lib import data
 from properties import OneWord, Properties, any_constant, parts
 from prove import Fault, Proof
 
-from splatline.rtl.changeover import Changeover
+from splatline.rtl.frame_overlap import FrameOverlap
 from splatline.rtl.format import BLOCK, EngineConfig
 from splatline.rtl.lane import Lane
-from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.lane_window import TileWindow
 from splatline.rtl.loader import Loader
-from splatline.rtl.marks import Marks
-from splatline.rtl.walker import Walker
+from splatline.rtl.dirty_bits import TileDirtyBits
+from splatline.rtl.flush_scan import TileFlushScan
 
 __all__ = ["PROOFS", "LaneWindowProperties", "Narrow"]
 
@@ -52,8 +52,8 @@ class LaneWindowProperties(Properties):
     delay = 3
     """Cycles in which the raster is taken, from a pixel's line losing its place to its beat."""
 
-    window = LaneWindow
-    walker = Walker
+    window = TileWindow
+    flush_scan = TileFlushScan
     """What is proven, and what in it says which lines leave."""
 
     def __init__(self, config, load, ordered=True):
@@ -81,9 +81,9 @@ class LaneWindowProperties(Properties):
             load=Signal(init=self.load, reset_less=True, name="load"),
             shade=dut.i.payload.z,
         )
-        (walker,) = parts(fragment, self.walker)
-        self._own(m, walker.oldest, walker.front)
-        self._mark(m, walker)
+        (flush_scan,) = parts(fragment, self.flush_scan)
+        self._own(m, flush_scan.oldest, flush_scan.front)
+        self._mark(m, flush_scan)
         drawn = self._tiles(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
@@ -94,9 +94,9 @@ class LaneWindowProperties(Properties):
         m.d.comb += address.eq(Cat(self.word, self.slot[2:]))
         return OneWord(address, init=-1)
 
-    def _mark(self, m, walker):
-        """Assert what the walker takes for granted: nothing is loaded while it takes marks."""
-        self.always(m, "markable", ~(walker.taking & walker.load.any()))
+    def _mark(self, m, flush_scan):
+        """Assert what the flush scan takes for granted: nothing is loaded while it takes marks."""
+        self.always(m, "markable", ~(flush_scan.taking & flush_scan.load.any()))
 
     def _second(self, tile, row, column):
         """Return whether a pixel of a tile lies in the second of its words."""
@@ -365,7 +365,7 @@ class LaneWindowProperties(Properties):
         self.always(m, "order", ~raster.valid | beat.end | ((place > last) & shown))
 
 
-SWEPT = Fault("the sweep's last cycle", LaneWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)")
+SWEPT = Fault("the sweep's last cycle", TileWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)")
 """The lanes have been cleared but for their last pixel."""
 
 
@@ -390,20 +390,26 @@ PROOFS = [
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
         15,
-        Fault("no conflict", LaneWindow, r"\(drawn & tile\.meets\)", "(0)"),
-        Fault("a word leaves where a tile stood still", LaneWindow, r"& ~\(stopped & drawn\)", ""),
+        Fault("no conflict", TileWindow, r"\(drawn & tile\.meets\)", "(0)"),
+        Fault("a word leaves where a tile stood still", TileWindow, r"& ~\(stopped & drawn\)", ""),
         Fault(
             "lanes not kept for a tile",
-            LaneWindow,
+            TileWindow,
             r"& \(first \| ~\(offered & meeting\)\)",
             "",
         ),
-        Fault("a line left too early", Walker, r"here & moves & ", "here & "),
-        Fault("reached at the moment", Walker, r", now\) \| reach", ", now | reach)", "_reached"),
-        Fault("a turn ahead unnoticed", Changeover, r"self\.wraps &", "0 &"),
-        Fault("frames meet", Changeover, r"turns\[1:\], self\.closing", "turns[1:], 0"),
-        Fault("over too early", Changeover, r"self\.clean \| self", "1 | self"),
-        Fault("a frame closed twice", LaneWindow, r" & ~walker\.closing", ""),
+        Fault("a line left too early", TileFlushScan, r"here & moves & ", "here & "),
+        Fault(
+            "reached at the moment",
+            TileFlushScan,
+            r", now\) \| reach",
+            ", now | reach)",
+            "_reached",
+        ),
+        Fault("a turn ahead unnoticed", FrameOverlap, r"self\.wraps &", "0 &"),
+        Fault("frames meet", FrameOverlap, r"turns\[1:\], self\.closing", "turns[1:], 0"),
+        Fault("over too early", FrameOverlap, r"self\.clean \| self", "1 | self"),
+        Fault("a frame closed twice", TileWindow, r" & ~walker\.closing", ""),
         Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
     ),
     plan(
@@ -411,8 +417,8 @@ PROOFS = [
         "the same, until every fault that is known of shows",
         0,
         18,
-        Fault("drawn while marks are taken", LaneWindow, r"swept\s+& ~walker\.taking", "swept"),
-        Fault("a tile goes where a word does", LaneWindow, r"& ~\(first & meeting\)", ""),
+        Fault("drawn while marks are taken", TileWindow, r"swept\s+& ~walker\.taking", "swept"),
+        Fault("a tile goes where a word does", TileWindow, r"& ~\(first & meeting\)", ""),
         long=True,
     ),
     plan(
@@ -423,30 +429,32 @@ PROOFS = [
         Fault(
             "loaded beyond the window", Loader, r"waiting & ~drop & in_window", "waiting & ~drop"
         ),
-        Fault("a line left unloaded", Walker, r"self\.jump \| (\(self\.oldest < )", r"1 | \1"),
-        Fault("a line left while it is loaded", Walker, r"< self\.limit", "<= self.limit"),
+        Fault(
+            "a line left unloaded", TileFlushScan, r"self\.jump \| (\(self\.oldest < )", r"1 | \1"
+        ),
+        Fault("a line left while it is loaded", TileFlushScan, r"< self\.limit", "<= self.limit"),
         Fault(
             "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
         ),
         Fault("front a line too far", Loader, r"oldest, loaded\)", "oldest, loaded + 1)"),
         Fault("a line drawn into too early", Loader, r"\(config\.window_lines > BLOCK\)", "1"),
         Fault(
-            "loaded where a word is cleared", LaneWindow, r"& ~stopped(\s+& ~walker\.taking)", r"\1"
+            "loaded where a word is cleared", TileWindow, r"& ~stopped(\s+& ~walker\.taking)", r"\1"
         ),
         Fault(
-            "loaded while marks are taken", LaneWindow, r"(& ~stopped\s+)& ~walker\.taking", r"\1"
+            "loaded while marks are taken", TileWindow, r"(& ~stopped\s+)& ~walker\.taking", r"\1"
         ),
         Fault(
             "loaded in a tile's row",
-            LaneWindow,
+            TileWindow,
             r"& ~\(offered & wanted\.bit_select\(loader.*\)\)",
             "",
         ),
-        Fault("a load marked in a tile's place", LaneWindow, r"If\(walker\.lone\[i\]\)", "If(0)"),
-        Fault("a tile in a load's", LaneWindow, r"lone\.eq\(.*\)", "lone.eq(-1)"),
+        Fault("a load marked in a tile's place", TileWindow, r"If\(walker\.lone\[i\]\)", "If(0)"),
+        Fault("a tile in a load's", TileWindow, r"lone\.eq\(.*\)", "lone.eq(-1)"),
         Fault(
             "another pair marked",
-            Marks,
+            TileDirtyBits,
             r"load\[residue\] & \((other\[0\]) ==",
             r"load[residue] & (\1 !=",
         ),

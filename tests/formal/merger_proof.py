@@ -10,7 +10,7 @@ from prove import Fault, Proof
 from splatline.rtl.lane import PixelLayout
 from splatline.rtl.merger import ROOM, Merger
 from splatline.rtl.presets import PAPER
-from splatline.rtl.queue import Queue
+from splatline.rtl.queue import Fifo
 
 __all__ = ["PROOFS", "Contract", "place_of"]
 
@@ -184,8 +184,8 @@ PROOFS = [
             Fault("ahead of an end", Merger, r"\(own\.end \| (.*)\)\),", r"\1),"),
             Fault("two ends", Merger, r"before\.end & own\.end", "before.end | own.end"),
             Fault("does not wait", Merger, r"self\.before\.valid & self\.own\.valid\)", "1)"),
-            Fault("locks up", Queue, r"ready\.eq\(fifo\.w_rdy\)", "ready.eq(fifo.r_rdy)"),
-            Fault("not held", Queue, r"r_en\.eq\(self\.o\.ready\)", "r_en.eq(1)"),
+            Fault("locks up", Fifo, r"ready\.eq\(fifo\.w_rdy\)", "ready.eq(fifo.r_rdy)"),
+            Fault("not held", Fifo, r"r_en\.eq\(self\.o\.ready\)", "r_en.eq(1)"),
         ),
     )
 ]

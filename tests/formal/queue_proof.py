@@ -7,7 +7,7 @@ from properties import OneWord, Properties, any_constant, any_value, parts
 from prove import Fault, Proof
 
 from splatline.rtl.presets import PAPER
-from splatline.rtl.queue import SHORT, Queue
+from splatline.rtl.queue import SHORT, Fifo
 
 __all__ = ["PROOFS"]
 
@@ -27,7 +27,7 @@ class QueueProperties(Properties):
         """Add the queue and its properties."""
         address = any_constant(m, range(self.depth), "address")
         self.memories = OneWord(address, styles=(None,))
-        dut = Queue(self.config, self.depth)
+        dut = Fifo(self.config, self.depth)
         fragment = self.add(m, dut)
         self.free(m, dut)
         self.given(m, "i", self.steady(m, dut.i, "i"))
@@ -97,7 +97,7 @@ PROOFS = [
         depth=3,
         endless=True,
         faults=(
-            Fault("locks up", Queue, r"ready\.eq\(fifo\.w_rdy\)", "ready.eq(fifo.r_rdy)"),
+            Fault("locks up", Fifo, r"ready\.eq\(fifo\.w_rdy\)", "ready.eq(fifo.r_rdy)"),
             *faults,
         ),
     )
@@ -105,15 +105,15 @@ PROOFS = [
         (
             2,
             (
-                Fault("taken when full", Queue, r"ready\.eq\(fifo\.w_rdy\)", "ready.eq(1)"),
-                Fault("not held", Queue, r"r_en\.eq\(self\.o\.ready\)", "r_en.eq(1)"),
+                Fault("taken when full", Fifo, r"ready\.eq\(fifo\.w_rdy\)", "ready.eq(1)"),
+                Fault("not held", Fifo, r"r_en\.eq\(self\.o\.ready\)", "r_en.eq(1)"),
             ),
         ),
         (
             256,
             (
-                Fault("not held", Queue, r"~valid \| self\.o\.ready", "1"),
-                Fault("invented", Queue, r"\[valid\.eq\(fifo\.r_rdy\)", "[valid.eq(1)"),
+                Fault("not held", Fifo, r"~valid \| self\.o\.ready", "1"),
+                Fault("invented", Fifo, r"\[valid\.eq\(fifo\.r_rdy\)", "[valid.eq(1)"),
             ),
         ),
     )

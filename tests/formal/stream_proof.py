@@ -11,17 +11,17 @@ from splatline.rtl.axi_lite import AxiLiteFront
 from splatline.rtl.axi_registers import RegisterFile
 from splatline.rtl.axi_stream import HalfSlice, RegisterSlice
 from splatline.rtl.bank_walker import BankWalker
-from splatline.rtl.beat_emitter import BeatEmitter
+from splatline.rtl.beat_emitter import BlockReadout
 from splatline.rtl.codeword_check import end_word, is_end
 from splatline.rtl.colour import ColourUnit
-from splatline.rtl.emitter import Emitter
+from splatline.rtl.readout import Emitter
 from splatline.rtl.engine import Engine
 from splatline.rtl.format import BLOCK
 from splatline.rtl.halver import Halver
-from splatline.rtl.lane_emitter import LaneEmitter
+from splatline.rtl.lane_emitter import TileReadout
 from splatline.rtl.layouts import CodeWordLayout
 from splatline.rtl.loader import Loader
-from splatline.rtl.marks import RESIDUES
+from splatline.rtl.dirty_bits import RESIDUES
 from splatline.rtl.pins import Gatherer, Splitter
 from splatline.rtl.presets import PAPER, PRESETS, SWIFT
 from splatline.rtl.register_map import register_map
@@ -29,7 +29,7 @@ from splatline.rtl.sequencer import Sequencer
 from splatline.rtl.shape_rom import ShapeRom
 from splatline.rtl.stream_guard import StreamGuard
 from splatline.rtl.tiler import Tiler
-from splatline.rtl.walker import Walker
+from splatline.rtl.flush_scan import TileFlushScan
 
 __all__ = ["PROOFS"]
 
@@ -82,7 +82,7 @@ class StreamProperties(Properties):
         constants = {
             name: any_constant(m, dut.signature.members[name].shape, name)
             for name in steady
-            if name in dut.signature.members and not isinstance(dut, Walker)
+            if name in dut.signature.members and not isinstance(dut, TileFlushScan)
         }
         self.free(m, dut, **constants)
         taken, driven = streams(dut)
@@ -270,9 +270,9 @@ PROOFS = [
         Fault("not held", Halver, r"Elif\(self\.o\.ready\)", "Else()"),
     ),
     plan(
-        "walker",
-        lambda: Walker(PAPER),
-        Fault("next word unasked", Walker, r"If\(asked\)", "If(asking)"),
+        "flush_scan",
+        lambda: TileFlushScan(PAPER),
+        Fault("next word unasked", TileFlushScan, r"If\(asked\)", "If(asking)"),
         given=within_reach,
         depth=10,
         endless=False,
@@ -285,7 +285,7 @@ PROOFS = [
         fault_engine="abc bmc3",
     ),
     plan(
-        "emitter",
+        "readout",
         lambda: Emitter(WIDE),
         Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
         given=while_running,
@@ -304,14 +304,16 @@ PROOFS = [
     ),
     plan(
         "lane emitter",
-        lambda: LaneEmitter(PAPER),
-        Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
+        lambda: TileReadout(PAPER),
+        Fault("taken too early", TileReadout, r"~emit_valid \| self\.raster\.ready", "1"),
         given=while_running,
     ),
     plan(
         "beat emitter",
-        lambda: BeatEmitter(SWIFT),
-        Fault("gone again", BeatEmitter, r"blank\.eq\(out\.valid & ~visible", "blank.eq(out.valid"),
+        lambda: BlockReadout(SWIFT),
+        Fault(
+            "gone again", BlockReadout, r"blank\.eq\(out\.valid & ~visible", "blank.eq(out.valid"
+        ),
         given=with_room,
     ),
     plan(
@@ -383,7 +385,7 @@ PROOFS = [
     plan(
         "engine with lanes",
         lambda: Engine(PAPER.replace(window_lines=8, **NARROW)),
-        Fault("taken too early", LaneEmitter, r"~emit_valid \| self\.raster\.ready", "1"),
+        Fault("taken too early", TileReadout, r"~emit_valid \| self\.raster\.ready", "1"),
         Fault("a size while the end waits", Engine, r"0\) & ~\(self\.raster.*\)\)", "0))"),
         Fault("withdrawn for a table", Engine, r"\(~(self\.tables\.valid) \| waits\)", r"~\1"),
         given=elements_stay,

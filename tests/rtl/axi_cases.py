@@ -286,9 +286,9 @@ def any_packets_at_all(device):
     right(device)
 
 
-def _first(marks):
+def _first(dirty_bits):
     """Index of the first that is set; past all if none is."""
-    return int(np.argmax(marks)) if marks.any() else len(marks)
+    return int(np.argmax(dirty_bits)) if dirty_bits.any() else len(dirty_bits)
 
 
 def expected_errors(words, keep, config):

@@ -1,4 +1,4 @@
-"""What the benches of both walkers share: a window that slides down, and what is asked for."""
+"""What the benches of both flush scans share: a window that slides down, and what is asked for."""
 
 from splatline.sim.cosim.blocks import unpack
 from splatline.sim.cosim.streams import StreamBench
@@ -7,7 +7,7 @@ __all__ = ["Slide"]
 
 
 class Slide:
-    """A walker with its sink; ``expected`` has the words (line, word) that are to be asked for.
+    """A flush scan with its sink; ``expected`` has the words (line, word) that are to be asked for.
 
     ``lowest`` is a line below every image, ``place`` the layout of what is asked for.
     """

@@ -5,7 +5,7 @@ import random
 import cocotb
 from presets import CONFIG, run_bench
 
-from splatline.rtl.beat_emitter import DEPTH, BeatEmitter
+from splatline.rtl.beat_emitter import DEPTH, BlockReadout
 from splatline.rtl.format import BLOCK
 from splatline.rtl.lane_row import HALVES, BeatWordsLayout
 from splatline.rtl.layouts import PlaceLayout, RasterLayout
@@ -192,4 +192,4 @@ async def end_beats_need_room_too(dut):
 
 
 def test_emitter_gives_every_beat():
-    run_bench(SWIFT, BeatEmitter, __file__)
+    run_bench(SWIFT, BlockReadout, __file__)

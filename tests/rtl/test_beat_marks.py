@@ -5,7 +5,7 @@ import random
 import cocotb
 from presets import CONFIG, run_bench
 
-from splatline.rtl.beat_marks import BeatMarks, mark_bits, residue_bits, stretch_bits
+from splatline.rtl.beat_marks import BlockDirtyBits, mark_bits, residue_bits, stretch_bits
 from splatline.rtl.presets import SWIFT
 from splatline.sim.cosim.streams import StreamBench
 
@@ -49,7 +49,7 @@ class Touch:
         """Whether something is written in lines of a line's residue."""
         return any(self.touched[line % RESIDUES])
 
-    def marks(self, load=None):
+    def dirty_bits(self, load=None):
         """The beats that it and ``load`` (word, line) write, {(place of the line, beat)}."""
         number = {word % 2: word // 2 for word in self.words}
         beats = {
@@ -145,12 +145,12 @@ async def random_touches(dut):
                 found = await look(dut, bench, line, stretch, touch, take, drawing=drawing)
                 assert found == expected
                 marked -= expected if take else set()
-                beside += drawing and bool(touch.marks())
+                beside += drawing and bool(touch.dirty_bits())
             else:
                 load = (rng.randrange(WORDS), line) if free and rng.random() < 0.7 else None
                 await bench.step(lambda t=touch, d=drawing, b=load: t.drive(dut, d, b))
-                marked |= NOTHING.marks(load) if load else set()
-            marked |= touch.marks() if drawing else set()
+                marked |= NOTHING.dirty_bits(load) if load else set()
+            marked |= touch.dirty_bits() if drawing else set()
         assert beside > 10
         await compare(dut, bench, marked)
 
@@ -169,9 +169,9 @@ async def every_word_marks_its_beat(dut):
             await bench.step(lambda touch=touch, load=load: touch.drive(dut, load=load))
             dut.load.value = 0
             taken = set()
-            for stretch in {beat // BEATS for _, beat in touch.marks(load)}:
+            for stretch in {beat // BEATS for _, beat in touch.dirty_bits(load)}:
                 taken |= await look(dut, bench, line, stretch)
-            assert taken == touch.marks(load), (word, first, second)
+            assert taken == touch.dirty_bits(load), (word, first, second)
 
 
 @cocotb.test()
@@ -183,7 +183,7 @@ async def a_wipe_takes_a_group_of_lines_and_no_more(dut):
         for word in range(0, WORDS, 2):
             touch = Touch(word, [(1, 0)] * RESIDUES, [group] * RESIDUES)
             await bench.step(lambda touch=touch: touch.drive(dut))
-            marked |= touch.marks()
+            marked |= touch.dirty_bits()
     assert len(marked) == LINES * STRETCHES * BEATS
     for group, stretch in ((1, 1), (0, 0), (1, STRETCHES - 1)):
         await look(dut, bench, RESIDUES * group, stretch, wipe=1)
@@ -193,4 +193,4 @@ async def a_wipe_takes_a_group_of_lines_and_no_more(dut):
 
 
 def test_marks_are_what_was_written():
-    run_bench(SWIFT, BeatMarks, __file__)
+    run_bench(SWIFT, BlockDirtyBits, __file__)

@@ -1,4 +1,4 @@
-"""The walker over beats: each that was written is asked for once, in order, and nothing else is."""
+"""The flush scan over beats: each that was written is asked for once, in order, and nothing else is."""
 
 import random
 
@@ -8,7 +8,7 @@ from presets import CONFIG, run_bench
 from slides import Slide
 from test_beat_marks import BEATS, LINES, NOTHING, RESIDUES, STRETCHES, WORDS, Touch
 
-from splatline.rtl.beat_walker import BeatWalker
+from splatline.rtl.beat_walker import BlockFlushScan
 from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.presets import SWIFT
 
@@ -18,7 +18,7 @@ LINE = WORDS // 2  # beats of a line
 
 
 class BeatSlide(Slide):
-    """A walker over rows of lanes whose window slides down an image.
+    """A flush scan over rows of lanes whose window slides down an image.
 
     Beats are named by their even word. ``next`` are those of the frame behind the one that leaves.
     """
@@ -74,7 +74,9 @@ class BeatSlide(Slide):
         for bits in self.flush.received[self.left :]:
             self.pending.remove(*self.words_of(bits))
         self.left = len(self.flush.received)
-        written = (set() if waits else touch.marks()) | (NOTHING.marks(load) if load else set())
+        written = (set() if waits else touch.dirty_bits()) | (
+            NOTHING.dirty_bits(load) if load else set()
+        )
         for place, beat in written:
             below = front + (place - front) % LINES
             if closing:
@@ -191,7 +193,7 @@ async def loaded_beats_too(dut):
                     load = None
             elif limit < oldest + LINES:
                 limit += 1
-            both += load is not None and bool(touch.marks())
+            both += load is not None and bool(touch.dirty_bits())
             await slide.cycle(top, touch, rng.choice([0, 1, 1, "first"]), limit, load)
             if top + 9 < limit and rng.random() < 0.3:
                 top += 1
@@ -389,4 +391,4 @@ async def nothing_leaves_unasked(dut):
 
 
 def test_walker_asks_for_what_was_written():
-    run_bench(SWIFT, BeatWalker, __file__)
+    run_bench(SWIFT, BlockFlushScan, __file__)

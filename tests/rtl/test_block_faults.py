@@ -9,9 +9,9 @@ import test_lane_row
 from faults import rewrite
 from presets import run_bench
 
-from splatline.rtl.beat_emitter import BeatEmitter
-from splatline.rtl.beat_marks import BeatMarks
-from splatline.rtl.beat_walker import BeatWalker
+from splatline.rtl.beat_emitter import BlockReadout
+from splatline.rtl.beat_marks import BlockDirtyBits
+from splatline.rtl.beat_walker import BlockFlushScan
 from splatline.rtl.block_tiler import BlockTiler
 from splatline.rtl.lane_row import LaneRow
 from splatline.rtl.presets import SWIFT
@@ -20,9 +20,9 @@ from splatline.sim.cosim.simulator import SimulationError
 BENCHES = {
     LaneRow: test_lane_row,
     BlockTiler: test_block_tiler,
-    BeatMarks: test_beat_marks,
-    BeatWalker: test_beat_walker,
-    BeatEmitter: test_beat_emitter,
+    BlockDirtyBits: test_beat_marks,
+    BlockFlushScan: test_beat_walker,
+    BlockReadout: test_beat_emitter,
 }
 LAGS = "a_window_that_lags_behind"
 FOLLOWS = "one_pixel_a_cycle"
@@ -197,128 +197,128 @@ REWRITTEN = {
     ),
     "top of the last frame": (BlockTiler, r"top\.eq\(-ROWS\)", "top.eq(top)", "end_tokens"),
     "marks clear too much": (
-        BeatMarks,
+        BlockDirtyBits,
         r"self\.wipe \| \(self\.line\[:own_bits\] == residue\)",
         "1",
         "random_touches",
     ),
-    "a look clears": (BeatMarks, r"self\.take & mine", "self.look & mine", "random_touches"),
+    "a look clears": (BlockDirtyBits, r"self\.take & mine", "self.look & mine", "random_touches"),
     "marks forget": (
-        BeatMarks,
+        BlockDirtyBits,
         r"Mux\(touched, bits, 0\)",
         "Mux(touched, -1, 0)",
         "random_touches",
     ),
     "marked in another parity": (
-        BeatMarks,
+        BlockDirtyBits,
         r"Cat\(aside_bits\[parity::2\]\)",
         "Cat(aside_bits[1 - parity::2])",
         "every_word_marks_its_beat",
     ),
-    "marked though not drawn": (BeatMarks, r"self\.drawing << ", "1 << ", "random_touches"),
+    "marked though not drawn": (BlockDirtyBits, r"self\.drawing << ", "1 << ", "random_touches"),
     "both words in one beat": (
-        BeatMarks,
+        BlockDirtyBits,
         r"apart = self\.words\[0\]\[0\]",
         "apart = self.words[0][0] & 0",
         "every_word_marks_its_beat",
     ),
     "a line above the top": (
-        BeatWalker,
+        BlockFlushScan,
         r"looked_at < self\.top",
         "looked_at <= self.top",
         "nothing_leaves_unasked",
     ),
     "the next line as this one": (
-        BeatWalker,
+        BlockFlushScan,
         r"looked_at\[: config\.slot_bits\]",
         "place",
         WALK,
     ),
-    "jumps over what is written": (BeatWalker, r"self\.jump & clean", "self.jump", WALK),
+    "jumps over what is written": (BlockFlushScan, r"self\.jump & clean", "self.jump", WALK),
     "comes while beats are behind": (
-        BeatWalker,
+        BlockFlushScan,
         r"~behind\.any\(\) & free",
         "free",
         "where_the_window_comes_to_is_told",
     ),
     "comes to what is not loaded": (
-        BeatWalker,
+        BlockFlushScan,
         r"self\.jump & clean",
         "clean",
         "where_the_window_comes_to_is_told",
     ),
-    "marks taken unasked": (BeatWalker, r" & self\.enable\)", ")", "nothing_leaves_unasked"),
+    "marks taken unasked": (BlockFlushScan, r" & self\.enable\)", ")", "nothing_leaves_unasked"),
     "left before it has come": (
-        BeatWalker,
+        BlockFlushScan,
         r"self\.jump \| loaded",
         "1",
         "nothing_leaves_unasked",
     ),
     "not held by what is asked for": (
-        BeatWalker,
+        BlockFlushScan,
         r"m\.Elif\(turns\)",
         "m.Elif(1)",
         "the_window_waits_for_what_is_asked_for",
     ),
-    "marks taken while beats wait": (BeatWalker, r" & ~behind\.any\(\)", "", WALK),
-    "a stretch skipped": (BeatWalker, r"m\.If\(take \| ~here\)", "m.If(1)", WALK),
-    "a line left too early": (BeatWalker, r"take & ~rest\.any\(\)", "take", WALK),
+    "marks taken while beats wait": (BlockFlushScan, r" & ~behind\.any\(\)", "", WALK),
+    "a stretch skipped": (BlockFlushScan, r"m\.If\(take \| ~here\)", "m.If(1)", WALK),
+    "a line left too early": (BlockFlushScan, r"take & ~rest\.any\(\)", "take", WALK),
     "never wraps": (
-        BeatWalker,
+        BlockFlushScan,
         r"self\._written\(residue\) & \(",
         "0 & (",
         "the_next_frame_is_drawn_while_one_leaves",
         "_wraps",
     ),
     "reached by a first word": (
-        BeatWalker,
+        BlockFlushScan,
         r"Mux\(beyond, own\.rotate_left\(1\), 0\)",
         "0",
         "a_block_on_two_stretches_reaches_both",
         "_reached",
     ),
     "reached by blocks alone": (
-        BeatWalker,
+        BlockFlushScan,
         r"\(loaded & self\.load\.any\(\)\.replicate\(len\(reach\)\)\)",
         "0",
         "loaded_beats_too",
         "_reached",
     ),
     "the first stretch of the last line": (
-        BeatWalker,
+        BlockFlushScan,
         r"Mux\(here & rest\.any\(\), rest, reached\)",
         "Mux(rest.any(), rest, reached)",
         WALK,
     ),
     "forgotten at a turn": (
-        BeatWalker,
+        BlockFlushScan,
         r"turned, now, before\)",
         "turned, 0, before)",
         WALK,
         "_reached",
     ),
     "more than there is room for": (
-        BeatEmitter,
+        BlockReadout,
         r"DEPTH // 2",
         "DEPTH + 2",
         "the_queue_takes_what_there_is_room_for",
     ),
     "end beats beyond the queue": (
-        BeatEmitter,
+        BlockReadout,
         r"self\.end & self\.room",
         "self.end",
         "end_beats_need_room_too",
     ),
-    "over before its beats": (BeatEmitter, r" & ~valid\.any\(\)", "", COMES),
-    "background leaves": (BeatEmitter, r"out\.valid & visible\)", "out.valid)", COMES),
+    "over before its beats": (BlockReadout, r" & ~valid\.any\(\)", "", COMES),
+    "background leaves": (BlockReadout, r"out\.valid & visible\)", "out.valid)", COMES),
     "background in the way": (
-        BeatEmitter,
+        BlockReadout,
         r"raster\.ready \| blank",
         "raster.ready",
         "background_leaves_untaken",
     ),
     "never forgotten": (
-        BeatWalker,
+        BlockFlushScan,
         r"clean \| turned, 0",
         "clean, 0",
         "a_stretch_that_nothing_reached_is_passed_over",

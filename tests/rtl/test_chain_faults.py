@@ -13,7 +13,7 @@ from splatline.rtl.chain import Chain
 from splatline.rtl.chain_verilog import generate_chain
 from splatline.rtl.merger import Merger
 from splatline.rtl.presets import PAPER
-from splatline.rtl.queue import Queue
+from splatline.rtl.queue import Fifo
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.chains import ChainJob, play_chain
@@ -143,6 +143,6 @@ def test_a_whole_chain_draws_those_frames_right():
 
 def test_a_queue_that_drops_is_noticed(monkeypatch):
     rewrite(
-        monkeypatch, Queue, "elaborate", r"self\.i\.ready\.eq\(fifo\.w_rdy\)", "self.i.ready.eq(1)"
+        monkeypatch, Fifo, "elaborate", r"self\.i\.ready\.eq\(fifo\.w_rdy\)", "self.i.ready.eq(1)"
     )
     expect_noticed()

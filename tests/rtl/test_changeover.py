@@ -7,7 +7,7 @@ import pytest
 from cocotb.triggers import Timer
 from faults import rewrite
 
-from splatline.rtl.changeover import Changeover
+from splatline.rtl.frame_overlap import FrameOverlap
 from splatline.rtl.presets import PAPER
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.blocks import run_bench
@@ -18,7 +18,7 @@ INPUTS = ("oldest", "line", "leaves", "wraps", "clean", "close", "restart")
 
 
 class Walk:
-    """A walker in software: lines that are written, those that leave, and frames that follow.
+    """A flush scan in software: lines that are written, those that leave, and frames that follow.
 
     Places hold lines as (frame, line); a place that is taken twice, or a line that leaves with
     another frame, is an error of the component.
@@ -103,7 +103,7 @@ async def no_place_is_taken_twice_and_no_line_leaves_with_another_frame(dut):
 
 
 def test_frames_change_over(block_simulator):
-    run_bench(Changeover(PAPER), __file__, simulator_name=block_simulator)
+    run_bench(FrameOverlap(PAPER), __file__, simulator_name=block_simulator)
 
 
 FAULTS = [
@@ -120,7 +120,7 @@ FAULTS = [
     [pytest.param(*planted[:2], id=planted[2]) for planted in FAULTS],
 )
 def test_a_wrong_rule_is_noticed(monkeypatch, pattern, replacement):
-    rewrite(monkeypatch, Changeover, "elaborate", pattern, replacement)
+    rewrite(monkeypatch, FrameOverlap, "elaborate", pattern, replacement)
     quickest = "icarus" if simulator.available("icarus") else "verilator"
     with pytest.raises(SimulationError, match="failed"):
-        run_bench(Changeover(PAPER), __file__, simulator_name=quickest)
+        run_bench(FrameOverlap(PAPER), __file__, simulator_name=quickest)

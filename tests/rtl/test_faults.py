@@ -44,7 +44,7 @@ WAITS = "an_element_waits_for_the_window"
 MARKS = "a_mark_a_word"
 COMPLETE = "$signed({1'h0, line}) < $signed(top)"
 UNLOADED = f"(({COMPLETE}) | closing) & ~halted"
-"""A walker's lines leave whether they were loaded or not."""
+"""A flush scan's lines leave whether they were loaded or not."""
 ARRIVING = "jump | ($signed({1'h0, line}) <= $signed(limit))"
 LOADING = f"((({COMPLETE}) & ({ARRIVING})) | closing) & ~halted"
 """Or while they are loaded."""
@@ -76,7 +76,7 @@ PART_FAULTS = [
     ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", "1'h1", "lines leave early"),
     ("wide", BankWalker, test_bank_walker, UNASKED, "leaving", UNLOADED, "not loaded as yet"),
     ("wide", BankWalker, test_bank_walker, ASKS, "leaving", UNLOADED, "nor between loads"),
-    ("wide", BankWalker, test_bank_walker, ASKS, "marks.clear_2", "1'h0", "asked for twice"),
+    ("wide", BankWalker, test_bank_walker, ASKS, "dirty_bits.clear_2", "1'h0", "asked for twice"),
 ]
 
 
@@ -93,18 +93,18 @@ def test_a_fault_in_a_part_is_noticed(preset, component, bench, test, signal, va
 
 SHORT = "in_short"
 WINDOW_FAULTS = {
-    "lines leave the window early": ("wide", SHORT, "dut.walker", "leaving", "1'h1"),
-    "the end comes early": ("wide", SHORT, "dut.walker", "clean", "1'h1"),
+    "lines leave the window early": ("wide", SHORT, "dut.flush_scan", "leaving", "1'h1"),
+    "the end comes early": ("wide", SHORT, "dut.flush_scan", "clean", "1'h1"),
     "a bank marks nothing": ("wide", SHORT, "dut.bank_3", "drawn", "1'h0"),
-    "background is sent": ("wide", SHORT, "dut.emitter", "raster__valid", "emit_valid"),
+    "background is sent": ("wide", SHORT, "dut.readout", "raster__valid", "emit_valid"),
     # By one line: noticed where no element keeps it.
-    "load late": ("wide", "without_stalls", "dut.walker", "leaving", LOADING),
+    "load late": ("wide", "without_stalls", "dut.flush_scan", "leaving", LOADING),
     "drawn before the load": ("wide", SHORT, "dut.loader", "front", "oldest"),
     "loaded beside an element": ("wide", SHORT, "dut.arbiter", "full", "2'h0"),
     # Behind an element, whose further planes keep its banks busy.
     "loaded beside planes": ("rgb18", SHORT, "dut.arbiter", "full", "{2{drawing}}"),
     "no further planes are loaded": ("rgb18", SHORT, "dut", "loaded", "loaded_parts[71:0]"),
-    "flushed words meet": ("rgb18", SHORT, "dut.emitter", "ready", "1'h1"),
+    "flushed words meet": ("rgb18", SHORT, "dut.readout", "ready", "1'h1"),
 }
 
 
@@ -242,10 +242,12 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
             id="no depth test",
         ),
         pytest.param(
-            "paper", fault("splatline.window.walker.marks", "bit_1", "8'h01"), id="a wrong mark"
+            "paper",
+            fault("splatline.window.flush_scan.dirty_bits", "bit_1", "8'h01"),
+            id="a wrong mark",
         ),
         pytest.param(
-            "paper", fault("splatline.window.walker", "leaving", "1'h1"), id="lines leave early"
+            "paper", fault("splatline.window.flush_scan", "leaving", "1'h1"), id="lines leave early"
         ),
         pytest.param("paper", fault("splatline.decoder", "past_1", "1'h0"), id="a line misplaced"),
     ],

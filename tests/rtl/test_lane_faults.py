@@ -12,13 +12,13 @@ from presets import run_bench as run_preset
 
 from splatline.rtl.colour import ColourUnit
 from splatline.rtl.lane import Lane
-from splatline.rtl.lane_emitter import LaneEmitter
-from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.lane_emitter import TileReadout
+from splatline.rtl.lane_window import TileWindow
 from splatline.rtl.loader import Loader
-from splatline.rtl.marks import Marks
+from splatline.rtl.dirty_bits import TileDirtyBits
 from splatline.rtl.presets import PAPER
 from splatline.rtl.tiler import Tiler
-from splatline.rtl.walker import Walker
+from splatline.rtl.flush_scan import TileFlushScan
 from splatline.sim.cosim.simulator import SimulationError
 
 WALK = "drawn_words_are_asked_for_once_and_in_order"
@@ -36,16 +36,23 @@ LANE_WINDOW_FAULTS = [
     (Tiler, test_tiler, "right_border", "words_left", "8'h3f", "right border"),
     (Tiler, test_tiler, "one_tile_a_cycle", "past_2", "1'h0", "a line misplaced"),
     (
-        Marks,
+        TileDirtyBits,
         test_marks,
         "random_touches",
         "write__en",  # of even pairs on lines that are a multiple of 4: cleared with any other
         "take | (words[1] ? touch[1] & words[0] : touch[0] | (touch[1] & ~words[0]))",
         "marks clear too much",
     ),
-    (Marks, test_marks, "random_touches", "write__data", "take ? 8'h00 : bit_0", "marks forget"),
     (
-        Walker,
+        TileDirtyBits,
+        test_marks,
+        "random_touches",
+        "write__data",
+        "take ? 8'h00 : bit_0",
+        "marks forget",
+    ),
+    (
+        TileFlushScan,
         test_walker,
         WALK,
         "left",
@@ -53,14 +60,14 @@ LANE_WINDOW_FAULTS = [
         "last stretch skipped",
     ),
     (
-        Walker,
+        TileFlushScan,
         test_walker,
         WALK,
         "clean",
         "1'h1",
         "lines skipped",
     ),
-    (Walker, test_walker, "nothing_leaves_unasked", "leaving", "1'h1", "lines leave early"),
+    (TileFlushScan, test_walker, "nothing_leaves_unasked", "leaving", "1'h1", "lines leave early"),
 ]
 
 
@@ -75,21 +82,21 @@ def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signa
 
 
 REWRITTEN = {
-    "no conflict": (LaneWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
+    "no conflict": (TileWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     "drawn while marks are taken": (
-        LaneWindow,
+        TileWindow,
         r"~swept\s+& ~walker\.taking",
         "~swept",
         "with_stalls",
     ),
     "loaded while marks are taken": (
-        LaneWindow,
+        TileWindow,
         r"~stopped\s+& ~walker\.taking",
         "~stopped",
         "words_right_behind_what_leaves",
     ),
     "no wait after the sweep": (
-        LaneWindow,
+        TileWindow,
         r"running\s+& ~swept",
         "running",
         "reset_in_the_middle",
@@ -107,19 +114,19 @@ REWRITTEN = {
         "words_right_behind_what_leaves",
     ),
     "loaded into a tile's lanes": (
-        LaneWindow,
+        TileWindow,
         r"& ~\(offered & wanted\.bit_select\(loader\.o\.payload\.line\[:2\], 1\)\)",
         "",
         "with_stalls",
     ),
     "a tile goes where a load goes first": (
-        LaneWindow,
+        TileWindow,
         r"~tile\.end & ~pressing\)",
         "~tile.end)",
         "with_stalls",
     ),
     "marked in the line of a load that waits": (
-        LaneWindow,
+        TileWindow,
         r"If\(walker\.lone\[i\]\)",
         "If(serving & line[i])",
         "with_stalls",
@@ -137,85 +144,102 @@ REWRITTEN = {
         "with_stalls",
     ),
     "not marked where it is loaded": (
-        Marks,
+        TileDirtyBits,
         r"touched \|= self\.load\[residue\] & \(other\[0\] == parity\)",
         "touched |= self.load[residue] & (parity == 0)",
         "random_touches",
     ),
     "marked in the tile's place": (
-        Marks,
+        TileDirtyBits,
         r"Mux\(lone, other\[1 \+ low_bits :\], stretch\)",
         "stretch",
         "random_touches",
     ),
     "left before it has come": (
-        Walker,
+        TileFlushScan,
         r"\(self\.oldest < self\.limit\)",
         "1",
         "nothing_leaves_unasked",
     ),
     "background holds all up": (
-        LaneEmitter,
+        TileReadout,
         r" \| dropped\)",
         ")",
         "a_raster_that_waits_for_its_words",
     ),
-    "dropped behind background": (LaneEmitter, r"(~emit\.end) & ~take\)", r"\1)", "with_stalls"),
-    "marks taken unasked": (Walker, r" & self\.enable\b", "", "nothing_leaves_unasked"),
-    "marks taken twice": (Walker, r" & ~self\.taking\b", "", WALK),
-    "marks taken too early": (Walker, r"~pairs\.any\(\) & wanted", "wanted", WALK),
-    "a line left too early": (Walker, r"here & moves & ", "here & ", WALK),
-    "a pair of the next stretch": (Walker, r"\(first\), stretch\)", "(first), next_stretch)", WALK),
+    "dropped behind background": (TileReadout, r"(~emit\.end) & ~take\)", r"\1)", "with_stalls"),
+    "marks taken unasked": (TileFlushScan, r" & self\.enable\b", "", "nothing_leaves_unasked"),
+    "marks taken twice": (TileFlushScan, r" & ~self\.taking\b", "", WALK),
+    "marks taken too early": (TileFlushScan, r"~pairs\.any\(\) & wanted", "wanted", WALK),
+    "a line left too early": (TileFlushScan, r"here & moves & ", "here & ", WALK),
+    "a pair of the next stretch": (
+        TileFlushScan,
+        r"\(first\), stretch\)",
+        "(first), next_stretch)",
+        WALK,
+    ),
     "the stretch of before": (
-        Walker,
+        TileFlushScan,
         r"next_stretch\.eq\(number_of\(lowest\)\)",
         "next_stretch.eq(number_of(stretch_bit))",
         WALK,
     ),
-    "reached at the moment": (Walker, r", now\) \| reach", ", now | reach)", WALK, "_reached"),
+    "reached at the moment": (
+        TileFlushScan,
+        r", now\) \| reach",
+        ", now | reach)",
+        WALK,
+        "_reached",
+    ),
     "reached by a first word": (
-        Walker,
+        TileFlushScan,
         r"own\[0\] \| own\[1\]",
         "own[0]",
         "a_tile_on_two_stretches_reaches_both",
         "_reached",
     ),
     "forgotten at a turn": (
-        Walker,
+        TileFlushScan,
         r"turned, now, before\)",
         "turned, 0, before)",
         WALK,
         "_reached",
     ),
-    "forgotten a turn later": (Walker, r"return now \| before", "return now", WALK, "_reached"),
+    "forgotten a turn later": (
+        TileFlushScan,
+        r"return now \| before",
+        "return now",
+        WALK,
+        "_reached",
+    ),
     "never forgotten": (
-        Walker,
+        TileFlushScan,
         r"clean \| turned, 0",
         "clean, 0",
         "a_stretch_that_nothing_reached_is_passed_over",
         "_reached",
     ),
     "reached by tiles alone": (
-        Walker,
+        TileFlushScan,
         r"\(loaded & self\.load\.any\(\)\.replicate\(len\(reach\)\)\)",
         "0",
         "loaded_words_too",
         "_reached",
     ),
     "a tile goes where a word does": (
-        LaneWindow,
+        TileWindow,
         r"& ~\(first & meeting\)",
         "",
         "with_stalls",
     ),
     "lanes kept from what goes first": (
-        LaneWindow,
+        TileWindow,
         r" & ~\(line & first\.replicate\(SIDE\)\)",
         "",
         "with_stalls",
     ),
     "lanes not kept for a tile": (
-        LaneWindow,
+        TileWindow,
         r"& \(first \| ~\(offered & meeting\)\)",
         "",
         "with_stalls",
@@ -317,8 +341,8 @@ REWRITTEN_COLLISIONS = {
 }
 BENCHES = {
     Tiler: (Tiler, test_tiler),
-    Walker: (Walker, test_walker),
-    Marks: (Marks, test_marks),
+    TileFlushScan: (TileFlushScan, test_walker),
+    TileDirtyBits: (TileDirtyBits, test_marks),
     ColourUnit: (test_colour.Painter, test_colour),
 }
 
@@ -326,7 +350,7 @@ BENCHES = {
 def check_rewritten(monkeypatch, part, pattern, replacement, test, method="elaborate", **options):
     """Break a component and run a test on it, or on the window of lanes that it is part of."""
     rewrite(monkeypatch, part, method, pattern, replacement)
-    component, bench = BENCHES.get(part, (LaneWindow, test_lane_window))
+    component, bench = BENCHES.get(part, (TileWindow, test_lane_window))
     assert hasattr(bench, test)
     with pytest.raises(SimulationError):
         run_preset(PAPER, component, bench.__file__, test=test, **options)
@@ -341,4 +365,4 @@ def test_a_rewritten_window_of_lanes_is_noticed(monkeypatch, broken):
 @pytest.mark.parametrize("broken", REWRITTEN_COLLISIONS.values(), ids=REWRITTEN_COLLISIONS)
 def test_a_pixel_that_is_read_while_it_is_written_is_noticed(monkeypatch, broken):
     """Where the memory is as unkind as it may be."""
-    check_rewritten(monkeypatch, LaneWindow, *broken, edit=test_lane_window.collide)
+    check_rewritten(monkeypatch, TileWindow, *broken, edit=test_lane_window.collide)

@@ -9,7 +9,7 @@ from lane_frames import Bench, Painter, random_frame
 from presets import run_bench
 from test_window import BACKGROUND, END, RASTER, beats_of, random_image
 
-from splatline.rtl.lane_window import LaneWindow
+from splatline.rtl.lane_window import TileWindow
 from splatline.rtl.presets import PAPER
 from splatline.sim.cosim import blocks
 from splatline.sim.cosim.blocks import pack, unpack
@@ -240,11 +240,11 @@ def collide(text):
 
 
 def test_lane_window_draws_every_frame():
-    blocks.run_bench(LaneWindow(PAPER), __file__)
+    blocks.run_bench(TileWindow(PAPER), __file__)
 
 
 def test_lane_window_in_the_quickest_simulator():
-    run_bench(PAPER, LaneWindow, __file__, test="in_short", edit=collide)
+    run_bench(PAPER, TileWindow, __file__, test="in_short", edit=collide)
 
 
 @pytest.mark.parametrize(
@@ -257,4 +257,4 @@ def test_lane_window_in_the_quickest_simulator():
     ],
 )
 def test_no_pixel_counts_that_two_ports_have_at_once(test):
-    run_bench(PAPER, LaneWindow, __file__, test=test, edit=collide)
+    run_bench(PAPER, TileWindow, __file__, test=test, edit=collide)

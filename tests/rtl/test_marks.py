@@ -5,7 +5,7 @@ import random
 import cocotb
 from presets import CONFIG, run_bench
 
-from splatline.rtl.marks import RESIDUES, Marks, mark_bits, stretches
+from splatline.rtl.dirty_bits import RESIDUES, TileDirtyBits, mark_bits, stretches
 from splatline.rtl.presets import PAPER
 from splatline.sim.cosim.streams import StreamBench
 
@@ -33,7 +33,7 @@ class Touch:
         touched = [(rng.randrange(2), rng.randrange(2)) for _ in range(RESIDUES)]
         return cls(word, touched, groups)
 
-    def marks(self, load=None):
+    def dirty_bits(self, load=None):
         """The pairs that it and ``load`` (word, line) write, {(place of the line, pair)}."""
         pairs = {
             (4 * group + residue, word // 2)
@@ -127,7 +127,7 @@ async def random_touches(dut):
                 if rng.random() < 0.3 or any(touch.touched[load[1] % 4]):
                     load = None
                 await bench.step(lambda touch=touch, load=load: touch.drive(dut, load=load))
-                marked |= touch.marks(load)
+                marked |= touch.dirty_bits(load)
         for line in range(LINES):
             for stretch in range(STRETCHES):
                 expected = stretch_of(marked, line, stretch)
@@ -148,9 +148,9 @@ async def every_word_marks_its_pair(dut):
             touch = Touch(word, touched, [line // 4] * RESIDUES)
             await bench.step(lambda touch=touch: touch.drive(dut))
             taken = set()
-            for stretch in {pair // PAIRS for _, pair in touch.marks()}:
+            for stretch in {pair // PAIRS for _, pair in touch.dirty_bits()}:
                 taken |= await take(dut, bench, rng, line, stretch)
-            assert taken == touch.marks(), (word, flags)
+            assert taken == touch.dirty_bits(), (word, flags)
 
 
 @cocotb.test()
@@ -162,7 +162,7 @@ async def a_wipe_takes_four_lines_and_no_more(dut):
         for word in range(0, WORDS, 2):
             touch = Touch(word, [(1, 0)] * RESIDUES, [group] * RESIDUES)
             await bench.step(lambda touch=touch: touch.drive(dut))
-            marked |= touch.marks()
+            marked |= touch.dirty_bits()
     assert len(marked) == LINES * STRETCHES * PAIRS
     for group, stretch in ((2, 1), (0, 0), (3, STRETCHES - 1)):
         await take(dut, bench, rng, 4 * group, stretch, wipe=1)
@@ -175,4 +175,4 @@ async def a_wipe_takes_four_lines_and_no_more(dut):
 
 
 def test_marks_are_what_was_touched(block_simulator):
-    run_bench(PAPER, Marks, __file__, simulator_name=block_simulator)
+    run_bench(PAPER, TileDirtyBits, __file__, simulator_name=block_simulator)

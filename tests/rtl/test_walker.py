@@ -1,4 +1,4 @@
-"""The walker: each written pair of words is asked for once, in order, and nothing else is."""
+"""The flush scan: each written pair of words is asked for once, in order, and nothing else is."""
 
 import random
 
@@ -9,10 +9,10 @@ from slides import Slide
 from test_marks import STRETCHES, WORDS, Touch
 
 from splatline.rtl.layouts import PlaceLayout
-from splatline.rtl.marks import RESIDUES
+from splatline.rtl.dirty_bits import RESIDUES
 from splatline.rtl.presets import PAPER
 from splatline.rtl.variants import VARIANTS
-from splatline.rtl.walker import Walker
+from splatline.rtl.flush_scan import TileFlushScan
 
 PLACE = PlaceLayout(CONFIG)
 LOWEST = (1 << CONFIG.line_bits + 1) - 1
@@ -20,7 +20,7 @@ NOTHING = Touch(0, [(0, 0)] * RESIDUES, [0] * RESIDUES)
 
 
 class LaneSlide(Slide):
-    """A walker over lanes whose window slides down an image."""
+    """A flush scan over lanes whose window slides down an image."""
 
     def __init__(self, dut, seed, rate=1.0):
         super().__init__(dut, seed, rate, PLACE, LOWEST)
@@ -50,7 +50,7 @@ class LaneSlide(Slide):
         assert self.enabled or not taking
         assert not taking or oldest < top
         touch.drive(dut, idle=taking, load=load)
-        dut.reaching.value = int(bool(touch.marks()))
+        dut.reaching.value = int(bool(touch.dirty_bits()))
 
         def observe():
             assert int(dut.taking.value) == taking, "taking is known before all else"
@@ -59,7 +59,7 @@ class LaneSlide(Slide):
         await self.bench.step(observe=observe)
         self.enabled = enable
         if not taking:
-            for place, pair in touch.marks(load):
+            for place, pair in touch.dirty_bits(load):
                 line = self.line_of(place, oldest)
                 self.expected |= {(line, 2 * pair), (line, 2 * pair + 1)}
         return not taking
@@ -133,7 +133,7 @@ async def loaded_words_too(dut):
                 limit += 1
             if top + 5 < limit and rng.random() < 0.3:
                 top += 1
-            both += load is not None and bool(touch.marks())
+            both += load is not None and bool(touch.dirty_bits())
             await slide.cycle(top, touch, rng.random() < 0.9, limit, load)
         await slide.finish(rng)
     assert both > 50
@@ -229,9 +229,9 @@ async def nothing_leaves_unasked(dut):
 
 
 def test_walker_asks_for_what_was_written(block_simulator):
-    run_bench(PAPER, Walker, __file__, simulator_name=block_simulator)
+    run_bench(PAPER, TileFlushScan, __file__, simulator_name=block_simulator)
 
 
 def test_walker_chooses_among_sixteen_stretches():
     (config,) = (config for config in VARIANTS if config.name == "wide2048")
-    run_bench(config, Walker, __file__)
+    run_bench(config, TileFlushScan, __file__)
