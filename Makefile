@@ -79,13 +79,13 @@ test: setup
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)
 
 formal: setup
-	@PYTHONPATH=tests/rtl $(VENV)/bin/python tests/formal/prove_all.py $(PROOFS)
+	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)
 
 # mypy does not follow the import hook of an editable install whose packages live outside a folder
 # named splatline, so it gets that folder, made of links.
 lint: setup
 	@mkdir -p build/types/splatline
-	@for part in cli host rtl sim; do ln -sfn ../../../$$part build/types/splatline/$$part; done
+	@for part in contract rtl flow host sim plots cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	MYPYPATH=build/types $(VENV)/bin/mypy

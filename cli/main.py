@@ -11,15 +11,15 @@ from typing import Any
 
 import click
 
-from ..host.errors import InputError
-from ..rtl.tools import ToolError
-from .bench import bench
-from .errors import ToolFailure
-from .frames import encode, info, play
-from .hardware import synth, verilog
-from .pnr import netlist, pnr
-from .registers import registers
-from .render import render
+from splatline.cli.bench.command import bench
+from splatline.cli.commands.encode_play_info import encode, info, play
+from splatline.cli.commands.pnr import netlist, pnr
+from splatline.cli.commands.registers import registers
+from splatline.cli.commands.render import render
+from splatline.cli.commands.verilog_synth import synth, verilog
+from splatline.contract.errors import InputError
+from splatline.contract.tool_error import ToolFailure
+from splatline.flow.tools import ToolError
 
 __all__ = ["main"]
 

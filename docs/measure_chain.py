@@ -16,17 +16,17 @@ from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from splatline.rtl.chain import QUEUE
-from splatline.rtl.format import EngineConfig
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.flow.area.synth import count_component
+from splatline.flow.timing.pnr import CONSTRAINTS, DEVICES, OPTIONS, SYNTHESIS, read_report
+from splatline.flow.tools import run_nextpnr, run_yosys
+from splatline.flow.verilog import convert
+from splatline.rtl.bus.narrow_top import BEAT_PIECE, Gatherer, Splitter
+from splatline.rtl.chain.chain import QUEUE
+from splatline.rtl.chain.merger import Merger
 from splatline.rtl.layouts import RasterLayout
-from splatline.rtl.merger import Merger
-from splatline.rtl.pins import BEAT_PIECE, Gatherer, Splitter
-from splatline.rtl.pnr import CONSTRAINTS, DEVICES, OPTIONS, SYNTHESIS, read_report
-from splatline.rtl.presets import PAPER
-from splatline.rtl.queue import Fifo
-from splatline.rtl.synth import count_component
-from splatline.rtl.tools import run_nextpnr, run_yosys
-from splatline.rtl.verilog import convert
+from splatline.rtl.lib.fifo import Fifo
 
 SEEDS = (1, 2, 3, 4)
 

@@ -8,10 +8,10 @@ from other words, which then have 65); and pieces of 16 bits, as the pins take t
 
 import numpy as np
 
+from splatline.contract.config import COMPACT
+from splatline.contract.variants import SHAPED
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
-from splatline.host.scenes import SCENES
-from splatline.rtl.format import COMPACT
-from splatline.rtl.variants import SHAPED
+from splatline.host.scenes.scenes import SCENES
 
 FACTORS = (1, 2, 4, 6)
 SHORT, WORD, PIECE = 57, 64, 16

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
+from splatline.contract.presets import PAPER, SWIFT
 from splatline.host import fit_view, load_scene, make_frame, read_cloud, splat_radii
-from splatline.host.scenes import SCENES
-from splatline.rtl.presets import PAPER, SWIFT
+from splatline.host.scenes.scenes import SCENES
 from splatline.sim import golden
-from splatline.sim.cosim.frames import simulate_frame
-from splatline.sim.cycles import count_cycles
+from splatline.sim.cosim.player.frames import simulate_frame
+from splatline.sim.cycles.cycles import count_cycles
 
 
 def in_column_order(frame):

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from splatline.host import Cloud, View, fit_view, load_scene, make_frame, splat_radii
-from splatline.host.scenes import SCENES
+from splatline.host.scenes.scenes import SCENES
 from splatline.sim import golden
 
 SIZE = 512

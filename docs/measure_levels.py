@@ -8,7 +8,7 @@ full scale (root mean squares).
 
 import numpy as np
 
-from splatline.host.lighting import Lighting
+from splatline.host.shading.lighting import Lighting
 
 LEVELS = 64
 COUNT = 40_000

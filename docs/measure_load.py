@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import sys
 
+from splatline.contract.presets import PRESETS
+from splatline.contract.variants import VARIANTS
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
-from splatline.host.scenes import SCENES
-from splatline.rtl.presets import PRESETS
-from splatline.rtl.variants import VARIANTS
+from splatline.host.scenes.scenes import SCENES
 from splatline.sim import golden
-from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cosim.player.frames import Job, play
 
 ENGINES = PRESETS | {config.name: config for config in VARIANTS}
 

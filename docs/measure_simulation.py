@@ -11,10 +11,10 @@ import sys
 import tempfile
 import time
 
+from splatline.contract.presets import get_preset
 from splatline.host import fit_view, load_scene, make_frame, splat_radii
-from splatline.rtl.presets import get_preset
 from splatline.sim import golden
-from splatline.sim.cosim.frames import build_engine, simulate_frame
+from splatline.sim.cosim.player.frames import build_engine, simulate_frame
 
 STALLS = (0.0, 0.25, 0.5)
 """Shares of the cycles in which each port is held back."""

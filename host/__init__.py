@@ -1,4 +1,7 @@
-"""The host: from a point cloud to the code words that an engine draws.
+"""The host: from a file to the code words that an engine draws.
+
+It imports ``contract``. Start with ``pipeline``, which calls the folders in their order: ``files``,
+``cloud``, ``visibility``, ``shading``, ``encode``.
 
 >>> from splatline import host, sim
 >>> cloud = host.read_cloud("scan.ply")
@@ -12,29 +15,29 @@ import importlib
 from typing import Any
 
 _HOMES = {
-    "Cloud": "cloud",
-    "Columns": "assemble",
-    "Frame": "frame",
-    "Index": "index",
-    "InputError": "errors",
-    "Light": "lighting",
-    "Lighting": "lighting",
-    "Materials": "materials",
-    "Scene": "scenes",
-    "Tables": "frame",
-    "SKIPS": "skips",
-    "View": "view",
-    "assemble_cloud": "assemble",
-    "build_index": "index",
-    "find_materials": "materials",
-    "fit_view": "view",
-    "load_frame": "store",
-    "load_scene": "scenes",
-    "make_frame": "pipeline",
-    "make_frames": "pipeline",
-    "read_cloud": "readers",
-    "save_frame": "store",
-    "splat_radii": "spacing",
+    "Cloud": "host.cloud.cloud",
+    "Columns": "host.files.assemble",
+    "Frame": "contract.frame",
+    "Index": "host.visibility.block_index",
+    "InputError": "contract.errors",
+    "Light": "host.shading.lighting",
+    "Lighting": "host.shading.lighting",
+    "Materials": "host.shading.materials",
+    "Scene": "host.scenes.scenes",
+    "Tables": "contract.frame",
+    "SKIPS": "host.visibility.skips",
+    "View": "host.visibility.view",
+    "assemble_cloud": "host.files.assemble",
+    "build_index": "host.visibility.block_index",
+    "find_materials": "host.shading.materials",
+    "fit_view": "host.visibility.view",
+    "load_frame": "host.frame_file",
+    "load_scene": "host.scenes.scenes",
+    "make_frame": "host.pipeline",
+    "make_frames": "host.pipeline",
+    "read_cloud": "host.files.readers",
+    "save_frame": "host.frame_file",
+    "splat_radii": "host.cloud.spacing",
 }
 
 __all__ = sorted(_HOMES)
@@ -44,7 +47,7 @@ def __getattr__(name: str) -> Any:
     """Import a public name on first use, so that importing the package costs nothing."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)
+    return getattr(importlib.import_module(f"splatline.{_HOMES[name]}"), name)
 
 
 def __dir__() -> list[str]:

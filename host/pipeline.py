@@ -10,21 +10,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import EngineConfig
-from ..rtl.presets import PAPER, PRESETS
-from ..rtl.variants import VARIANTS
-from .cloud import Cloud
-from .errors import InputError
-from .frame import Frame
-from .index import Index
-from .lighting import Lighting
-from .materials import Materials
-from .quality import DEFAULT_QUALITY, QUALITIES
-from .sample_places import SAMPLES
-from .shape_source import check_shapes
-from .skips import DEFAULT_SKIPS, check_skips
+from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError
+from splatline.contract.frame import Frame
+from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.variants import VARIANTS
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES
+from splatline.host.encode.shape_source import check_shapes
+from splatline.host.shading.lighting import Lighting
+from splatline.host.shading.materials import Materials
+from splatline.host.visibility.block_index import Index
+from splatline.host.visibility.skips import DEFAULT_SKIPS, check_skips
+from splatline.host.visibility.view import View
+
+from .sample_positions import SAMPLES
 from .stages import Stopwatch, draw_up, indexed
-from .view import View
 
 __all__ = ["make_frame", "make_frames", "total_counts"]
 

@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..rtl.format import EngineConfig
-from .cloud import Cloud
-from .encode import encode
-from .errors import InputError
-from .frame import Frame
-from .index import Index, build_index
-from .lighting import Lighting
-from .materials import Materials, find_materials, material_tables
-from .order import sort_by_line
-from .project import project
-from .shade import SHADE_LEVELS, shade_bits
-from .shapes import LEVELS
-from .view import View
+from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError
+from splatline.contract.frame import Frame
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.encode import encode
+from splatline.host.encode.shape_table import LEVELS
+from splatline.host.encode.sort_by_line import sort_by_line
+from splatline.host.shading.lighting import Lighting
+from splatline.host.shading.materials import Materials, find_materials, material_tables
+from splatline.host.shading.shade import SHADE_LEVELS, shade_bits
+from splatline.host.visibility.block_index import Index, build_index
+from splatline.host.visibility.project import project
+from splatline.host.visibility.view import View
 
 __all__ = ["Stopwatch", "draw_up", "indexed"]
 

@@ -4,19 +4,20 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from .block_tiler import BlockTiler
-from .block_window import BlockWindow
-from .colour import ColourUnit
-from .format import EngineConfig
-from .lane import lane_address_bits
-from .lane_row import row_address_bits
-from .lane_window import TileWindow
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.rtl.blocks.lane_row import row_address_bits
+from splatline.rtl.blocks.tiler import BlockTiler
+from splatline.rtl.blocks.window import BlockWindow
+from splatline.rtl.front.colour import ColourUnit
+from splatline.rtl.front.sequencer import Sequencer
+from splatline.rtl.front.tables import Tables
+from splatline.rtl.shapes.rom import ROM_LATENCY, ShapeRom
+from splatline.rtl.tiles.lane import lane_address_bits
+from splatline.rtl.tiles.tiler import Tiler
+from splatline.rtl.tiles.window import TileWindow
+
 from .layouts import CodeWordLayout, ElementLayout, RasterLayout, TableWriteLayout
-from .presets import PAPER
-from .sequencer import Sequencer
-from .shape_rom import ROM_LATENCY, ShapeRom
-from .tables import Tables
-from .tiler import Tiler
 
 __all__ = ["Engine", "engine_latency"]
 

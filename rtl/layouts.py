@@ -1,13 +1,13 @@
 """What travels on each stream of the engine: one layout for both ends of a link.
 
-The layouts of the outer ports follow the bit positions of :mod:`splatline.rtl.format`; the inner
+The layouts of the outer ports follow the bit positions of :mod:`splatline.contract.config`; the inner
 ones are the engine's own.
 """
 
 from amaranth.hdl import signed
 from amaranth.lib import data
 
-from .format import BLOCK, EngineConfig
+from splatline.contract.config import BLOCK, EngineConfig
 
 __all__ = [
     "ClearedLayout",

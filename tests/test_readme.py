@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from splatline.rtl.budgets import read_budgets
-from splatline.rtl.presets import PRESETS
+from splatline.contract.presets import PRESETS
+from splatline.flow.area.budgets import read_budgets
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")

@@ -43,7 +43,7 @@ def run_bench(
     SimulationError
         If a test fails.
     """
-    from ...rtl.verilog import convert
+    from splatline.flow.verilog import convert
 
     text = convert(component, "dut")
     if edit is not None:
@@ -52,7 +52,7 @@ def run_bench(
             raise ValueError("the edit found nothing to change")
         text = changed
     built = simulator.build({"dut.v": text}, "dut", simulator=simulator_name)
-    simulator.run(built, Path(bench).stem, test=test, module_folder=Path(bench).parent)
+    simulator.run(built, Path(bench), test=test)
 
 
 def pack(layout: data.Layout, **values: Any) -> int:

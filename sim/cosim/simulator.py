@@ -18,7 +18,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ...host.errors import InputError, install_hint
+from splatline.contract.errors import InputError, install_hint
 
 __all__ = ["SIMULATORS", "Build", "SimulationError", "available", "build", "run"]
 
@@ -207,13 +207,12 @@ def build(
 
 def run(
     built: Build,
-    module: str,
+    module: str | Path,
     *,
     test: str | None = None,
     plusargs: Sequence[str] = (),
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
-    module_folder: Path | None = None,
 ) -> None:
     """Run a module's cocotb tests on a built simulator.
 
@@ -222,7 +221,7 @@ def run(
     built
         What :func:`build` returned.
     module
-        Python module with the cocotb tests, importable by name.
+        Python module with the cocotb tests: its name, or its file.
     test
         One test's name; all of the module's if not given.
     plusargs
@@ -231,8 +230,6 @@ def run(
         Environment variables for the run.
     folder
         Where to run; a temporary folder if not given.
-    module_folder
-        Folder in which the module lies, if it is not installed.
 
     Raises
     ------
@@ -245,9 +242,10 @@ def run(
         log = folder / "run.log"
         results = folder / "results.xml"
         stack.enter_context(_tools_on_path())
-        if module_folder is not None:  # cocotb's runner hands sys.path on to the simulator
-            sys.path.insert(0, str(module_folder))
-            stack.callback(sys.path.remove, str(module_folder))
+        if isinstance(module, Path):
+            root, module = _locate(module)
+            sys.path.insert(0, str(root))  # cocotb's runner hands sys.path on to the simulator
+            stack.callback(sys.path.remove, str(root))
         try:
             _runner(built.simulator).test(
                 test_module=module,
@@ -267,6 +265,14 @@ def run(
             raise SimulationError(f"the simulation stopped\n{_tail(log)}") from error
         if failed or not ran:
             raise SimulationError(f"{failed} of {ran} cocotb tests failed\n{_tail(log)}")
+
+
+def _locate(file: Path) -> tuple[Path, str]:
+    """Return the folder from which a Python file is imported, and its name there."""
+    root, parts = file.resolve().parent, [file.stem]
+    while (root / "__init__.py").exists():
+        root, parts = root.parent, [root.name, *parts]
+    return root, ".".join(parts)
 
 
 def _runner(simulator: str) -> Any:

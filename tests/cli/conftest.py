@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from splatline.cli import engines
 from splatline.cli.main import main
+from splatline.cli.options import drawing as engines
 from splatline.sim import golden
-from splatline.sim.cosim.jobs import Outcome
+from splatline.sim.cosim.player.jobs import Outcome
 
 
 @pytest.fixture

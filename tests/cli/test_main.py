@@ -6,11 +6,11 @@ from importlib import metadata
 
 import pytest
 
-from splatline.cli import render as render_module
-from splatline.cli.errors import ToolFailure
+from splatline.cli.commands import render as render_module
 from splatline.cli.main import main
-from splatline.host.errors import InputError
-from splatline.rtl.tools import ToolError
+from splatline.contract.errors import InputError
+from splatline.contract.tool_error import ToolFailure
+from splatline.flow.tools import ToolError
 
 HEAVY = ("numpy", "numba", "scipy", "PIL", "matplotlib", "skimage", "amaranth", "cocotb", "rich")
 

@@ -9,13 +9,13 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
-from lane_window_proof import Narrow
-from properties import OneWord, Properties, any_value, parts
-from prove import Fault, Proof
 
-from splatline.rtl.chain import Chain
+from splatline.rtl.chain.chain import Chain
+from splatline.rtl.chain.merger import Merger
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
-from splatline.rtl.merger import Merger
+from tests.formal.properties import OneWord, Properties, any_value, parts
+from tests.formal.prove import Fault, Proof
+from tests.formal.tiles_window_proof import Narrow
 
 __all__ = ["PROOFS"]
 

@@ -4,13 +4,13 @@ from amaranth.hdl import Cat, Mux, Signal
 from amaranth.lib import data
 from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.memory import Memory
-from properties import OneWord, Properties, any_constant, parts
-from prove import Fault, Proof
 
-from splatline.rtl.lane import PixelLayout
-from splatline.rtl.merger import ROOM, Merger
-from splatline.rtl.presets import PAPER
-from splatline.rtl.queue import Fifo
+from splatline.contract.presets import PAPER
+from splatline.rtl.chain.merger import ROOM, Merger
+from splatline.rtl.lib.fifo import Fifo
+from splatline.rtl.tiles.lane import PixelLayout
+from tests.formal.properties import OneWord, Properties, any_constant, parts
+from tests.formal.prove import Fault, Proof
 
 __all__ = ["PROOFS", "Contract", "place_of"]
 

@@ -18,7 +18,8 @@ from pathlib import Path
 
 import pytest
 from amaranth.back import rtlil
-from faults import rewrite
+
+from tests.support.faults import rewrite
 
 __all__ = ["TOOLS", "Fault", "Outcome", "Proof", "prepare_solver", "run"]
 

@@ -1,7 +1,7 @@
 """Every proof of the hardware, with its planted faults: a line each.
 
-PYTHONPATH=tests/rtl python tests/formal/prove_all.py                  as ``make formal`` does
-PYTHONPATH=tests/rtl python tests/formal/prove_all.py bank --keep DIR  those with bank in the name
+python -m tests.formal.prove_all                as ``make formal`` does
+python -m tests.formal.prove_all bank --keep DIR  those with bank in the name
 """
 
 import argparse
@@ -13,7 +13,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from prove import TIMEOUT, Outcome, Proof, run
+from tests.formal.prove import TIMEOUT, Outcome, Proof, run
 
 __all__ = ["all_proofs", "main", "table"]
 
@@ -24,7 +24,9 @@ TAIL = 6
 def all_proofs() -> list[Proof]:
     """Return the proofs of every file here that is called ``*_proof.py``."""
     names = sorted(path.stem for path in Path(__file__).parent.glob("*_proof.py"))
-    return [proof for name in names for proof in importlib.import_module(name).PROOFS]
+    return [
+        proof for name in names for proof in importlib.import_module(f"tests.formal.{name}").PROOFS
+    ]
 
 
 def table(proofs: list[Proof]) -> str:

@@ -1,10 +1,10 @@
 """The registers that AXI streams end in lose nothing, invent nothing, and keep the order."""
 
 from amaranth.hdl import Mux, Signal
-from properties import Properties, any_value
-from prove import Fault, Proof
 
-from splatline.rtl.axi_stream import HalfSlice, RegisterSlice
+from splatline.rtl.bus.axi_stream import HalfSlice, RegisterSlice
+from tests.formal.properties import Properties, any_value
+from tests.formal.prove import Fault, Proof
 
 __all__ = ["PROOFS"]
 

@@ -4,32 +4,32 @@ from types import SimpleNamespace
 
 from amaranth.hdl import Cat, Const, Mux, Signal, signed
 from amaranth.lib.wiring import Out
-from properties import OneWord, Properties, any_constant, parts
-from prove import Fault, Proof
 
-from splatline.rtl.axi_lite import AxiLiteFront
-from splatline.rtl.axi_registers import RegisterFile
-from splatline.rtl.axi_stream import HalfSlice, RegisterSlice
+from splatline.contract.config import BLOCK
+from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.register_map import register_map
 from splatline.rtl.bank_walker import BankWalker
-from splatline.rtl.beat_emitter import BlockReadout
-from splatline.rtl.codeword_check import end_word, is_end
-from splatline.rtl.colour import ColourUnit
-from splatline.rtl.readout import Emitter
+from splatline.rtl.blocks.readout import BlockReadout
+from splatline.rtl.bus.axi_lite import AxiLiteFront
+from splatline.rtl.bus.axi_registers import RegisterFile
+from splatline.rtl.bus.axi_stream import HalfSlice, RegisterSlice
+from splatline.rtl.bus.codeword_check import end_word, is_end
+from splatline.rtl.bus.narrow_top import Gatherer, Splitter
+from splatline.rtl.bus.stream_guard import StreamGuard
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import BLOCK
+from splatline.rtl.front.colour import ColourUnit
+from splatline.rtl.front.sequencer import Sequencer
 from splatline.rtl.halver import Halver
-from splatline.rtl.lane_emitter import TileReadout
 from splatline.rtl.layouts import CodeWordLayout
-from splatline.rtl.loader import Loader
-from splatline.rtl.dirty_bits import RESIDUES
-from splatline.rtl.pins import Gatherer, Splitter
-from splatline.rtl.presets import PAPER, PRESETS, SWIFT
-from splatline.rtl.register_map import register_map
-from splatline.rtl.sequencer import Sequencer
-from splatline.rtl.shape_rom import ShapeRom
-from splatline.rtl.stream_guard import StreamGuard
-from splatline.rtl.tiler import Tiler
-from splatline.rtl.flush_scan import TileFlushScan
+from splatline.rtl.readout import Emitter
+from splatline.rtl.shapes.rom import ShapeRom
+from splatline.rtl.tiles.dirty_bits import RESIDUES
+from splatline.rtl.tiles.flush_scan import TileFlushScan
+from splatline.rtl.tiles.readout import TileReadout
+from splatline.rtl.tiles.tiler import Tiler
+from splatline.rtl.window.loader import Loader
+from tests.formal.properties import OneWord, Properties, any_constant, parts
+from tests.formal.prove import Fault, Proof
 
 __all__ = ["PROOFS"]
 

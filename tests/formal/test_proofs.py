@@ -4,10 +4,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import prove_all
 import pytest
-from prove import TOOLS, Outcome, prepare_solver, run
-from prove_all import all_proofs, table
+
+from tests.formal import prove_all
+from tests.formal.prove import TOOLS, Outcome, prepare_solver, run
+from tests.formal.prove_all import all_proofs, table
 
 QUICK = [proof for proof in all_proofs() if not proof.slow]
 

@@ -2,16 +2,16 @@ import dataclasses
 
 import numpy as np
 import pytest
-from clouds import cloud_of, sphere
 
-from splatline.host.errors import InputError
-from splatline.host.index import build_index
-from splatline.host.lighting import Light, Lighting
+from splatline.contract.errors import InputError
+from splatline.contract.presets import PRESETS
+from splatline.host.files.readers import read_cloud
 from splatline.host.pipeline import make_frame
-from splatline.host.readers import read_cloud
-from splatline.host.view import fit_view
-from splatline.rtl.presets import PRESETS
+from splatline.host.shading.lighting import Light, Lighting
+from splatline.host.visibility.block_index import build_index
+from splatline.host.visibility.view import fit_view
 from splatline.sim import golden
+from tests.support.clouds import cloud_of, sphere
 
 
 def frame_of(cloud, size=(96, 80), radius=0.06, **options):

@@ -4,16 +4,17 @@ import dataclasses
 
 import numpy as np
 import pytest
-from clouds import cloud_of, sphere
 
-from splatline.host.errors import InputError
-from splatline.host.lighting import Light, Lighting
+from splatline.contract.errors import InputError
+from splatline.contract.presets import PAPER, PRESETS
 from splatline.host.pipeline import make_frame, make_frames, total_counts
-from splatline.host.sample_places import SAMPLES
-from splatline.host.view import View, fit_view
-from splatline.rtl.presets import PAPER, PRESETS
-from splatline.sim import float_render, golden, reference
-from splatline.sim.average import average
+from splatline.host.sample_positions import SAMPLES
+from splatline.host.shading.lighting import Light, Lighting
+from splatline.host.visibility.view import View, fit_view
+from splatline.sim import golden, reference
+from splatline.sim.golden.multisample import average
+from splatline.sim.reference import point_sampled as float_render
+from tests.support.clouds import cloud_of, sphere
 
 
 @pytest.mark.parametrize("samples", [number for number in SAMPLES if number > 1])

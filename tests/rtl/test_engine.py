@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from amaranth.sim import Simulator
-from engines import engine, mismatches
-from faults import rewrite
-from random_frames import films, frame_of, nonsense, random_raster, shapes, word
-from scene_frames import scene_frame
 
-from splatline.host.order import advance_word, end_word
+from splatline.contract.presets import PAPER, SWIFT
+from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.rtl.engine import Engine, engine_latency
-from splatline.rtl.presets import PAPER, SWIFT
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cosim.player.frames import Job, play
+from tests.support.engines import engine, mismatches
+from tests.support.faults import rewrite
+from tests.support.random_frames import films, frame_of, nonsense, random_raster, shapes, word
+from tests.support.scene_frames import scene_frame
 
 FULL = [(0, 7)] * 4
 RATES = [

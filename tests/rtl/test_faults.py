@@ -9,35 +9,35 @@ import test_bank
 import test_bank_marks
 import test_bank_walker
 import test_decoder
-import test_engine
 import test_planar_bank
 import test_scatter
-import test_sequencer
 import test_window
-from engines import mismatches
-from faults import LANE_WRITES, fault, rewrite, switched
-from presets import run_bench as run_preset
-from presets import run_built
-from random_frames import shapes
 
+from splatline.contract.config import BAYER
+from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.variants import BANKS16
+from splatline.flow.verilog import convert
 from splatline.rtl.bank import Bank
 from splatline.rtl.bank_arbiter import BankArbiter
 from splatline.rtl.bank_marks import BankMarks
 from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.decoder import Decoder
 from splatline.rtl.engine import Engine
-from splatline.rtl.format import BAYER
+from splatline.rtl.front.sequencer import Sequencer
 from splatline.rtl.planar_bank import PlanarBank
-from splatline.rtl.presets import PAPER, PRESETS
 from splatline.rtl.scatter import Scatter
-from splatline.rtl.sequencer import Sequencer
-from splatline.rtl.variants import BANKS16
-from splatline.rtl.verilog import convert
 from splatline.rtl.window import Window
 from splatline.sim import golden
-from splatline.sim.cosim import frames, simulator
-from splatline.sim.cosim.player import wrap
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.player.player import frames, wrap
 from splatline.sim.cosim.simulator import SimulationError
+from tests.rtl import test_engine
+from tests.rtl.front import test_sequencer
+from tests.support.bench_config import run_bench as run_preset
+from tests.support.bench_config import run_built
+from tests.support.engines import mismatches
+from tests.support.faults import LANE_WRITES, fault, rewrite, switched
+from tests.support.random_frames import shapes
 
 ENGINES = PRESETS | {BANKS16.name: BANKS16}
 WAITS = "an_element_waits_for_the_window"
@@ -254,7 +254,7 @@ def test_a_wrong_threshold_is_noticed(monkeypatch):
 )
 def test_a_fault_in_the_engine_is_noticed(monkeypatch, preset, edit):
     """One bank of eight, or the window of lanes, forgets its conflicts: elements that touch mix."""
-    from splatline.rtl import verilog
+    from splatline.flow import verilog
 
     whole = verilog.generate
 

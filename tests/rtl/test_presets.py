@@ -1,18 +1,18 @@
 """Frames of every preset through its Verilog: golden's pictures, the cycle model's cycles."""
 
-import codewords as cw
 import numpy as np
 import pytest
-from engines import engine, mismatches
-from presets import OTHERS
-from random_frames import films, frame_of, nonsense, random_raster, shapes, word
-from scene_frames import scene_frame
 
-from splatline.host.frame import Frame, Tables
-from splatline.host.order import advance_word
-from splatline.rtl.presets import PAPER
-from splatline.sim.cosim.frames import Job, play
-from splatline.sim.cycles import count_cycles
+from splatline.contract.frame import Frame, Tables
+from splatline.contract.presets import PAPER
+from splatline.host.encode.sort_by_line import advance_word
+from splatline.sim.cosim.player.frames import Job, play
+from splatline.sim.cycles.cycles import count_cycles
+from tests.support import codewords as cw
+from tests.support.bench_config import OTHERS
+from tests.support.engines import engine, mismatches
+from tests.support.random_frames import films, frame_of, nonsense, random_raster, shapes, word
+from tests.support.scene_frames import scene_frame
 
 FULL = [(0, 7)] * 4
 RATES = [

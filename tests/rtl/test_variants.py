@@ -4,22 +4,22 @@ import os
 
 import numpy as np
 import pytest
-import test_presets
-from engines import mismatches
-from faults import rewrite
-from random_frames import frame_of, nonsense, random_raster, shapes, word
-from test_shaped_engine import mixed
 
-from splatline.host.order import advance_word
-from splatline.rtl.presets import PAPER, SWIFT
-from splatline.rtl.tiler import Tiler
-from splatline.rtl.variants import ALL_OF_EIGHT, VARIANTS
+from splatline.contract.presets import PAPER, SWIFT
+from splatline.contract.raster import Raster
+from splatline.contract.variants import ALL_OF_EIGHT, VARIANTS
+from splatline.host.encode.sort_by_line import advance_word
+from splatline.rtl.tiles.tiler import Tiler
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.frames import Job, play
+from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cosim.simulator import SimulationError
-from splatline.sim.cycles import count_cycles
-from splatline.sim.raster import Raster
+from splatline.sim.cycles.cycles import count_cycles
+from tests.rtl import test_presets
+from tests.rtl.shapes.test_shaped_engine import mixed
+from tests.support.engines import mismatches
+from tests.support.faults import rewrite
+from tests.support.random_frames import frame_of, nonsense, random_raster, shapes, word
 
 FULL = test_presets.FULL
 PLAYED = [

@@ -1,0 +1,4 @@
+"""``splatline bench``: one package a benchmark.
+
+It imports all rooms. Start with ``command``.
+"""

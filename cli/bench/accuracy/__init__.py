@@ -1,0 +1,1 @@
+"""``splatline bench accuracy``: error against run time."""

@@ -1,0 +1,1 @@
+"""``splatline bench chain``: chains of engines."""

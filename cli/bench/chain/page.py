@@ -1,0 +1,195 @@
+"""The page of ``splatline bench chain``: its numbers as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from splatline.cli.bench.markdown import table
+from splatline.host.encode.partition_methods import DEFAULT_METHOD, METHODS
+
+__all__ = ["TARGETS", "page", "rate"]
+
+TARGETS = {4: 3.8, 8: 7.0}
+"""Times as fast as one engine that a chain of so many must be."""
+
+PAPER_IDLE = 0.02
+PAPER_RATE = 1e8
+"""The paper's formula (3): an image of N elements takes max(0.02 s, N / 10^8)."""
+
+_Run = dict[str, Any]
+
+
+def rate(runs: Sequence[_Run], clocks_mhz: Mapping[str, float | None]) -> list[_Run]:
+    """Return runs with what follows from their cycles.
+
+    ``speedup``: over one engine that gets the elements in the same order; ``speedup_host``: over
+    one that gets them as the host has sorted them. ``bound``: the most that the first can be, as
+    a word of the raster leaves in a cycle. ``seconds``, ``video_fps`` at the preset's clock;
+    ``paper_seconds`` by the paper's formula. What there is nothing to compare with, or no clock, is
+    None.
+    """
+    alone = {
+        (run["scene"], run["preset"], run["method"]): run["cycles"]
+        for run in runs
+        if run["engines"] == 1
+    }
+    rated = []
+    for run in runs:
+        host = alone.get((run["scene"], run["preset"], "elements"))
+        # Whole lines come to one engine in the host's order.
+        same = alone.get((run["scene"], run["preset"], run["method"]), host)
+        least = None if same is None else max(same / run["engines"], run["beats"])
+        clock = clocks_mhz[run["preset"]]
+        rated.append(
+            {
+                **run,
+                "speedup": None if same is None else round(same / run["cycles"], 3),
+                "speedup_host": None if host is None else round(host / run["cycles"], 3),
+                "bound": None if same is None or least is None else round(same / least, 3),
+                "seconds": None if clock is None else run["cycles"] / clock / 1e6,
+                "paper_seconds": max(PAPER_IDLE, run["elements"] / PAPER_RATE),
+                "video_fps": _fps(run["video_cycles"], clock),
+                "video_table_fps": _fps(run["video_table_cycles"], clock),
+            }
+        )
+    return rated
+
+
+def _fps(cycles: int | None, clock_mhz: float | None) -> float | None:
+    return None if cycles is None or clock_mhz is None else round(clock_mhz * 1e6 / cycles, 1)
+
+
+def page(report: dict[str, Any]) -> str:
+    """Return the report as Markdown."""
+    runs = report["runs"]
+    width, height = report["size"]
+    versions = ", ".join(f"{name} {number}" for name, number in report["versions"].items())
+    merged = [run for run in runs if run["link"] == "merge"]
+    first = runs[0]["scene"]
+    rates = ", ".join(
+        f"{name} {'unknown' if clock is None else f'{clock:g} MHz'}"
+        for name, clock in report["clock_mhz"].items()
+    )
+    parts = [
+        "# Chains of engines",
+        f"Made by `splatline bench chain`: {width} x {height} pixels, splats of 2.5 pixels;"
+        f" {versions}. Cycles are counted in the Verilog, in Verilator, from the first code word to"
+        " the end beat; every picture was compared with golden's:"
+        f" {sum(run['mismatched_pixels'] for run in runs):,} pixels differ. Times are those of"
+        f" the rate at which one engine is routed on an ECP5 (`splatline pnr`): {rates};"
+        " no chain was routed.",
+        "A speed-up is over one engine that is given the elements in the same order, and over one"
+        " that is given the frame as the host has sorted it. A word of the raster leaves in a"
+        " cycle, so that no chain is faster than the bound: the cycles of one engine over the"
+        " larger of their share and the raster's words. A scene that is filled shows that bound.",
+        "## What it must show",
+        table(
+            ("engines", "preset", "scene", "speed-up", "at least", "bound", "met"),
+            _verdicts(merged),
+            words=("preset", "scene", "met"),
+        ),
+        "## Engines",
+        f"Elements dealt by {DEFAULT_METHOD}, pictures merged. The paper's time is its formula (3):"
+        " max(0.02 s, N / 10^8), for its four engines.",
+        table(
+            (
+                *("scene", "preset", "engines", "elements", "raster words", "cycles", "speed-up"),
+                *("over host's order", "bound", "ms", "paper, ms", "fill, cycles", "drain, cycles"),
+            ),
+            (_engines(run) for run in merged if run["method"] == DEFAULT_METHOD),
+            words=("scene", "preset"),
+        ),
+        "Fill: from the first code word to the raster's first beat. Drain: from the last end word"
+        " to the end beat.",
+        "## Video",
+        "Frames behind each other, without new tables and with all of them written before each"
+        " frame, which wait until nothing is left of the one before. Idle: an engine takes no code"
+        " word between a frame's end word and the next frame's first; the mean of all engines, of"
+        " which those that are done wait for the last to begin the frame they are at.",
+        table(
+            (
+                *("scene", "preset", "engines", "cycles a frame", "frames/s", "idle, cycles"),
+                *("with tables", "frames/s", "idle, cycles", "table writes"),
+            ),
+            (_video(run) for run in merged if run["method"] == DEFAULT_METHOD),
+            words=("scene", "preset"),
+        ),
+        f"## Dealing, and loading: {first}",
+        "\n".join(f"- `{name}`: {meaning}." for name, meaning in METHODS.items())
+        + "\n- Link `load`: each engine loads the picture so far and draws over it.",
+        table(
+            ("preset", "link", "dealt by", "engines", "cycles", "speed-up", "over host's order"),
+            (_dealing(run) for run in runs if run["scene"] == first),
+            words=("preset", "link", "dealt by"),
+        ),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _verdicts(runs: Sequence[_Run]) -> Iterable[tuple[str, ...]]:
+    for run in runs:
+        least = TARGETS.get(run["engines"])
+        if run["method"] == DEFAULT_METHOD and least is not None:
+            yield (
+                f"{run['engines']}",
+                run["preset"],
+                run["scene"],
+                _number(run["speedup"]),
+                f"{least:g}",
+                _number(run["bound"]),
+                "yes" if run["speedup"] >= least else "**no**",
+            )
+
+
+def _engines(run: _Run) -> tuple[str, ...]:
+    return (
+        run["scene"],
+        run["preset"],
+        f"{run['engines']}",
+        f"{run['elements']:,}",
+        f"{run['beats']:,}",
+        f"{run['cycles']:,}",
+        _number(run["speedup"]),
+        _number(run["speedup_host"]),
+        _number(run["bound"]),
+        _number(None if run["seconds"] is None else 1e3 * run["seconds"]),
+        f"{1e3 * run['paper_seconds']:.2f}",
+        f"{run['fill_cycles']:,}",
+        f"{run['drain_cycles']:,}",
+    )
+
+
+def _video(run: _Run) -> tuple[str, ...]:
+    return (
+        run["scene"],
+        run["preset"],
+        f"{run['engines']}",
+        f"{run['video_cycles']:,}",
+        _whole(run["video_fps"]),
+        _whole(run["idle_cycles"]),
+        f"{run['video_table_cycles']:,}",
+        _whole(run["video_table_fps"]),
+        _whole(run["idle_table_cycles"]),
+        f"{run['table_writes']}",
+    )
+
+
+def _dealing(run: _Run) -> tuple[str, ...]:
+    return (
+        run["preset"],
+        run["link"],
+        run["method"],
+        f"{run['engines']}",
+        f"{run['cycles']:,}",
+        _number(run["speedup"]),
+        _number(run["speedup_host"]),
+    )
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _whole(value: float | None) -> str:
+    return "-" if value is None else f"{value:,.0f}"

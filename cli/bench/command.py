@@ -1,0 +1,115 @@
+"""``splatline bench``: measurements that become pages, tables and plots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from splatline.cli.bench.chain.command import chain
+from splatline.cli.bench.configurations.measure import configurations
+from splatline.cli.bench.engine.command import engine
+from splatline.cli.bench.host.measure import host
+from splatline.cli.bench.stability.measure import stability
+from splatline.cli.options.outputs import check_folder
+from splatline.cli.options.parameters import ORBIT, SIZE
+from splatline.cli.report.progress import Counter
+
+from .options import folder_option, scenes_option
+from .subjects import check_names
+
+__all__ = ["bench"]
+
+
+@click.group()
+def bench() -> None:
+    """Measure, and write tables and plots of it.
+
+    \b
+    Examples:
+      splatline bench accuracy                  every quality and preset against the reference
+      splatline bench chain                     several engines, in their Verilog
+      splatline bench configurations            other windows, words, widths and depths
+      splatline bench engine                    cycles beside the fewest that the memory allows
+      splatline bench host                      rates of every stage, beside other renderers
+      splatline bench stability                 the stress suite as tables
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+
+
+@bench.command()
+@click.argument("clouds", nargs=-1, type=click.Path(path_type=Path), metavar="[CLOUD ...]")
+@scenes_option
+@click.option(
+    "--view",
+    "views",
+    multiple=True,
+    type=ORBIT,
+    metavar="AZ,EL",
+    show_default="the scene's, or 30,20",
+    help="Azimuth and elevation of the eye in degrees; may be given several times.",
+)
+@click.option("--size", type=SIZE, metavar="WxH", default=None, show_default="512x512",
+              help="Size of the image in pixels.")  # fmt: skip
+@folder_option("accuracy.json, accuracy.md and the plots")
+@click.option(
+    "--no-pictures",
+    "unseen",
+    multiple=True,
+    metavar="NAME",
+    help="Keep a cloud's numbers without its pictures, where terms forbid them; may be repeated.",
+)
+@click.option("--quick", is_flag=True, help="A small image and few runs: a trial.")
+def accuracy(
+    clouds: tuple[Path, ...],
+    scenes: tuple[str, ...],
+    views: tuple[tuple[float, float], ...],
+    size: tuple[int, int] | None,
+    out_dir: Path,
+    unseen: tuple[str, ...],
+    quick: bool,
+) -> None:
+    """Measure every quality, preset and skip against the exact reference.
+
+    Times, code words, cycles and errors, for the built-in scenes and any CLOUDs, with splats of the
+    points' spacing and of several sizes in pixels.
+
+    \b
+    Examples:
+      splatline bench accuracy
+      splatline bench accuracy scan.ply --view 30,20 --view -120,5 --out-dir build/bench
+      splatline bench accuracy --scene knot --quick --out-dir build/bench
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+    from splatline.cli.bench.accuracy.measure import Sweep, measure
+    from splatline.cli.bench.accuracy.write import write_accuracy
+    from splatline.contract.errors import InputError
+    from splatline.host.scenes.scenes import SCENES
+
+    names = check_names(scenes or tuple(SCENES), clouds)
+    for name in unseen:
+        if name not in names:
+            raise InputError(f"no pictures of {name!r} to leave out; there are: {', '.join(names)}")
+    check_folder(out_dir)
+    sweep = Sweep(clouds, scenes or SCENES, views, size or (512, 512))
+    if quick:
+        sweep = Sweep(
+            clouds,
+            scenes or SCENES[-1:],
+            views,
+            size or (64, 64),
+            splats=(None, 3.5),
+            presets=("paper", "rgb24"),
+            fewer_presets=("paper",),
+            ladders=(None,),
+            sampled=(3.5,),
+            samples={"paper": (4,)},
+            repeats=1,
+        )
+    with Counter(sweep.total()) as counter:
+        results, crops = measure(sweep, counter.advance)
+    shown = [crop for crop in crops if crop.scene not in unseen]
+    files = write_accuracy(out_dir, results, shown)
+    click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
+
+
+for _command in (chain, configurations, engine, host, stability):
+    bench.add_command(_command)

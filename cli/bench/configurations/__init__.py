@@ -1,0 +1,1 @@
+"""``splatline bench configurations``: windows, sizes and depths compared."""

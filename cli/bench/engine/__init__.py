@@ -1,0 +1,1 @@
+"""``splatline bench engine``: cycles beside the fewest possible."""

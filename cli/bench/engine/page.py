@@ -1,0 +1,116 @@
+"""The page of ``splatline bench engine``: its numbers as tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from splatline.cli.bench.markdown import table
+
+from .few_elements import PIXELS
+from .targets import LEAST_RATE, TARGETS, Target
+
+__all__ = ["page"]
+
+FEW = ("elements", "codewords", "raster_words", "cycles")
+
+
+def page(report: dict[str, Any]) -> str:
+    """Return the report as Markdown."""
+    runs = report["runs"]
+    width, height = report["size"]
+    versions = ", ".join(f"{name} {number}" for name, number in report["versions"].items())
+    parts = [
+        "# How fast the engine is",
+        f"Made by `splatline bench engine`: {width} x {height} pixels; {versions}. Cycles run from"
+        " the first code word of an engine's first frame to its end beat; they are the Verilog's,"
+        " counted without running it. The bound is the fewest that the organisation of the memory"
+        " allows for the same frame: lanes, a window of so many lines, and a beat of the"
+        f" raster a cycle. Rates are those of {report['clock_hz'] / 1e6:g} MHz.",
+        "## What it must show",
+        "The worst run of each kind. A splat's size is the median diameter.",
+        table(
+            ("target", "preset", "limit", "worst", "of", "runs that meet it", "met"),
+            (_verdict(row) for row in report["targets"]),
+            words={"target", "preset", "of", "met"},
+        ),
+    ]
+    rated = any(run["lut4"] is not None for run in runs)
+    if report["rates"]:
+        parts += [
+            f"Elements a second for a LUT, `fast`, splats of 2 to 4 pixels; asked for are"
+            f" {LEAST_RATE:,}, and the paper has 11,600:",
+            table(
+                ("preset", "LUTs", "most", "of", "median", "least", f"runs of {LEAST_RATE:,}"),
+                map(_rate, report["rates"]),
+                words={"preset", "of"},
+            ),
+        ]
+    heads = (
+        *("scene", "splats, px", "quality", "elements", "code words", "cycles", "an element"),
+        *("a code word", "bound", "ratio", "raster words", "M elements/s"),
+        *(("elements/s of a LUT",) if rated else ()),
+    )
+    for preset in dict.fromkeys(run["preset"] for run in runs):
+        rows = [run for run in runs if run["preset"] == preset]
+        luts = rows[0]["lut4"]
+        parts.append(f"## Preset {preset}" + (f", {luts:,} LUTs" if rated else ""))
+        cells = (_cells(run)[: len(heads)] for run in rows)
+        parts.append(table(heads, cells, words={"scene", "splats, px", "quality"}))
+    parts += [
+        "## Few elements",
+        f"Splats of {PIXELS:g} pixels at random places. The frame is not the engine's first, which"
+        " waits until memory is cleared.",
+        table(
+            ("preset", "elements", "code words", "raster words", "cycles"),
+            ((row["preset"], *(f"{row[key]:,}" for key in FEW)) for row in report["few"]),
+            words={"preset"},
+        ),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _rate(row: dict[str, Any]) -> tuple[str, ...]:
+    """Return a preset's row of rates."""
+    figures = (f"{row[key]:,}" for key in ("median", "least"))
+    met = f"{row['runs_met']} of {row['runs']}"
+    return row["preset"], f"{row['lut4']:,}", f"{row['most']:,}", row["scene"], *figures, met
+
+
+def _verdict(row: dict[str, Any]) -> tuple[str, ...]:
+    target = TARGETS[row["target"]]
+    bound = "under" if target.below else "at most"
+    return (
+        _name(target),
+        row["preset"],
+        f"{bound} {target.limit:g}",
+        f"{row['figure']:.3f}",
+        f"{row['scene']}, {row['splats']}, {row['quality']}",
+        f"{row['runs_met']} of {row['runs']}",
+        "yes" if row["met"] else "**no**",
+    )
+
+
+def _name(target: Target) -> str:
+    """Return what a target limits, and in which runs."""
+    where = [target.quality] if target.quality else []
+    where += [f"{target.pixels[0]:g} to {target.pixels[1]:g} px"] if target.pixels else []
+    return f"{target.meaning}: {', '.join(where) or 'all'}"
+
+
+def _cells(run: dict[str, Any]) -> tuple[str, ...]:
+    auto = run["splats"] == "auto"
+    return (
+        run["scene"],
+        f"auto ({run['median_pixels']:.1f})" if auto else f"{run['splats']:g}",
+        run["quality"],
+        f"{run['elements']:,}",
+        f"{run['codewords']:,}",
+        f"{run['cycles']:,}",
+        f"{run['cycles_per_element']:.3f}",
+        f"{run['cycles_per_codeword']:.3f}",
+        f"{run['bound_cycles']:,}",
+        f"{run['ratio']:.3f}",
+        f"{run['raster_words']:,}",
+        f"{run['elements_per_second'] / 1e6:.1f}",
+        "-" if run["lut4"] is None else f"{run['elements_per_second_per_lut']:,}",
+    )

@@ -1,0 +1,1 @@
+"""``splatline bench host``: run time of host and golden."""

@@ -1,0 +1,121 @@
+"""The page of ``splatline bench host``: its numbers as tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from splatline.cli.bench.markdown import table
+
+__all__ = ["page"]
+
+WORDS = {"cloud", "quality", "view", "left out", "renderer"}
+"""Columns that are text."""
+
+
+def page(report: dict[str, Any]) -> str:
+    """Return the report as Markdown."""
+    width, height = report["size"]
+    versions = ", ".join(f"{name} {number}" for name, number in report["versions"].items())
+    parts = [
+        "# How fast the host is",
+        "",
+        f"Made by `splatline bench host`: {width} x {height} pixels, preset {report['preset']},"
+        f" {report['cores']} cores, {versions}. The fastest of some frames; a cloud in memory,"
+        " indexed once. Host is everything from points to sorted code words; golden draws them.",
+        "",
+        "## A frame, in milliseconds",
+        "",
+        table(
+            (
+                *("cloud", "quality", "elements", "project", "encode", "sort", "host"),
+                *("M points/s", "golden", "M words/s", "frame"),
+            ),
+            [_frame(run) for run in report["runs"] if run["view"] == "whole"],
+            WORDS,
+        ),
+        "",
+        "## The index, built once a cloud",
+        "",
+        table(
+            ("cloud", "points", "palette, ms", "index, ms", "bytes a point"),
+            _indices(report["runs"]),
+            WORDS,
+        ),
+        "",
+        "## Time follows what is seen",
+        "",
+        "The large cloud; host and golden in milliseconds.",
+        "",
+        table(
+            ("view", "quality", "elements", "left out", "host", "golden", "frame"),
+            [_seen(run) for run in report["runs"] if run["cloud"] == report["runs"][-1]["cloud"]],
+            WORDS,
+        ),
+    ]
+    if report["peers"]:
+        parts += [
+            "",
+            "## Beside other renderers",
+            "",
+            "Milliseconds a frame on the same cores in the same run, and how many times ours"
+            " (`fast`, host and golden).",
+            "",
+            table(
+                ("cloud", "renderer", "ms", "times ours"),
+                [_peer(r) for r in report["peers"]],
+                WORDS,
+            ),
+        ]
+    return "\n".join(parts) + "\n"
+
+
+def _ms(seconds: float) -> str:
+    return f"{1e3 * seconds:.1f}"
+
+
+def _frame(run: dict[str, Any]) -> tuple[str, ...]:
+    stages = run["seconds"]
+    return (
+        run["cloud"],
+        run["quality"],
+        f"{run['elements']:,}",
+        *(_ms(stages[name]) for name in ("project", "encode", "sort")),
+        _ms(run["host_seconds"]),
+        f"{run['points_per_second'] / 1e6:.1f}",
+        _ms(stages["golden"]),
+        f"{run['golden_words_per_second'] / 1e6:.1f}",
+        _ms(run["frame_seconds"]),
+    )
+
+
+def _indices(runs: list[dict[str, Any]]) -> list[tuple[str, ...]]:
+    rows = {
+        run["cloud"]: (
+            run["cloud"],
+            f"{run['points']:,}",
+            _ms(run["palette_seconds"]),
+            _ms(run["index_seconds"]),
+            f"{run['index_bytes_per_point']:.1f}",
+        )
+        for run in runs
+    }
+    return list(rows.values())
+
+
+def _seen(run: dict[str, Any]) -> tuple[str, ...]:
+    culled = (f"{name} {count:,}" for name, count in run["culled"].items() if count)
+    return (
+        run["view"],
+        run["quality"],
+        f"{run['elements']:,}",
+        ", ".join(culled).replace("_", " "),
+        _ms(run["host_seconds"]),
+        _ms(run["seconds"]["golden"]),
+        _ms(run["frame_seconds"]),
+    )
+
+
+def _peer(rival: dict[str, Any]) -> tuple[str, ...]:
+    if rival["seconds"] is None:
+        return rival["cloud"], rival["peer"], "not run", rival["why"]
+    return rival["cloud"], rival["peer"], _ms(rival["seconds"]), f"{rival['ratio']:.1f}"

@@ -1,0 +1,88 @@
+"""Other renderers of point clouds, drawing the same view: seconds a frame, cloud in memory."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from splatline.host.cloud.cloud import Cloud
+    from splatline.host.visibility.view import View
+
+__all__ = ["PEERS"]
+
+REPEATS = 3
+
+
+def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> float:
+    """Return VTK's seconds, by PyVista: square points of the mean splat's size, lit."""
+    import numpy as np
+    import pyvista
+
+    plotter = pyvista.Plotter(off_screen=True, window_size=[view.width, view.height])
+    points = pyvista.PolyData(cloud.positions.astype(np.float32))
+    points["colour"] = cloud.colours
+    points.point_data.active_normals = cloud.normals
+    distance = float(np.linalg.norm(view.eye))
+    size = max(1.0, 2.0 * float(radii.mean()) * view.focal / distance)
+    plotter.add_mesh(points, scalars="colour", rgb=True, point_size=size, lighting=True)
+    plotter.camera.position = tuple(view.eye)
+    plotter.camera.focal_point = tuple(view.eye + view.axes[2])
+    plotter.camera.up = tuple(-view.axes[1])
+    plotter.camera.view_angle = float(np.degrees(2 * np.arctan(0.5 * view.height / view.focal)))
+    plotter.show(auto_close=False)
+
+    def draw() -> Any:
+        plotter.render()
+        return plotter.screenshot(return_img=True)
+
+    seconds = _best(draw)
+    plotter.close()
+    return seconds
+
+
+def open3d_offscreen(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> float:
+    """Return Open3D's seconds: its off-screen renderer, points of the mean splat's size, lit."""
+    os.environ.setdefault("EGL_PLATFORM", "surfaceless")
+    import numpy as np
+    import open3d
+
+    renderer = open3d.visualization.rendering.OffscreenRenderer(view.width, view.height)
+    points = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(cloud.positions))
+    points.normals = open3d.utility.Vector3dVector(cloud.normals.astype(np.float64))
+    points.colors = open3d.utility.Vector3dVector(cloud.colours / 255.0)
+    material = open3d.visualization.rendering.MaterialRecord()
+    material.shader = "defaultLit"
+    distance = float(np.linalg.norm(view.eye))
+    material.point_size = max(1.0, 2.0 * float(radii.mean()) * view.focal / distance)
+    renderer.scene.add_geometry("cloud", points, material)
+    renderer.setup_camera(
+        float(np.degrees(2 * np.arctan(0.5 * view.height / view.focal))),
+        view.eye + view.axes[2],
+        view.eye,
+        -view.axes[1],
+    )
+    return _best(renderer.render_to_image)
+
+
+PEERS: dict[str, Callable[..., float]] = {
+    "VTK points (PyVista)": vtk_points,
+    "Open3D off-screen": open3d_offscreen,
+}
+"""Peers by name; each raises if it cannot draw here."""
+
+
+def _best(draw: Callable[[], Any]) -> float:
+    """Return the least seconds of some frames, after a first that may set up."""
+    draw()
+    least = float("inf")
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        draw()
+        least = min(least, time.perf_counter() - begin)
+    return least

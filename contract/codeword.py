@@ -1,0 +1,56 @@
+"""Reading a code word's block: which columns of each of its eight lines it covers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba as nb
+
+from .config import BLOCK, ROWS
+from .presets import PAPER
+
+__all__ = ["COLUMN", "FIRST", "LAST", "unfold"]
+
+# The scans have the same place in every configuration, so that the compiler may know it.
+FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
+LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
+COLUMN = PAPER.first(0).mask
+
+
+@nb.njit(cache=True)
+def unfold(word: int, rows: Any) -> int:
+    """Set the rows of an element's block: first and last column, first > last if it is empty.
+
+    The text is ``docs/contract.md``, "Half places". Columns are 0..8.
+
+    Parameters
+    ----------
+    word
+        A code word that is neither a control word nor a compact one: int64, the bits of an unsigned
+        one.
+    rows
+        Shape (8, 2), int64.
+
+    Returns
+    -------
+    int
+        By how many columns what is turned lies further right, 0 or 1.
+    """
+    for row in range(ROWS):
+        rows[row, 0], rows[row, 1] = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN
+    rows[ROWS:, 0], rows[ROWS:, 1] = 1, 0
+    if word & 1:
+        return 0
+    middle = ROWS - 1
+    raised = int(rows[middle, 0] >= ROWS > rows[middle, 1])
+    if raised:
+        rows[middle, 0], rows[middle, 1] = rows[middle, 1], rows[middle, 0]
+        right = int((rows[middle, 0] + rows[middle, 1]) % 2 == 0)
+    else:
+        right = int(rows[0, 0] > rows[0, 1] and rows[0, 0] & 2 != 0)
+    for row in range(ROWS - raised):
+        if rows[row, 0] <= rows[row, 1]:
+            below = BLOCK - 1 - raised - row
+            rows[below, 0] = BLOCK - 1 + right - rows[row, 1]
+            rows[below, 1] = BLOCK - 1 + right - rows[row, 0]
+    return right

@@ -1,0 +1,72 @@
+"""A frame ready for an engine: code words, tables and the size of the image."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .config import EngineConfig
+from .errors import InputError
+from .presets import PAPER
+
+__all__ = ["Frame", "Tables", "check_tables"]
+
+
+@dataclass(frozen=True)
+class Tables:
+    """What an engine is told before a frame (``docs/contract.md``, "Tables").
+
+    Parameters
+    ----------
+    ambient
+        I0 of red, green and blue, with ``colour_shift`` fraction bits: shape (3,), int64.
+    diffuse, specular
+        kd and ks of each material and channel: shape (2**material_bits, 3), int64.
+    """
+
+    ambient: npt.NDArray[np.int64]
+    diffuse: npt.NDArray[np.int64]
+    specular: npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Everything that an engine needs to draw one image.
+
+    Parameters
+    ----------
+    codewords
+        The stream, its end-of-frame word included: shape (n,), uint64.
+    tables
+        Material table and base colour.
+    width, height
+        Size of the image in pixels.
+    config
+        The engine that the code words are made for.
+    counts
+        What went in and what was left out, for the statistics: plain numbers and dictionaries.
+    """
+
+    codewords: npt.NDArray[np.uint64]
+    tables: Tables
+    width: int
+    height: int
+    config: EngineConfig = PAPER
+    counts: dict[str, Any] = field(default_factory=dict)
+
+
+def check_tables(tables: Tables, config: EngineConfig) -> None:
+    """Raise ``InputError`` if an engine of a configuration cannot hold what the tables say."""
+    coefficients = ((1 << config.material_bits, 3), config.coefficient_bits)
+    for name, table, (shape, bits) in (
+        ("ambient", tables.ambient, ((3,), config.ambient_bits)),
+        ("diffuse", tables.diffuse, coefficients),
+        ("specular", tables.specular, coefficients),
+    ):
+        if table.shape != shape:
+            raise InputError(f"the table {name!r} must have the shape {shape}, not {table.shape}")
+        if table.min() < 0 or table.max() >> bits:
+            raise InputError(f"the table {name!r} has values that do not fit {bits} bits")

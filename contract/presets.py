@@ -1,0 +1,44 @@
+"""The engines that have a name and a budget; see :mod:`splatline.contract.variants` for others."""
+
+from __future__ import annotations
+
+from .config import EngineConfig
+
+__all__ = ["DEFAULT", "PAPER", "PRESETS", "REMOVED", "RGB24", "SWIFT", "get_preset"]
+
+PAPER = EngineConfig(name="paper")
+"""The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
+
+RGB24 = PAPER.replace(name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8)
+"""The same with 8 + 8 + 8 bits of colour, in the same block RAMs; it fits the same device."""
+
+SWIFT = RGB24.replace(name="swift", window="blocks", pixels_per_word=8, raster_words=2)
+"""One code word a cycle, whatever its size: the fewest cycles, with eight times the block RAMs."""
+
+DEFAULT = RGB24
+"""What commands and functions draw with unless told otherwise."""
+
+PRESETS = {config.name: config for config in (PAPER, RGB24, SWIFT)}
+"""Named configurations."""
+
+REMOVED = {
+    "wide": "swift or lanes8",
+    "dither": "rgb24",
+    "rgb18": "rgb24",
+    "deep": "depth12",
+    "banks16": "swift",
+    "banks16-word4": "lanes8",
+    "word8": "lanes8",
+}
+"""Names that earlier versions had, and what to take instead."""
+
+
+def get_preset(name: str) -> EngineConfig:
+    """Return a named configuration, or raise ``ValueError`` with the names there are."""
+    try:
+        return PRESETS[name]
+    except KeyError:
+        if name in REMOVED:
+            raise ValueError(f"preset {name!r} was removed; take {REMOVED[name]}") from None
+        names = ", ".join(sorted(PRESETS))
+        raise ValueError(f"no preset named {name!r}; there are: {names}") from None

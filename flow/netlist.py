@@ -1,0 +1,56 @@
+"""The pin-level top as a netlist of Virtex-II's cells, for the vendor's last tools."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.flow.area.synth import COMMAND
+from splatline.rtl.bus.narrow_top import generate_pins
+
+from .tools import run_yosys
+
+__all__ = ["pin_netlist"]
+
+WRITE_EDIF = "write_edif -pvector bra"
+
+
+def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+    """Return an engine with its pins as EDIF, and as Yosys' JSON of the same cells.
+
+    ``-ise`` makes what ISE reads, buffers at the pins and a global one for the clock among it. The
+    commands are those by which resources are counted, so the netlist is what the counts are of.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    name
+        Name of the top module.
+
+    Returns
+    -------
+    edif
+        EDIF 2 0 0, buses in square brackets.
+    module
+        The flat top module.
+
+    Raises
+    ------
+    ToolError
+        If Yosys fails.
+    """
+    text, _ = generate_pins(config, name)
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        folder = Path(scratch)
+        (folder / "top.v").write_text(text)
+        script = (
+            f"read_verilog top.v; {COMMAND} -flatten -top {name}; "
+            f"{WRITE_EDIF} top.edif; write_json top.json"
+        )
+        run_yosys(script, folder)
+        module = json.loads((folder / "top.json").read_text())["modules"][name]
+        return (folder / "top.edif").read_text(), module

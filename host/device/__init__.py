@@ -1,0 +1,4 @@
+"""Drivers: one interface for a board and for a simulation.
+
+It imports ``contract``. Start with ``driver``.
+"""

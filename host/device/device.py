@@ -1,0 +1,70 @@
+"""What a driver needs of a device: registers, and streams in and out."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["BusError", "Device", "DeviceTimeoutError"]
+
+
+class BusError(OSError):
+    """The register bus answered with an error."""
+
+
+class DeviceTimeoutError(TimeoutError):
+    """A packet of the raster did not come to its end in time."""
+
+
+class Device(Protocol):
+    """An engine on its buses: a board (:mod:`splatline.host.device.xdma`) or a simulation of one.
+
+    A simulation is :class:`splatline.sim.cosim.axi.axi_device.SimulatedDevice`.
+    """
+
+    def read32(self, offset: int) -> int:
+        """Return the register at a byte offset.
+
+        Raises
+        ------
+        BusError
+            If the bus answers with an error and passes it on.
+        """
+
+    def write32(self, offset: int, value: int) -> None:
+        """Write the register at a byte offset; done when it returns.
+
+        Raises
+        ------
+        BusError
+            If the bus answers with an error and passes it on.
+        """
+
+    def send(
+        self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None
+    ) -> None:
+        """Start to send a packet of code words; it need not have been taken when this returns.
+
+        Parameters
+        ----------
+        codewords
+            Shape (n,), uint64.
+        initial
+            An initial raster, as :meth:`receive` returns one.
+        """
+
+    def receive(self) -> npt.NDArray[np.uint64]:
+        """Wait for a packet of the raster, its end beat included.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, bytes of a beat / 8), uint64, the lowest limb first.
+
+        Raises
+        ------
+        DeviceTimeoutError
+            If it does not end in time.
+        """

@@ -1,0 +1,273 @@
+"""The driver of an engine on its buses: registers by name, tables, frames as beats.
+
+:class:`splatline.host.device.engine.Engine` draws pictures with it. It does not know whether the device is
+a board or a simulation.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError
+from splatline.contract.frame import Tables, check_tables
+from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, VERSION, register_map
+from splatline.contract.register_types import RegisterMap
+from splatline.contract.variants import SHAPED, VARIANTS
+
+from .device import Device, DeviceTimeoutError
+
+__all__ = ["Driver", "EngineError", "read_config"]
+
+
+class EngineError(RuntimeError):
+    """The engine said that something was wrong with a frame; it is ready for the next.
+
+    Parameters
+    ----------
+    names
+        The bits of the register ERROR that were set.
+    beats
+        What it drew none the less; None if that is unknown.
+    """
+
+    def __init__(
+        self, message: str, names: Iterable[str] = (), beats: npt.NDArray[np.uint64] | None = None
+    ) -> None:
+        super().__init__(message)
+        self.names = tuple(names)
+        self.beats = beats
+
+
+def read_config(device: Device) -> EngineConfig:
+    """Return the configuration of the engine in a device.
+
+    Raises
+    ------
+    InputError
+        If there is no engine, or one of another version of the registers.
+    """
+    # These registers are the same for every configuration; of PAPER's map their places are used.
+    places = register_map(PAPER)
+    identity = device.read32(places["ID"].offset)
+    if identity != IDENTITY:
+        raise InputError(
+            f"the device is no Splatline engine: its ID is {identity:#010x}, not {IDENTITY:#010x}"
+        )
+    major = places["VERSION"]["MAJOR"].place
+    found = device.read32(places["VERSION"].offset) >> major.lsb & major.mask
+    if found != VERSION[0]:
+        raise InputError(f"the engine has version {found} of the registers, not {VERSION[0]}")
+    names = {field.name for field in dataclasses.fields(EngineConfig)}
+    values: dict[str, Any] = {}
+    for register in (places["CONFIG_0"], places["CONFIG_1"]):
+        word = device.read32(register.offset)
+        for field in register.fields:
+            if field.name.lower() in names:
+                value = word >> field.place.lsb & field.place.mask
+                values[field.name.lower()] = bool(value) if field.place.width == 1 else value
+    try:
+        # The registers say which one of what there is.
+        for name, choices in CHOICES.items():
+            values[name] = choices[int(values[name])]
+        config = PAPER.replace(**values)
+    except (ValueError, IndexError) as error:
+        raise InputError(f"the engine's configuration makes no sense: {error}") from error
+    for known in (*PRESETS.values(), *VARIANTS, *SHAPED):
+        if known == config.replace(name=known.name):
+            return known
+    return config
+
+
+class Driver:
+    """An engine in a device.
+
+    Parameters
+    ----------
+    device
+        Where it is. Its configuration is read from its registers, and CONTROL.QUIET is set: on a
+        board an error of the bus would be a fault of the processor.
+
+    Raises
+    ------
+    InputError
+        If there is no engine, or one that this driver does not know.
+    """
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.config = read_config(device)
+        self.registers: RegisterMap = register_map(self.config)
+        self._entries: npt.NDArray[np.uint32] | None = None
+        self.set("CONTROL", QUIET=1)
+
+    def get(self, register: str, field: str = "VALUE") -> int:
+        """Return a field of a register."""
+        place = self.registers[register][field].place
+        return self.device.read32(self.registers[register].offset) >> place.lsb & place.mask
+
+    def set(self, register: str, **fields: int) -> None:
+        """Write a register whole; fields that are not named become 0."""
+        word = 0
+        for name, value in fields.items():
+            place = self.registers[register][name].place
+            if not 0 <= value <= place.mask:
+                raise ValueError(f"{register}.{name} has {place.width} bits: {value} does not fit")
+            word |= value << place.lsb
+        self.device.write32(self.registers[register].offset, word)
+
+    def write_tables(self, tables: Tables, width: int, height: int) -> None:
+        """Write the tables and the size of the frames to come; they stay until the next call.
+
+        Parameters
+        ----------
+        tables
+            Materials and I0. Of the materials those are written that have changed.
+        width, height
+            Size of the image in pixels.
+
+        Raises
+        ------
+        InputError
+            If the image is larger than the engine's, or the tables are for another engine.
+        EngineError
+            If the engine refused a write.
+        """
+        config = self.config
+        if not (0 < width <= config.max_width and 0 < height <= config.max_height):
+            raise InputError(
+                f"an image of {width}x{height} pixels does not fit the engine's"
+                f" {config.max_width}x{config.max_height}"
+            )
+        check_tables(tables, config)
+        self.clear("ERROR")
+        entries, before = self._pack(tables), self._entries
+        changed = (
+            np.arange(len(entries))
+            if before is None
+            else np.flatnonzero((entries != before).any(axis=1))
+        )
+        self._entries = None
+        window = self.registers.materials
+        # A register bus takes one word at a time, and nothing wider.
+        for entry, words in zip(changed.tolist(), entries[changed].tolist(), strict=True):
+            for place, word in enumerate(words):
+                self.device.write32(window.offset + entry * window.stride + 4 * place, word)
+        for channel, ambient in zip(("RED", "GREEN", "BLUE"), tables.ambient, strict=True):
+            self.set(f"AMBIENT_{channel}", VALUE=int(ambient))
+        self.set("LAST_COLUMN", VALUE=width - 1)
+        self.set("LAST_LINE", VALUE=height - 1)
+        self._raise_errors("the tables were not taken")
+        self._entries = entries
+
+    def draw_beats(
+        self,
+        codewords: npt.NDArray[np.uint64],
+        initial: npt.NDArray[np.uint64] | None = None,
+    ) -> npt.NDArray[np.uint64]:
+        """Draw a frame.
+
+        Parameters
+        ----------
+        codewords
+            Shape (n,), uint64; the last is the end word.
+        initial
+            Beats of the raster to start from, an end beat last: shape (n, limbs), uint64.
+
+        Returns
+        -------
+        numpy.ndarray
+            The beats of the picture, an end beat last: shape (n, limbs of 64 bits), uint64.
+
+        Raises
+        ------
+        EngineError
+            If the engine found something wrong with the frame, or did not end it in time: then it
+            was aborted. In either case it is ready for the next.
+        DeviceTimeoutError
+            If not even an aborted frame's end came: the device does not answer.
+        """
+        if not len(codewords):
+            raise InputError("a frame has at least its end word")
+        self.clear("ERROR")
+        self.clear("IRQ_STATUS")
+        self.set("START", LOAD=int(initial is not None))
+        self._raise_errors("no frame can begin")
+        beats = None if initial is None else self.widen(initial)
+        self.device.send(np.ascontiguousarray(codewords, np.uint64), beats)
+        try:
+            drawn = self.device.receive()
+        except DeviceTimeoutError as error:
+            self.abort()
+            raise EngineError(f"the frame was aborted: {error}", ["ABORTED"]) from error
+        drawn = drawn[:, : -(-self.config.raster_end.end // 64)]
+        self._raise_errors("the frame was drawn, but", drawn)
+        return drawn
+
+    def abort(self) -> None:
+        """End the frame that is open, and take what is still coming of it.
+
+        Raises
+        ------
+        DeviceTimeoutError
+            If its end does not come.
+        """
+        self.set("CONTROL", QUIET=1, ABORT=1)
+        self.device.receive()
+        self.clear("ERROR")
+
+    def counters(self) -> dict[str, int]:
+        """Return the counters by name in small letters; each wraps at 2**32."""
+        return {name.lower(): self.get(name) for name in COUNTERS}
+
+    def clear_counters(self) -> None:
+        """Set the counters to 0."""
+        self.set("CONTROL", QUIET=1, CLEAR=1)
+
+    def errors(self) -> list[str]:
+        """Return the names of the bits of ERROR that are set."""
+        register = self.registers["ERROR"]
+        word = self.device.read32(register.offset)
+        return [field.name for field in register.fields if word & field.mask]
+
+    def clear(self, name: str) -> None:
+        """Clear the bits of a register that are set, of those that a written 1 clears."""
+        register = self.registers[name]
+        word = self.device.read32(register.offset) & register.writable
+        if word:
+            self.device.write32(register.offset, word)
+
+    def widen(self, beats: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
+        """Return beats of a raster with as many limbs as the stream has: what a device is sent."""
+        place = self.registers["CONFIG_1"]["BEAT_BYTES"]
+        wide = np.zeros((len(beats), place.reset // 8), np.uint64)
+        wide[:, : beats.shape[1]] = beats
+        return wide
+
+    def _raise_errors(self, what: str, beats: npt.NDArray[np.uint64] | None = None) -> None:
+        """Raise if a bit of ERROR is set, and clear it."""
+        names = self.errors()
+        if names:
+            self.clear("ERROR")
+            register = self.registers["ERROR"]
+            reasons = "; ".join(f"{name}: {register[name].meaning}" for name in names)
+            raise EngineError(f"{what}: {reasons}", names, beats)
+
+    def _pack(self, tables: Tables) -> npt.NDArray[np.uint32]:
+        """Return the words of the material table's entries: shape (entries, words), uint32."""
+        window = self.registers.materials
+        words = np.zeros((window.entries, window.words + 1), np.uint64)
+        for kind, table in enumerate((tables.diffuse, tables.specular)):
+            for channel in range(3):
+                place = self.config.coefficient(kind, channel)
+                word, shift = divmod(place.lsb, 32)
+                bits = table[:, channel].astype(np.uint64) << np.uint64(shift)
+                words[: len(table), word] |= bits & np.uint64(0xFFFF_FFFF)
+                words[: len(table), word + 1] |= bits >> np.uint64(32)
+        return words[:, :-1].astype(np.uint32)

@@ -1,0 +1,188 @@
+"""An engine on a PCIe board, behind AMD's XDMA core and its Linux driver.
+
+The core has an AXI4-Lite master, which reaches the registers, and streams to and from the card,
+which are the engine's. Its driver shows them as files: ``/dev/xdma0_user`` to be mapped into
+memory, ``/dev/xdma0_h2c_N`` to be written and ``/dev/xdma0_c2h_N`` to be read
+(https://github.com/Xilinx/dma_ip_drivers, XDMA). **No board has run this yet**: it is tested on
+files and pipes that behave as that driver says of its own.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import os
+import select
+import threading
+import time
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.errors import InputError
+from splatline.contract.register_map import raster_stream_bytes
+
+from .device import DeviceTimeoutError
+from .driver import read_config
+
+__all__ = ["XdmaDevice"]
+
+CHUNK = 1 << 22
+"""Bytes that are read at most at once."""
+
+
+class XdmaDevice:
+    """A board with an engine; use it in a ``with``, or call :meth:`close`.
+
+    The core's streams are as wide as the engine's, or a width converter lies between. A packet is
+    what one ``write`` sends: the files are opened with ``O_TRUNC``, by which some versions of the
+    driver are told to set TLAST, and to end a read where it is set.
+
+    Parameters
+    ----------
+    card
+        What the names of the files begin with.
+    registers, codewords, initial, raster
+        Their further names: the registers, two streams to the card and one from it. ``initial`` may
+        be None if no frame starts from a raster.
+    timeout
+        Seconds after which :meth:`receive` gives up.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be opened, or there is no engine.
+    """
+
+    def __init__(
+        self,
+        card: str = "/dev/xdma0",
+        *,
+        registers: str = "_user",
+        codewords: str = "_h2c_0",
+        initial: str | None = "_h2c_1",
+        raster: str = "_c2h_0",
+        timeout: float = 10.0,
+    ) -> None:
+        self.timeout = timeout
+        self._rest = b""
+        self._senders: list[threading.Thread] = []
+        self._trouble: list[OSError] = []
+        with contextlib.ExitStack() as stack:
+            memory = _open(stack, card + registers, os.O_RDWR | os.O_SYNC)
+            try:
+                mapped = stack.enter_context(mmap.mmap(memory, BYTES))
+            except (OSError, ValueError) as error:
+                raise InputError(f"{card}{registers}: cannot be mapped ({error})") from error
+            self._registers = np.frombuffer(mapped, np.uint32)
+            stack.callback(self._release)
+            self._raster = _open(stack, card + raster, os.O_RDONLY | os.O_TRUNC)
+            self._codewords = _open(stack, card + codewords, os.O_WRONLY | os.O_TRUNC)
+            self._initial = (
+                None if initial is None else _open(stack, card + initial, os.O_WRONLY | os.O_TRUNC)
+            )
+            config = read_config(self)
+            self._beat, self._end = raster_stream_bytes(config), config.raster_end.lsb
+            self._stack = stack.pop_all()
+
+    def read32(self, offset: int) -> int:
+        """Read a register."""
+        return int(self._registers[offset // 4])
+
+    def write32(self, offset: int, value: int) -> None:
+        """Write a register: one access of 32 bits."""
+        self._registers[offset // 4] = value
+
+    def send(
+        self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None
+    ) -> None:
+        """Start to write a packet of code words, and one of an initial raster.
+
+        A write returns once the engine has taken what it writes, which it may not do before beats
+        of the raster are read: so each stream is written by a thread.
+        """
+        if initial is not None:
+            if self._initial is None:
+                raise InputError("this device was opened without a stream for an initial raster")
+            self._start(self._initial, initial)
+        self._start(self._codewords, codewords)
+
+    def receive(self) -> npt.NDArray[np.uint64]:
+        """Read beats up to the end beat."""
+        deadline = time.monotonic() + self.timeout
+        while (size := self._packet(self._rest)) is None:
+            left = max(0.0, deadline - time.monotonic())
+            if not select.select([self._raster], [], [], left)[0]:
+                raise DeviceTimeoutError(f"no end beat after {self.timeout} s")
+            try:
+                piece = os.read(self._raster, CHUNK)
+            except OSError as error:  # the driver has a limit of its own
+                raise DeviceTimeoutError(f"the raster could not be read: {error}") from error
+            if not piece:
+                raise DeviceTimeoutError("the raster's stream has ended, before an end beat")
+            self._rest += piece
+        data, self._rest = self._rest[:size], self._rest[size:]
+        for sender in self._senders:
+            sender.join()
+        self._senders.clear()
+        if self._trouble:
+            raise self._trouble.pop()
+        return np.frombuffer(data, "<u8").reshape(-1, self._beat // 8)
+
+    def close(self) -> None:
+        """Close the files."""
+        self._stack.close()
+
+    def __enter__(self) -> XdmaDevice:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _packet(self, data: bytes) -> int | None:
+        """Return the bytes up to the first end beat, or None if it has not come."""
+        whole = len(data) // self._beat * self._beat
+        limbs = np.frombuffer(data[:whole], "<u8").reshape(-1, self._beat // 8)
+        limb, shift = divmod(self._end, 64)
+        ends = np.flatnonzero(limbs[:, limb] >> np.uint64(shift) & np.uint64(1))
+        return int(ends[0] + 1) * self._beat if len(ends) else None
+
+    def _start(self, file: int, words: npt.NDArray[np.uint64]) -> None:
+        """Write words in a thread."""
+        data = words.astype("<u8").tobytes()
+
+        def write() -> None:
+            rest = memoryview(data)
+            try:
+                while rest:
+                    rest = rest[os.write(file, rest) :]
+            except OSError as error:
+                self._trouble.append(error)
+
+        self._senders.append(threading.Thread(target=write, daemon=True))
+        self._senders[-1].start()
+
+    def _release(self) -> None:
+        """Let go of the mapping, which cannot be closed while an array shows it."""
+        del self._registers
+
+
+BYTES = 1 << 14
+"""Of the registers and the tables."""
+
+
+def _open(stack: contextlib.ExitStack, path: str, flags: int) -> int:
+    """Open a file that the stack will close."""
+    try:
+        file = os.open(Path(path), flags)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; is the driver loaded?") from error
+    stack.callback(os.close, file)
+    return file

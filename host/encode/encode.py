@@ -1,0 +1,174 @@
+"""Encoding: from splats on the image to code words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import ROWS, EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.host.visibility.occlusion import cover, new_pyramid
+from splatline.host.visibility.project import Splats
+from splatline.host.visibility.view import View
+
+from .quality import DEFAULT_QUALITY, QUALITIES
+from .shape_table import level_slopes, shape_table
+from .splat_loop import Fixed, encode_splats, measure_room
+
+__all__ = ["Encoded", "encode"]
+
+
+WAVES = 4
+"""Parts that are encoded one after the other where each may hide the next."""
+
+TINY = 1.0 / float(np.finfo(np.float64).max)
+"""Depth range up to which its inverse overflows."""
+
+
+NOTHING = new_pyramid(1, 1, PAPER)
+"""Stands where nothing is looked up."""
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """Code words in the order of their splats, before sorting: in chunks, with gaps between.
+
+    Parameters
+    ----------
+    words
+        Shape (slots,), uint64.
+    lines
+        The engine's line that each is meant for: shape (slots,), int16.
+    turns
+        When each has its turn among the words of its line: shape (slots,), uint8.
+    starts, stops
+        The slots of each chunk: shape (chunks,), int64.
+    counts
+        Words of each chunk on each line: shape (chunks, lines), int32.
+    elements
+        Splats that gave at least one word.
+    hidden
+        Splats left out as they are behind others.
+    """
+
+    words: npt.NDArray[np.uint64]
+    lines: npt.NDArray[np.int16]
+    turns: npt.NDArray[np.uint8]
+    starts: npt.NDArray[np.int64]
+    stops: npt.NDArray[np.int64]
+    counts: npt.NDArray[np.int32]
+    elements: int
+    hidden: int = 0
+
+    def together(self) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.int16]]:
+        """Return words and lines without gaps."""
+        parts = [slice(start, stop) for start, stop in zip(self.starts, self.stops, strict=True)]
+        words = np.concatenate([self.words[part] for part in parts])
+        return words, np.concatenate([self.lines[part] for part in parts])
+
+
+def encode(
+    splats: Splats,
+    view: View,
+    config: EngineConfig,
+    quality: str = DEFAULT_QUALITY,
+    *,
+    nearest_pixel: bool = False,
+    skip_hidden: bool = False,
+    compact: bool = False,
+) -> Encoded:
+    """Return the code words that draw splats.
+
+    Words that no pixel of the image needs are left out; those that cross the right or lower border
+    are left to the engine. Depths are linear over the range that the splats' centres span: the
+    nearest is 0, the furthest the largest that draws.
+
+    Parameters
+    ----------
+    splats
+        What to draw.
+    view
+        Size of the image, its focal length, and where the view's axis meets it.
+    config
+        Where the fields are.
+    quality
+        One of ``QUALITIES``.
+    nearest_pixel
+        Draw a splat that covers no pixel's centre as the pixel that holds it; else leave it out.
+        The symmetric shapes always have a pixel.
+    skip_hidden
+        Leave out splats that are wholly behind others; no pixel changes by it. Not with compact
+        words, which do not say what they cover.
+    compact
+        Write the symmetric shapes that the engine's ROM holds as compact words.
+    """
+    low, high = splats.depth_range
+    middle_x, middle_y = view.middle
+    fixed = Fixed(
+        table=shape_table(),
+        levels=level_slopes(),
+        quality=list(QUALITIES).index(quality),
+        width=view.width,
+        height=view.height,
+        inverse_focal=1.0 / view.focal,
+        low=low,
+        inverse_span=_inverse(high - low),
+        nearest_pixel=nearest_pixel,
+        look_lsb=config.diffuse.lsb,
+        near=view.near,
+        largest_compact=config.largest_shape if compact else 0,
+        middle_x=middle_x,
+        middle_y=middle_y,
+    )
+    chunks = len(splats.starts)
+    room = np.empty(chunks, np.int64)
+    source = (*splats.views(), splats.starts, splats.stops)
+    measure_room(source, fixed, room)
+    starts = np.concatenate([[0], np.cumsum(room)])
+    words = np.empty(starts[-1], np.uint64)
+    lines = np.empty(starts[-1], np.int16)
+    turns = np.empty(starts[-1], np.uint8)
+    stops = np.empty(chunks, np.int64)
+    counts = np.zeros((chunks, view.height + ROWS), np.int32)
+    elements = np.empty(chunks, np.int64)
+    to = (
+        words,
+        lines,
+        view.width,
+        view.height,
+        config.x.lsb,
+        config.z.lsb,
+        config.background_depth - 1,
+    )
+    hidden = np.zeros(chunks, np.int64)
+    pyramid = new_pyramid(view.width, view.height, config) if skip_hidden else NOTHING
+    # Chunks that may hide others go first, and what they hide is known to those that follow.
+    nearest = np.argsort(splats.nearest, kind="stable")
+    for wave in np.array_split(nearest, WAVES) if skip_hidden else [nearest]:
+        encode_splats(
+            wave,
+            source,
+            fixed,
+            to,
+            skip_hidden,
+            pyramid.bound,
+            pyramid.coarse,
+            turns,
+            starts,
+            stops,
+            counts,
+            elements,
+            hidden,
+        )
+        if skip_hidden:
+            cover(pyramid, words, lines, starts[wave], stops[wave], config)
+    return Encoded(
+        words, lines, turns, starts[:-1], stops, counts, int(elements.sum()), int(hidden.sum())
+    )
+
+
+def _inverse(span: float) -> float:
+    """Return the inverse of a depth range; 0 for one so small that there is none."""
+    return 1.0 / span if span > TINY else 0.0

@@ -1,0 +1,95 @@
+"""Symmetric elements of their true size and shape, with their middle at a half place."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba as nb
+
+from splatline.contract.config import BLOCK, ROWS
+
+from .shape_table import EMPTY_SCANS
+from .write_words import ONE_PIXEL, corner, emit, put_block
+
+__all__ = ["encode_turned"]
+
+
+@nb.njit(error_model="numpy")
+def encode_turned(
+    column: float, line: float, square: float, form: Any, common: int, at: int, to: Any
+) -> int:
+    """Write an ellipse of up to 8 x 8 pixels, of its true size and shape, as one symmetric word.
+
+    Its middle is the corner of half pixels nearest to its centre; so it is its own half turn. Where
+    the word has no room for that, as what would say so is taken up by pixels, it is the nearest
+    whole line, or column. One that covers no pixel's centre there is drawn as the pixel that holds
+    its own.
+
+    Parameters
+    ----------
+    column, line
+        Centre on the image.
+    square, form
+        The ellipse; see :mod:`splatline.host.encode.ellipse`.
+    common, at, to
+        See :func:`splatline.host.symmetric.encode_symmetric`.
+    """
+    twice_x, twice_y = corner(2.0 * column), corner(2.0 * line)
+    # The nearest corner of half pixels; then its neighbours, of which one is a pixel's corner.
+    off_x, off_y = 2.0 * column - twice_x, 2.0 * line - twice_y
+    next_x, next_y = -1 if off_x < 0.0 else 1, -1 if off_y < 0.0 else 1
+    x_first = abs(off_x) > abs(off_y)
+    right, raised, scans = 0, 0, EMPTY_SCANS
+    for attempt in range(4):
+        to_x, to_y = attempt & 1, attempt >> 1
+        if not x_first:
+            to_x, to_y = to_y, to_x
+        x, y = twice_x + to_x * next_x, twice_y + to_y * next_y
+        right, raised = x & 1, y & 1
+        scans = _upper_half(square, form, right, raised)
+        if _has_word(scans, right, raised, form, square):
+            twice_x, twice_y = x, y
+            break
+    if scans == EMPTY_SCANS:
+        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+    return put_block(twice_x >> 1, twice_y + 1 >> 1, right, raised, scans, common, at, to)
+
+
+@nb.njit(inline="always")
+def _has_word(scans: int, right: int, raised: int, form: Any, square: float) -> bool:
+    """Return whether a symmetric word can say that the middle of these rows is where it is.
+
+    A raised shape has seven lines, and more than a pixel in its middle one, whose ends are as even
+    as that says. One that lies half a column off has seven columns.
+    """
+    if right:
+        for row in range(ROWS):
+            if scans >> 6 * row & 7 == 0:
+                return False
+    if raised:
+        first, last = scans >> 6 * (ROWS - 1) & 7, scans >> 6 * (ROWS - 1) + 3 & 7
+        fits = form[0] * square <= form[3] * float(ROWS * ROWS)
+        return fits and first < last and (first + last) % 2 == 1 - right
+    return not right or (scans & 7) > (scans >> 3 & 7)
+
+
+@nb.njit(inline="always")
+def _upper_half(square: float, form: Any, right: int, raised: int) -> int:
+    """Return rows 0..3 of an ellipse in the middle of its block.
+
+    ``right``, ``raised``: the middle lies half a column further right, half a line higher.
+    """
+    a, b, _, determinant = form
+    inverse = 1.0 / a
+    scans = 0
+    for row in range(ROWS):
+        dv = row + 0.5 * (1 + raised) - ROWS
+        rest = a * square - determinant * dv * dv
+        half = math.sqrt(rest if rest > 0.0 else 0.0) * inverse
+        # Pixel c has its centre at c + 0.5.
+        middle = 0.5 * (BLOCK - 1 + right) - b * dv * inverse
+        low, high = max(middle - half, 0.0), min(middle + half, BLOCK - 1.0)
+        first, last = math.ceil(min(low, float(BLOCK))), math.floor(max(high, -1.0))
+        scans |= ((first | last << 3) if rest >= 0.0 and first <= last else 1) << 6 * row
+    return scans

@@ -1,0 +1,208 @@
+"""Dealing a frame to the engines of a chain: each gets a sorted stream of its own."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import ROWS, EngineConfig
+from splatline.contract.errors import InputError
+from splatline.contract.frame import Frame
+
+from .partition_methods import DEFAULT_METHOD, METHODS
+from .sort_by_line import advance_word, end_word, in_turn
+
+__all__ = ["deal"]
+
+
+def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame]:
+    """Deal a frame's elements to engines.
+
+    Every element goes to one engine; each part has control words of its own and an end word. The
+    parts drawn one over the other, the first one first, are what a chain draws. It is what one
+    engine draws of the frame, but for elements of equal depth on one pixel: of those the one in the
+    earlier part stays, and with ``columns`` the order in a line changes too.
+
+    A strip of columns keeps an engine's elements together, so that it has few words to send beside
+    those it draws. Its elements come from its two halves in turn: one that follows another into the
+    same pixel or word of memory costs a cycle. More parts would lie too close.
+
+    Parameters
+    ----------
+    frame
+        What to deal: any code words with an end word; those behind it are left out.
+    engines
+        How many parts to make, at least 1.
+    method
+        One of ``METHODS``.
+
+    Returns
+    -------
+    list of Frame
+        The parts, with the frame's tables and size; ``counts`` has ``elements``.
+
+    Raises
+    ------
+    InputError
+        If there is no such method, the number of engines is below 1, or there is no end word.
+    """
+    if method not in METHODS:
+        raise InputError(f"no way of dealing named {method!r}; there are: {', '.join(METHODS)}")
+    if engines < 1:
+        raise InputError(f"elements are dealt to at least one engine, not {engines}")
+    config = frame.config
+    words = np.ascontiguousarray(frame.codewords, np.uint64)
+    elements, lines, ended = _read(words, _fields(config))
+    if not ended:
+        raise InputError("the code words have no end-of-frame word: the stream is cut short")
+    if method == "elements":
+        owners = np.arange(len(elements), dtype=np.int64) % engines
+    elif method == "lines":
+        owners = _by_line(lines, engines)
+    else:
+        columns = (elements >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)).astype(np.int64)
+        order, owners = _by_column(columns, lines, engines, config.max_width)
+        elements = elements[order]
+    parts, sizes = _write(
+        elements,
+        lines,
+        owners,
+        engines,
+        len(words),
+        advance_word(0, config),
+        end_word(config),
+        config.x.lsb,
+        config.x.mask,
+    )
+    counts = np.bincount(owners, minlength=engines)
+    return [
+        dataclasses.replace(frame, codewords=part[:size].copy(), counts={"elements": int(count)})
+        for part, size, count in zip(parts, sizes, counts, strict=True)
+    ]
+
+
+def _fields(config: EngineConfig) -> npt.NDArray[np.int64]:
+    """Return where a control word's fields lie: rows (first, last), end bit, X and its mask."""
+    rows = [place.lsb for row in range(ROWS) for place in (config.first(row), config.last(row))]
+    return np.array([*rows, config.control_end.lsb, config.x.lsb, config.x.mask], np.int64)
+
+
+@nb.njit(cache=True)
+def _read(words: Any, fields: Any) -> tuple[Any, Any, bool]:
+    """Return the elements up to the end word, the line of each, and whether there is an end."""
+    elements = np.empty(len(words), np.uint64)
+    lines = np.empty(len(words), np.int64)
+    count, line = 0, 0
+    for word in words:
+        control = word & np.uint64(1) == 1
+        row = 0
+        while control and row < ROWS:
+            first = word >> np.uint64(fields[2 * row]) & np.uint64(7)
+            last = word >> np.uint64(fields[2 * row + 1]) & np.uint64(7)
+            control = first > last
+            row += 1
+        if not control:
+            elements[count] = word
+            lines[count] = line
+            count += 1
+        elif word >> np.uint64(fields[2 * ROWS]) & np.uint64(1):
+            return elements[:count], lines[:count], True
+        else:
+            step = word >> np.uint64(fields[2 * ROWS + 1]) & np.uint64(fields[2 * ROWS + 2])
+            line += int(step)
+    return elements[:count], lines[:count], False
+
+
+@nb.njit(cache=True)
+def _by_line(lines: Any, engines: int) -> Any:
+    """Return the owners of whole lines: of each the engine with the fewest elements before it."""
+    owners = np.empty(len(lines), np.int64)
+    loads = np.zeros(engines, np.int64)
+    begin = 0
+    while begin < len(lines):
+        end = begin
+        while end < len(lines) and lines[end] == lines[begin]:
+            end += 1
+        least = int(np.argmin(loads))
+        owners[begin:end] = least
+        loads[least] += end - begin
+        begin = end
+    return owners
+
+
+@nb.njit(cache=True)
+def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any, Any]:
+    """Return the order of the elements by line, engine and turn (of two), and each one's owner.
+
+    The cuts of a line are where the running totals ask for them, so that over all lines the engines
+    have the same number of elements but for one, or a few where a line has fewer than engines.
+    """
+    count = len(columns)
+    order = np.empty(count, np.int64)
+    owners = np.empty(count, np.int64)
+    following = np.empty(width + 1, np.int64)
+    ranked = np.empty(count, np.int64)
+    cuts = np.empty(engines + 1, np.int64)
+    begin = 0
+    while begin < count:
+        end = begin
+        while end < count and lines[end] == lines[begin]:
+            end += 1
+        following[:] = 0
+        for i in range(begin, end):
+            following[columns[i] + 1] += 1
+        for column in range(width):
+            following[column + 1] += following[column]
+        for i in range(begin, end):
+            ranked[following[columns[i]]] = i
+            following[columns[i]] += 1
+        cuts[0], cuts[engines] = 0, end - begin
+        for engine in range(1, engines):
+            cut = engine * end // engines - engine * begin // engines
+            cuts[engine] = min(max(cut, cuts[engine - 1]), end - begin)
+        for engine in range(engines):
+            first, last = cuts[engine], cuts[engine + 1]
+            for rank in range(first, last):
+                place = in_turn(rank - first, last - first, 2)
+                order[begin + first + place] = ranked[rank]
+                owners[begin + rank] = engine
+        begin = end
+    return order, owners
+
+
+@nb.njit(cache=True)
+def _write(
+    elements: Any,
+    lines: Any,
+    owners: Any,
+    engines: int,
+    room: int,
+    advance: int,
+    end: int,
+    x_lsb: int,
+    furthest: int,
+) -> tuple[Any, Any]:
+    """Return each engine's stream in a row of an array, and the streams' lengths.
+
+    No part has more words than the whole: an advance joins those that led to the same line.
+    """
+    parts = np.empty((engines, room), np.uint64)
+    sizes = np.zeros(engines, np.int64)
+    here = np.zeros(engines, np.int64)
+    for i in range(len(elements)):
+        owner = owners[i]
+        while here[owner] < lines[i]:
+            step = min(lines[i] - here[owner], furthest)
+            parts[owner, sizes[owner]] = np.uint64(advance) | np.uint64(step) << np.uint64(x_lsb)
+            sizes[owner] += 1
+            here[owner] += step
+        parts[owner, sizes[owner]] = elements[i]
+        sizes[owner] += 1
+    for owner in range(engines):
+        parts[owner, sizes[owner]] = np.uint64(end)
+        sizes[owner] += 1
+    return parts, sizes

@@ -1,0 +1,313 @@
+"""The compiled loop over splats: each becomes one fraction, or what its quality says."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numba as nb
+import numpy as np
+
+from splatline.contract.config import BLOCK, ROWS
+from splatline.host.visibility.occlusion import is_hidden
+from splatline.host.visibility.project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
+
+from .compact_words import encode_compact
+from .ellipse import conic, covers_own_pixel, in_perspective, one_fraction
+from .half_pixel import encode_turned
+from .large_splats import STEEP, encode_fractions, fraction_size
+from .paper_shapes import encode_symmetric
+from .quality import AS_PAPER, EXACT, FAST
+from .shape_table import LEVELS, quantise
+from .write_words import LARGEST, ONE_PIXEL, emit, quantised_depth
+
+__all__ = ["Fixed", "encode_splats", "measure_room"]
+
+FLAT = 0.02
+"""Pixels of r^2 over the focal length up to which a disc is drawn to first order: its true ellipse
+lies within half of that."""
+
+SMALLEST = 1e-3
+"""Radius in pixels below which a splat's size makes no difference; its conic stays finite."""
+
+REACH = 0.5 * BLOCK + 1.0
+"""Pixels by which a symmetric shape may reach beyond its true circle: so thin a one that it covers
+no pixel's centre has the nearest in its own metric, anywhere in its block, from a whole place."""
+
+
+class Fixed(NamedTuple):
+    """What is the same for all splats of a frame.
+
+    Parameters
+    ----------
+    table, levels
+        The shape table, and the slopes of its levels.
+    quality
+        Its number.
+    width, height
+        Of the image.
+    inverse_focal
+        1 over the focal length, in pixels.
+    low, inverse_span
+        The least depth, and 1 over the range of depths.
+    nearest_pixel
+        Whether a splat without a pixel draws the nearest.
+    look_lsb
+        The lowest bit of DIFFUSE.
+    near
+        Distance of the near plane.
+    largest_compact
+        The largest size that goes as a compact word; 0: none.
+    middle_x, middle_y
+        Column and line of the view's axis.
+    """
+
+    table: Any
+    levels: Any
+    quality: int
+    width: int
+    height: int
+    inverse_focal: float
+    low: float
+    inverse_span: float
+    nearest_pixel: bool
+    look_lsb: int
+    near: float
+    largest_compact: int
+    middle_x: float
+    middle_y: float
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def measure_room(source: Any, fixed: Any, room: Any) -> None:
+    """Set how many words each chunk has at the most."""
+    floats, _, doubles, starts, stops = source
+    for chunk in nb.prange(len(starts)):
+        total = 0
+        for i in range(starts[chunk], stops[chunk]):
+            place = floats[i, COLUMN], floats[i, LINE]
+            slope = floats[i, SLOPE_X], floats[i, SLOPE_Y]
+            total += _room(place, floats[i, DIAMETER], slope, doubles[i, DEPTH], fixed)
+        room[chunk] = total
+
+
+@nb.njit(error_model="numpy")
+def _room(place: Any, diameter: float, slope: Any, distance: float, fixed: Any) -> int:
+    """Return the most words that a splat may take.
+
+    A disc seen at the slant a = x / z reaches sqrt(1 + a^2) times its radius (see ``conic``), and
+    2 r pixels hold the centres of at most floor(2 r) + 1. The symmetric shapes reach a pixel
+    further, for their whole places and diameters.
+    """
+    inverse_focal = fixed.inverse_focal
+    if fixed.quality != EXACT and diameter <= BLOCK:
+        return 2
+    a, b = abs(place[0] - fixed.middle_x), abs(place[1] - fixed.middle_y)
+    a, b = a * inverse_focal, b * inverse_focal
+    # As in ``cull.lies_outside``; what comes nearer than half the distance may fill the image.
+    share = 0.5 * diameter * inverse_focal
+    larger = 1.0 / (1.0 - share) if share < 0.5 else LARGEST
+    wide = diameter * (1.0 + min(a, 0.5 * a * a)) * larger + 1e-3
+    high = diameter * (1.0 + min(b, 0.5 * b * b)) * larger + 1e-3
+    if fixed.quality == AS_PAPER:
+        wide, high = wide + 2.0 * ROWS, high + 4.0 * ROWS
+    lines = min(int(min(high, LARGEST)) + 1, fixed.height + 2 * ROWS)
+    columns = min(int(min(wide, LARGEST)) + 1, fixed.width + BLOCK)
+    if lines <= ROWS and columns <= BLOCK:
+        return 1
+    # As ``encode_fractions`` has it, to the last bit.
+    change = distance * fixed.inverse_span
+    change_x = float(slope[0]) * inverse_focal * change
+    change_y = float(slope[1]) * inverse_focal * change
+    most_columns, most_lines = fraction_size(
+        change_x, change_y, STEEP if fixed.quality == EXACT else math.inf
+    )
+    return -(-lines // most_lines) * -(-columns // most_columns)
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def encode_splats(
+    wave: Any,
+    source: Any,
+    fixed: Any,
+    to: Any,
+    skip_hidden: bool,
+    bound: Any,
+    coarse: Any,
+    turns: Any,
+    starts: Any,
+    stops: Any,
+    counts: Any,
+    elements: Any,
+    hidden: Any,
+) -> None:
+    """Encode chunks, each into its own slots, and count their words on each line.
+
+    Parameters
+    ----------
+    wave
+        The chunks.
+    source
+        Views of the splats (see ``Splats.views``), and the slots of each chunk.
+    fixed
+        See :class:`Fixed`.
+    to
+        Where words go; see :mod:`splatline.host.encode.write_words`.
+    skip_hidden, bound, coarse
+        Whether to look splats up in a pyramid, and what it knows; see ``host.visibility.occlusion``.
+    turns, stops, counts, elements, hidden
+        Set, from ``starts`` on; see ``Encoded``.
+    """
+    floats, bits, doubles, begins, ends = source
+    words, lines, width, height, x_lsb, z_lsb, largest = to
+    # Outside the loop, which would read them anew for every splat.
+    inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
+    look_lsb, nearest_pixel = fixed.look_lsb, fixed.nearest_pixel
+    middle_x, middle_y = fixed.middle_x, fixed.middle_y
+    true_shapes = fixed.quality != AS_PAPER
+    for number in nb.prange(len(wave)):
+        chunk = wave[number]
+        at = starts[chunk]
+        drawn, behind = 0, 0
+        for i in range(begins[chunk], ends[chunk]):
+            before = at
+            column, line = float(floats[i, COLUMN]), float(floats[i, LINE])
+            slope_x, slope_y = float(floats[i, SLOPE_X]), float(floats[i, SLOPE_Y])
+            diameter, distance = float(floats[i, DIAMETER]), doubles[i, DEPTH]
+            a = (column - middle_x) * inverse_focal
+            b = (line - middle_y) * inverse_focal
+            form = conic(a, b, slope_x, slope_y)
+            # Far smaller than a pixel or larger than any image makes no difference.
+            radius = 0.5 * diameter
+            radius = radius if radius > SMALLEST else SMALLEST
+            radius = radius if radius < LARGEST else LARGEST
+            square = radius * radius
+            in_depth = true_shapes and square * inverse_focal > FLAT
+            splat = column, line, diameter, slope_x, slope_y, distance
+            if (
+                skip_hidden
+                and not in_depth
+                and _is_hidden(splat, radius, a, b, fixed, largest, bound, coarse)
+            ):
+                behind += 1
+                continue
+            centre_x, centre_y = column, line
+            if in_depth:
+                right, down, square, form_a, form_b, form_c, determinant = in_perspective(
+                    form, slope_x, slope_y, square, inverse_focal
+                )
+                form = form_a, form_b, form_c, determinant
+                centre_x, centre_y = column + right, line + down
+            found = 2
+            if true_shapes and not in_depth and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
+                # No other pixel's centre is near enough.
+                found, scans = int(covers_own_pixel(column, line, square, form)), ONE_PIXEL
+                x, top = math.floor(column), math.floor(line)
+                found = found if 0 <= x < width and 0 <= top < height else 0
+            elif true_shapes and radius * inverse_focal < 0.5:
+                found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
+            if found == 1:  # nearly all
+                z = quantised_depth((distance - low) * inverse_span, largest)
+                common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
+                words[at] = common | 1 | scans << 1 | x << x_lsb
+                lines[at] = top + ROWS
+                at += 1
+            elif found == 2 or nearest_pixel:
+                common = np.int64(bits[i, LOOK]) << look_lsb
+                share = radius * inverse_focal
+                ellipse = centre_x, centre_y, square, share * share
+                at = _encode_other(splat, common, found, form, ellipse, fixed, at, to)
+            drawn += at > before
+            turn = _turn(column, line)
+            for word in range(before, at):
+                turns[word] = turn
+                counts[chunk, lines[word]] += 1
+        stops[chunk] = at
+        elements[chunk] = drawn
+        hidden[chunk] = behind
+
+
+@nb.njit(inline="always")
+def _turn(column: float, line: float) -> int:
+    """Return when a splat has its turn on its line, as good as at random, from its place alone.
+
+    So the order of two words does not depend on which others there are, nor on the order of the
+    points. (Multipliers of Fibonacci hashing and of xxHash.)
+    """
+    across, down = int(column * 1024.0), int(line * 1024.0)
+    return (across * 0x9E3779B1 + down * 0x85EBCA77) >> 24 & 255
+
+
+@nb.njit(error_model="numpy")
+def _is_hidden(
+    splat: Any, radius: float, a: float, b: float, fixed: Any, largest: int, bound: Any, coarse: Any
+) -> bool:
+    """Return whether none of a splat can be seen, however its words turn out.
+
+    Parameters
+    ----------
+    radius
+        In pixels.
+    a, b
+        Where its centre lies: x / z and y / z.
+    """
+    column, line, _, slope_x, slope_y, distance = splat
+    inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
+    # As far as its disc reaches (see ``conic``), or its symmetric shape.
+    beyond = 0.01 if fixed.quality == EXACT else REACH
+    wide = radius * (1.0 + min(abs(a), 0.5 * a * a)) + beyond
+    high = radius * (1.0 + min(abs(b), 0.5 * b * b)) + beyond
+    # The disc's plane is nearest at a corner of that.
+    change = distance * inverse_span * inverse_focal
+    nearer = change * (abs(slope_x) * wide + abs(slope_y) * high)
+    depth = (distance - low) * inverse_span
+    z = quantised_depth(depth - nearer if radius > 0.5 * ROWS - 1.0 else depth, largest)
+    return is_hidden(column, line, wide, high, z, bound, coarse)
+
+
+@nb.njit(error_model="numpy")
+def _encode_other(
+    splat: Any,
+    common: int,
+    found: int,
+    form: Any,
+    ellipse: Any,
+    fixed: Any,
+    at: int,
+    to: Any,
+) -> int:
+    """Write the words of a splat that is not one fraction, and return the next one's place."""
+    table, levels, quality, rom = fixed.table, fixed.levels, fixed.quality, fixed.largest_compact
+    column, line, diameter, slope_x, slope_y, distance = splat
+    z_lsb, largest = to[5], to[6]
+    depth = (distance - fixed.low) * fixed.inverse_span
+    if found and quality == FAST and diameter <= BLOCK:
+        common |= quantised_depth(depth, largest) << z_lsb
+        return encode_turned(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
+    if quality == AS_PAPER:
+        shape = (
+            quantise(-slope_x, -1.0, LEVELS),
+            quantise(-slope_y, -1.0, LEVELS),
+        )
+        common |= quantised_depth(depth, largest) << z_lsb
+        if rom > 0:
+            return encode_compact(column, line, diameter, shape, rom, table, levels, common, at, to)
+        return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)
+    if found:
+        plane = (
+            column,
+            line,
+            slope_x * fixed.inverse_focal,
+            slope_y * fixed.inverse_focal,
+            distance,
+            fixed.low,
+            fixed.inverse_span,
+            ellipse[3],
+            fixed.near,
+            STEEP if quality == EXACT else math.inf,
+        )
+        end = encode_fractions(ellipse[0], ellipse[1], ellipse[2], form, plane, common, at, to)
+        if end > at or not fixed.nearest_pixel:
+            return end
+    common |= quantised_depth(depth, largest) << z_lsb
+    return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)

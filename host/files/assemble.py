@@ -1,0 +1,107 @@
+"""From a file's columns to a cloud: what is missing is made, what is unusable left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.errors import InputError
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.normals import estimate_normals
+
+from .colours import NEUTRAL, colours_to_bytes
+
+__all__ = ["Columns", "assemble_cloud"]
+
+FARTHEST = 1e100
+"""Coordinates beyond this count as not finite: their squares would not be."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What a file says of its points, before it is checked; one row a point.
+
+    Parameters
+    ----------
+    positions
+        Shape (n, 3), any real type.
+    normals
+        Shape (n, 3), any real type and length, or None.
+    colours
+        Shape (n, 3), in any of the scales of ``colours_to_bytes``, or None.
+    """
+
+    positions: npt.NDArray[Any]
+    normals: npt.NDArray[Any] | None = None
+    colours: npt.NDArray[Any] | None = None
+
+
+def assemble_cloud(columns: Columns, name: str) -> Cloud:
+    """Return a cloud about its own centre, the middle of its bounding box.
+
+    Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``). Normals are
+    scaled to unit length; those that are missing, zero or not finite are estimated, and their
+    points two-sided. Without colours every point is ``NEUTRAL``.
+
+    Parameters
+    ----------
+    columns
+        From the file.
+    name
+        Of the cloud.
+
+    Raises
+    ------
+    InputError
+        If there is no point, or none with a finite position.
+    """
+    count = len(columns.positions)
+    if not count:
+        raise InputError("has no points")
+    positions = columns.positions.astype(np.float64)
+    kept: npt.NDArray[np.bool_] = np.all(np.abs(positions) <= FARTHEST, axis=1)  # false for NaN
+    if not kept.any():
+        raise InputError(f"none of its {count} points has a finite position")
+    positions = positions[kept]
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    origin = low + 0.5 * (high - low)
+    positions -= origin
+
+    normals, two_sided = _unit_normals(columns.normals, kept)
+    if two_sided.any():
+        normals[two_sided] = estimate_normals(positions, two_sided)
+    if columns.colours is None:
+        colours = np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1))
+    else:
+        colours = colours_to_bytes(columns.colours[kept])
+    return Cloud(
+        positions=positions,
+        normals=normals,
+        colours=colours,
+        two_sided=two_sided,
+        origin=origin,
+        name=name,
+        dropped={"non_finite": int(count - np.count_nonzero(kept))},
+    )
+
+
+def _unit_normals(
+    normals: npt.NDArray[Any] | None, kept: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.bool_]]:
+    """Return unit normals, and where there is none (there they are 0)."""
+    if normals is None:
+        count = int(np.count_nonzero(kept))
+        return np.zeros((count, 3), np.float32), np.ones(count, np.bool_)
+    rows = normals[kept].astype(np.float64)
+    missing = ~np.isfinite(rows).all(axis=1)
+    rows[missing] = 0.0
+    # The largest component first, so that no square over- or underflows.
+    size = np.abs(rows).max(axis=1, keepdims=True)
+    rows /= np.where(size > 0.0, size, 1.0)
+    length = np.linalg.norm(rows, axis=1, keepdims=True)
+    missing |= length[:, 0] == 0.0
+    rows /= np.where(length > 0.0, length, 1.0)
+    return rows.astype(np.float32), missing

@@ -1,0 +1,71 @@
+"""Files written whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from pathlib import Path
+
+from splatline.contract.errors import InputError
+
+__all__ = ["atomic_write"]
+
+
+def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write a file beside its place, then rename it.
+
+    A reader finds the old content or the new, never a part. A link keeps pointing where it did,
+    and an old file keeps its permissions. What is not a regular file (a pipe, ``/dev/stdout``)
+    cannot be renamed over, and is written to directly.
+
+    Parameters
+    ----------
+    path
+        Where the file goes; its folder must exist.
+    data
+        The whole content.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written; an older file of that name is untouched.
+    """
+    place = Path(path)
+    try:
+        target = Path(os.path.realpath(place))
+        if target.exists() and not target.is_file() and not target.is_dir():
+            target.write_bytes(data)
+        else:
+            _replace(target, data)
+    except OSError as error:
+        raise InputError(f"{place}: cannot be written: {error.strerror or error}") from None
+
+
+def _replace(target: Path, data: bytes) -> None:
+    """Write a temporary file in the target's folder and rename it; leave nothing behind."""
+    mode = target.stat().st_mode & 0o777 if target.is_file() else 0o666 & ~_umask()
+    if target.is_file() and not os.access(target, os.W_OK):
+        # A rename would get past the write protection of the file itself.
+        raise PermissionError(None, "the file is write-protected")
+    descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:64]}.", dir=target.parent)
+    beside = Path(name)
+    try:
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            # Without this, a crash of the machine after the rename can leave an empty file.
+            os.fsync(stream.fileno())
+        beside.chmod(mode)
+        beside.replace(target)
+    except BaseException:  # also on Ctrl-C
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise
+
+
+def _umask() -> int:
+    """Return the process's mask for new files, which can be read only by setting it."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,204 @@
+"""Frames on disk: the code words as they go over the wire, and a JSON sidecar with the rest."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import COMPACT, EngineConfig
+from splatline.contract.errors import InputError
+from splatline.contract.frame import Frame, Tables, check_tables
+from splatline.host.files.atomic_write import atomic_write
+from splatline.host.visibility.view import View
+
+__all__ = ["describe_frame", "load_frame", "save_frame", "sidecar_path"]
+
+FORMAT = "splatline-frame"
+VERSION = 2
+
+
+def sidecar_path(path: str | Path) -> Path:
+    """Return where the sidecar of a frame lies: beside it, with ``.json`` added to its name."""
+    path = Path(path)
+    return path.with_name(path.name + ".json")
+
+
+def save_frame(
+    frame: Frame,
+    path: str | Path,
+    *,
+    view: View | None = None,
+    extra: dict[str, Any] | None = None,
+) -> None:
+    """Write a frame's code words, little-endian 64-bit words, and its sidecar.
+
+    Parameters
+    ----------
+    frame
+        What to write.
+    path
+        File for the code words; the sidecar's name is this and ``.json``.
+    view
+        The camera that the frame was made with, for the record.
+    extra
+        More for the sidecar: plain values by name.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written. None is ever left half-written.
+    """
+    sidecar = {
+        "format": FORMAT,
+        "version": VERSION,
+        "width": frame.width,
+        "height": frame.height,
+        "config": dataclasses.asdict(frame.config),
+        "tables": {
+            field.name: getattr(frame.tables, field.name).tolist()
+            for field in dataclasses.fields(Tables)
+        },
+        "counts": frame.counts,
+        "view": None if view is None else _describe_view(view),
+        **(extra or {}),
+    }
+    text = json.dumps(sidecar, indent=1).encode()
+    atomic_write(path, np.ascontiguousarray(frame.codewords, "<u8").tobytes())
+    atomic_write(sidecar_path(path), text + b"\n")
+
+
+def load_frame(path: str | Path) -> Frame:
+    """Read a frame that :func:`save_frame` wrote.
+
+    Raises
+    ------
+    InputError
+        If the code words or the sidecar are missing, damaged, or do not fit each other.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
+    beside = sidecar_path(path)
+    try:
+        sidecar = json.loads(beside.read_text())
+    except OSError as error:
+        raise InputError(
+            f"cannot read {beside}, which tells what {path.name} needs: {error.strerror or error}"
+        ) from None
+    except ValueError:
+        raise InputError(f"{beside} is not valid JSON; encode the frame again") from None
+    if not isinstance(sidecar, dict) or sidecar.get("format") != FORMAT:
+        raise InputError(f"{beside} does not describe a frame; encode the frame again")
+    if sidecar.get("version") != VERSION:
+        raise InputError(
+            f"{beside} has version {sidecar.get('version')!r}; this Splatline reads {VERSION};"
+            " encode the frame again"
+        )
+    if len(data) % 8:
+        raise InputError(f"{path} has {len(data)} bytes, not whole 64-bit words; it is cut short")
+    codewords = np.frombuffer(data, "<u8").astype(np.uint64)
+    try:
+        frame = _frame_of(codewords, sidecar)
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{beside} is damaged ({error}); encode the frame again") from None
+    if not len(codewords) or not _is_end(int(codewords[-1]), frame.config):
+        raise InputError(f"{path} does not end with an end-of-frame word; it is cut short")
+    return frame
+
+
+def describe_frame(frame: Frame) -> dict[str, Any]:
+    """Return what is in a frame: size, preset, word counts by kind and the ranges they span.
+
+    Compact words count as symmetric ones too, of which they are a kind.
+    """
+    config = frame.config
+    words = frame.codewords
+    mode = words >> np.uint64(config.mode.lsb) & np.uint64(1)
+    control = _are_control(words, config)
+    drawn = words[~control]
+
+    def span(name: str) -> list[int] | None:
+        field = getattr(config, name)
+        values = drawn >> np.uint64(field.lsb) & np.uint64(field.mask)
+        return [int(values.min()), int(values.max())] if len(values) else None
+
+    return {
+        "width": frame.width,
+        "height": frame.height,
+        "preset": config.name,
+        "codewords": len(words),
+        "control_words": int(control.sum()),
+        "symmetric_words": int((~control & (mode == 0)).sum()),
+        "compact_words": int(_are_compact(drawn, config).sum()),
+        "fraction_words": int((~control & (mode == 1)).sum()),
+        "materials": int(np.count_nonzero(frame.tables.diffuse.any(axis=1))),
+        "x_range": span("x"),
+        "z_range": span("z"),
+        "counts": frame.counts,
+    }
+
+
+def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Frame:
+    """Return the frame that a sidecar describes; raise ``ValueError`` if it cannot be one."""
+    config = EngineConfig(**sidecar["config"])
+    width, height = sidecar["width"], sidecar["height"]
+    for name, value, most in (
+        ("width", width, config.max_width),
+        ("height", height, config.max_height),
+    ):
+        if not isinstance(value, int) or not 1 <= value <= most:
+            raise ValueError(f"a {name} of {value!r}")
+    tables = Tables(
+        **{name: np.array(values, np.int64) for name, values in sidecar["tables"].items()}
+    )
+    check_tables(tables, config)
+    counts = sidecar.get("counts") or {}
+    if not isinstance(counts, dict) or not isinstance(counts.get("seconds", {}), dict):
+        raise ValueError("the counts")
+    return Frame(codewords, tables, width, height, config, counts)
+
+
+def _are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
+    """Return which words are control words: MODE 1, and every row empty."""
+    control = words >> np.uint64(config.mode.lsb) & np.uint64(1) == 1
+    for row in range(4):
+        first, last = config.first(row), config.last(row)
+        begins = words >> np.uint64(first.lsb) & np.uint64(first.mask)
+        ends = words >> np.uint64(last.lsb) & np.uint64(last.mask)
+        control &= begins > ends
+    return control
+
+
+def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
+    """Return which words are compact: none for an engine without a shape ROM."""
+    if config.shapes == "none":
+        return np.zeros(len(words), np.bool_)
+    mark = config.compact_mark
+    mask = 1 << config.mode.lsb | mark.mask << mark.lsb
+    return words & np.uint64(mask) == np.uint64(COMPACT << mark.lsb)
+
+
+def _is_end(word: int, config: EngineConfig) -> bool:
+    """Return whether a code word ends a frame."""
+    is_control = bool(_are_control(np.array([word], np.uint64), config)[0])
+    return is_control and bool(word >> config.control_end.lsb & 1)
+
+
+def _describe_view(view: View) -> dict[str, Any]:
+    """Return a view as plain values."""
+    return {
+        "eye": view.eye.tolist(),
+        "axes": view.axes.tolist(),
+        "focal": view.focal,
+        "width": view.width,
+        "height": view.height,
+        "near": view.near,
+        "shift": [float(value) for value in view.shift],
+    }

@@ -1,0 +1,192 @@
+"""The scene ``knot``: generated closed surfaces, with every direction of normal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.host.cloud.cloud import Cloud
+
+__all__ = ["POINTS", "knot_cloud"]
+
+POINTS = 200_000
+"""Points of all surfaces together."""
+
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+
+_Floats = npt.NDArray[np.float64]
+_Curve = Callable[[_Floats], tuple[_Floats, _Floats, _Floats]]
+_Part = tuple[_Floats, _Floats, npt.NDArray[np.uint8]]  # positions, normals, colours
+
+# Chosen to differ with three bits a channel, lit and in shade.
+CORAL, CREAM = (255, 90, 60), (255, 236, 200)
+TEAL, NAVY, GOLD = (40, 190, 180), (60, 90, 210), (255, 200, 40)
+
+TUBE = 0.44
+"""Radius of the knot's tube; its curve lies on a torus of radii 2 and 1."""
+
+STRIPES, TURNS = 3, 24
+"""Stripes round the tube, and how many of them pass in its length."""
+
+RING, RING_TUBE = 0.84, 0.16
+"""Radii of a ring: its circle, and its tube."""
+
+HANG = 0.18
+"""How far a ring's centre lies outside the curve that it hangs on."""
+
+BALL = 0.48
+"""Radius of the sphere."""
+
+
+def knot_cloud() -> Cloud:
+    """Return a striped trefoil knot with three rings hung on it, around a sphere.
+
+    The points are spread evenly: each surface has its share by area, and on it they follow a
+    golden-ratio lattice in coordinates that keep area, so that all neighbours are about equally
+    far apart.
+    """
+    length = _arc(_trefoil)[1][-1]
+    ring_area = 4.0 * math.pi**2 * RING * RING_TUBE
+    areas = [2.0 * math.pi * TUBE * length, *[ring_area] * 3, 4.0 * math.pi * BALL**2]
+    bounds = np.rint(np.cumsum([0.0, *areas]) / sum(areas) * POINTS).astype(int)
+    knot, *rings, ball = (int(count) for count in np.diff(bounds))
+
+    parts = [_knot(knot), _ball(ball)]
+    parts += [_ring(count, 2.0 * math.pi * k / 3.0) for k, count in enumerate(rings)]
+    positions, normals, colours = (np.concatenate(column) for column in zip(*parts, strict=True))
+    middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
+    return Cloud(
+        positions=positions - middle,
+        normals=normals.astype(np.float32),
+        colours=colours,
+        two_sided=np.zeros(len(positions), np.bool_),
+        origin=middle,
+        name="knot",
+        dropped={},
+    )
+
+
+def _knot(count: int) -> _Part:
+    """Return the knot, in two colours that wind round it."""
+    positions, normals, along, around = _tube(_trefoil, TUBE, count)
+    # The Frenet frame turns about the curve, fast where that is nearly straight. Stripes that are
+    # to wind evenly must not turn with it, and must meet themselves after the whole length.
+    places, turned = _frame_turns(_trefoil)
+    untwist = np.interp(along, places, turned)
+    close = np.rint(STRIPES * turned[-1]) - STRIPES * turned[-1]
+    turn = (STRIPES * (around + untwist) + (TURNS + close) * along) % 1.0
+    return positions, normals, np.where((turn < 0.3)[:, None], CREAM, CORAL).astype(np.uint8)
+
+
+def _frame_turns(curve: _Curve) -> tuple[_Floats, _Floats]:
+    """Return shares of a curve's length, and the turns that its Frenet frame made up to each.
+
+    The frame's rate of turn about the tangent is the torsion, -dB/ds . N.
+    """
+    t, arc = _arc(curve)
+    _, first, second = curve(t)
+    binormal = np.cross(first, second)
+    binormal /= np.linalg.norm(binormal, axis=-1, keepdims=True)
+    tangent = first / np.linalg.norm(first, axis=-1, keepdims=True)
+    normal = np.cross(binormal, tangent)
+    steps = -np.sum(np.diff(binormal, axis=0) * 0.5 * (normal[1:] + normal[:-1]), axis=-1)
+    return arc / arc[-1], np.concatenate([[0.0], np.cumsum(steps)]) / (2.0 * math.pi)
+
+
+def _ring(count: int, t: float) -> _Part:
+    """Return a ring about the trefoil's curve at ``t``."""
+    positions, normals, _, _ = _tube(_circle, RING_TUBE, count)
+    centre, tangent, _ = (value[0] for value in _trefoil(np.array([t])))
+    tangent = tangent / np.linalg.norm(tangent)
+    outward = centre / np.linalg.norm(centre)
+    side = np.cross(tangent, outward)  # at the lobes the curve runs across its radius
+    axes = np.stack([outward, side, tangent])
+    place = centre + HANG * outward
+    return positions @ axes + place, normals @ axes, _plain(GOLD, count)
+
+
+def _ball(count: int) -> _Part:
+    """Return the sphere, as a Fibonacci lattice, in two colours by octant."""
+    index = np.arange(count)
+    height = 1.0 - (2.0 * index + 1.0) / count
+    angle = 2.0 * math.pi * (index * GOLDEN % 1.0)
+    wide = np.sqrt(1.0 - height**2)
+    normals = np.stack([wide * np.cos(angle), wide * np.sin(angle), height], axis=-1)
+    odd = np.prod(np.sign(normals), axis=1) > 0.0
+    return BALL * normals, normals, np.where(odd[:, None], TEAL, NAVY).astype(np.uint8)
+
+
+def _plain(colour: tuple[int, int, int], count: int) -> npt.NDArray[np.uint8]:
+    return np.tile(np.array(colour, np.uint8), (count, 1))
+
+
+def _trefoil(t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
+    """Return place, first and second derivative of the torus knot (2, 3) at t in 0..2 pi."""
+    (c2, s2), (c3, s3) = (np.cos(2 * t), np.sin(2 * t)), (np.cos(3 * t), np.sin(3 * t))
+    wide, wide1, wide2 = 2.0 + c3, -3.0 * s3, -9.0 * c3
+    return (
+        np.stack([wide * c2, wide * s2, s3], -1),
+        np.stack([wide1 * c2 - 2 * wide * s2, wide1 * s2 + 2 * wide * c2, 3.0 * c3], -1),
+        np.stack(
+            [
+                wide2 * c2 - 4 * wide1 * s2 - 4 * wide * c2,
+                wide2 * s2 + 4 * wide1 * c2 - 4 * wide * s2,
+                -9.0 * s3,
+            ],
+            -1,
+        ),
+    )
+
+
+def _circle(t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
+    """Return place, first and second derivative of a ring's circle at t in 0..2 pi."""
+    c, s, zero = RING * np.cos(t), RING * np.sin(t), np.zeros_like(t)
+    return np.stack([c, s, zero], -1), np.stack([-s, c, zero], -1), np.stack([-c, -s, zero], -1)
+
+
+def _arc(curve: _Curve) -> tuple[_Floats, _Floats]:
+    """Return parameters in 0..2 pi, and the length of the curve up to each."""
+    t = np.linspace(0.0, 2.0 * math.pi, 8193)
+    speed = np.linalg.norm(curve(t)[1], axis=-1)
+    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(t)
+    return t, np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _tube(curve: _Curve, radius: float, count: int) -> tuple[_Floats, _Floats, _Floats, _Floats]:
+    """Return points spread evenly over a tube about a closed curve.
+
+    With the curve's Frenet frame and its curvature k, the tube's point at arc length s and angle
+    a, c(s) + radius (cos a N + sin a B), has the area element radius (1 - k radius cos a) ds da.
+    Its integral over a full turn does not depend on s, so even arc lengths are even in area, and
+    the share of a turn up to a is (a - k radius sin a) / 2 pi: Kepler's equation.
+
+    Returns
+    -------
+    positions, normals
+        Shape (count, 3).
+    along, around
+        Place on the tube, each as a share in 0..1: of its length, and of its turn.
+    """
+    index = np.arange(count, dtype=np.float64)
+    along = (index + 0.5) / count
+    t, arc = _arc(curve)
+    centre, first, second = curve(np.interp(along * arc[-1], arc, t))
+    speed = np.linalg.norm(first, axis=-1, keepdims=True)
+    tangent = first / speed
+    bend = second - tangent * np.sum(second * tangent, axis=-1, keepdims=True)
+    size = np.linalg.norm(bend, axis=-1, keepdims=True)  # k speed^2
+    normal = bend / size
+    binormal = np.cross(tangent, normal)
+
+    pinch = (size / speed**2)[:, 0] * radius  # k radius, below 1: the tube does not fold
+    mean = 2.0 * math.pi * (index * GOLDEN % 1.0)
+    angle = mean
+    for _ in range(20):  # Newton; k radius stays below 0.6 here, so it converges at once
+        excess = angle - pinch * np.sin(angle) - mean
+        angle = angle - excess / (1.0 - pinch * np.cos(angle))
+    out: _Floats = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * binormal
+    positions: _Floats = centre + radius * out
+    return positions, out, along, angle / (2.0 * math.pi)

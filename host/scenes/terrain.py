@@ -1,0 +1,97 @@
+"""The scene ``terrain``: a real elevation model, coloured by height."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.host.cloud.cloud import Cloud
+
+__all__ = ["terrain_cloud"]
+
+EXAGGERATION = 3.5
+"""Heights are drawn this many times too high: 840 m of relief over 30 km would look flat."""
+
+EARTH_RADIUS = 6_371_000.0
+"""Mean radius in metres."""
+
+SMOOTHING = 1.2
+"""Standard deviation in steps of the grid."""
+
+# Share of the range of heights -> red, green, blue. The steps of the ramp are wide enough apart to
+# be told from each other with three bits a channel.
+RAMP = (
+    (0.00, (46, 120, 96)),
+    (0.12, (104, 168, 92)),
+    (0.30, (196, 206, 116)),
+    (0.48, (236, 206, 120)),
+    (0.64, (214, 150, 88)),
+    (0.80, (170, 104, 76)),
+    (0.92, (206, 196, 190)),
+    (1.00, (255, 255, 255)),
+)
+MATERIALS = 24
+
+
+def terrain_cloud() -> Cloud:
+    """Return the elevation model near Jacksboro, Tennessee, as points: x east, y north, z up.
+
+    The grid is the USGS's (344 x 403 heights in metres, three arc seconds apart), as matplotlib
+    carries it; here in metres, with heights times ``EXAGGERATION``. Normals come from the grid's
+    slope.
+    """
+    from matplotlib.cbook import get_sample_data
+
+    # asfileobj=False: the file object would read the archive as npz too, but leave it open.
+    with np.load(get_sample_data("jacksboro_fault_dem.npz", asfileobj=False)) as grid:
+        height = grid["elevation"].astype(np.float64)
+        step_x, step_y = math.radians(grid["dx"]), math.radians(grid["dy"])
+        # Row 0 is the northern edge, which the file calls ymin.
+        latitude = math.radians(0.5 * (float(grid["ymin"]) + float(grid["ymax"])))
+    step_x *= EARTH_RADIUS * math.cos(latitude)
+    step_y *= EARTH_RADIUS
+
+    rows, columns = height.shape
+    z = EXAGGERATION * height
+    y, x = np.meshgrid(-step_y * np.arange(rows), step_x * np.arange(columns), indexing="ij")
+    positions = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
+    down_y, along_x = np.gradient(_smooth(z), step_y, step_x)
+    normals = np.stack([-along_x, down_y, np.ones_like(z)], axis=-1).reshape(-1, 3)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return Cloud(
+        positions=positions - middle,
+        normals=normals.astype(np.float32),
+        colours=_hypsometric(height).reshape(-1, 3),
+        two_sided=np.zeros(len(positions), np.bool_),
+        origin=middle,
+        name="terrain",
+        dropped={},
+    )
+
+
+def _smooth(z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return heights averaged with their neighbours', for the normals alone.
+
+    The model's heights are whole metres, and its finest relief is smaller than a pixel: without
+    this the shading of the plains would be noise.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    smooth: npt.NDArray[np.float64] = gaussian_filter(z, SMOOTHING, mode="nearest")
+    return smooth
+
+
+def _hypsometric(height: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:
+    """Return the ramp's colour of each height, in ``MATERIALS`` steps."""
+    share = (height - height.min()) / np.ptp(height)
+    level = np.minimum((share * MATERIALS).astype(np.int64), MATERIALS - 1)
+    middles = (np.arange(MATERIALS) + 0.5) / MATERIALS
+    places = [place for place, _ in RAMP]
+    channels = [
+        np.interp(middles, places, [colour[channel] for _, colour in RAMP]) for channel in range(3)
+    ]
+    palette = np.rint(np.stack(channels, axis=-1)).astype(np.uint8)
+    return palette[level]

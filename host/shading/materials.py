@@ -1,0 +1,121 @@
+"""Materials: a cloud's colours, reduced to what the engine's table holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.frame import Tables
+from splatline.host.cloud.cloud import Cloud
+
+from .lighting import Lighting
+
+__all__ = ["Materials", "find_materials", "material_tables"]
+
+MOST_MATERIALS = 128
+LARGEST_PALETTE = 256  # of Pillow, and of indices of a byte
+"""What the ``paper`` engine's table holds."""
+
+ROUNDS = 8
+"""Of k-means, 20 ms each for a scan of a hundred thousand colours: more gain a percent each."""
+
+
+@dataclass(frozen=True)
+class Materials:
+    """A palette, and which of its colours each point has.
+
+    Parameters
+    ----------
+    palette
+        Shape (m, 3), uint8, m in 1..256.
+    index
+        Shape (n,), uint8.
+    """
+
+    palette: npt.NDArray[np.uint8]
+    index: npt.NDArray[np.uint8]
+
+
+def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
+    """Return a palette for a cloud: its own colours if they are few, else the means of clusters.
+
+    Those are Pillow's median cut, improved by Lloyd's algorithm (k-means).
+
+    Parameters
+    ----------
+    cloud
+        The cloud.
+    most
+        How many materials there may be; of more than 256 no more are used.
+    """
+    most = min(most, LARGEST_PALETTE)
+    colours = np.ascontiguousarray(cloud.colours, np.uint8)
+    if (colours == colours[:1]).all():
+        return Materials(colours[:1].copy(), np.zeros(len(colours), np.uint8))
+    key = colours.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)
+    distinct, index, counts = np.unique(key, return_inverse=True, return_counts=True)
+    own = np.stack([distinct >> 16, distinct >> 8 & 255, distinct & 255], axis=-1)
+    if len(own) <= most:
+        return Materials(own.astype(np.uint8), index.astype(np.uint8))
+
+    from PIL import Image
+
+    image = Image.fromarray(colours[np.newaxis])
+    reduced = image.quantize(most, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    flat = reduced.getpalette()
+    assert flat is not None  # a quantised image always has one
+    palette = _refine(np.array(flat[: 3 * most], np.float64).reshape(-1, 3), own, counts)
+    return Materials(palette, _nearest(palette, own)[index].astype(np.uint8))
+
+
+def _refine(
+    palette: npt.NDArray[np.float64], colours: npt.NDArray[Any], counts: npt.NDArray[np.int64]
+) -> npt.NDArray[np.uint8]:
+    """Return a palette moved to the means of the colours that are nearest to each of its own."""
+    for _ in range(ROUNDS):
+        nearest = _nearest(palette, colours)
+        weight = np.bincount(nearest, counts, len(palette))
+        for channel in range(3):
+            total = np.bincount(nearest, counts * colours[:, channel], len(palette))
+            np.divide(total, weight, out=palette[:, channel], where=weight > 0.0)
+    return np.rint(palette).astype(np.uint8)
+
+
+def _nearest(palette: npt.NDArray[Any], colours: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """Return which colour of a palette is nearest to each of some colours."""
+    from scipy.spatial import cKDTree
+
+    found: npt.NDArray[np.int64] = cKDTree(palette).query(colours, workers=-1)[1]
+    return found
+
+
+def material_tables(
+    materials: Materials, lighting: Lighting, config: EngineConfig, rounding: float = 0.5
+) -> Tables:
+    """Return the engine's tables for a palette under a lighting.
+
+    kd is scaled so that white at the largest D gives the largest level, and I0 holds what the shift
+    rounds by: one half by default, so to nearest. In ``paper``: kd <= round(7 * 1024 / 127) = 56
+    and ks <= 56 gloss, both within 6 bits for a gloss up to 1; I0 = 512, at most 1024.
+
+    Parameters
+    ----------
+    materials, lighting, config
+        The palette, the lights and surface, and the engine.
+    rounding
+        What of a level is added before the shift cuts it off, in 0..1.
+    """
+    scale = config.channel_max * (1 << config.colour_shift) / config.diffuse.mask
+    largest = (1 << config.coefficient_bits) - 1
+    diffuse = np.zeros((1 << config.material_bits, 3), np.int64)
+    diffuse[: len(materials.palette)] = np.rint(materials.palette / 255.0 * scale)
+    gloss = min(round(lighting.gloss * scale), largest)
+    specular = np.full_like(diffuse, gloss)
+    # Dithering adds 0..15 sixteenths itself: what is added here is a part of one of those.
+    level = 1 << config.colour_shift
+    ambient = np.full(3, round(rounding * level), np.int64)
+    return Tables(ambient, np.minimum(diffuse, largest), specular)

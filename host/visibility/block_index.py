@@ -1,0 +1,269 @@
+"""An index of a cloud, built once: neighbouring points in blocks, with bounds that skip whole ones.
+
+Every later stage works on the index's order, so that what lies together in space lies together in
+memory, and on the image.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.errors import InputError
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.shading.materials import Materials, find_materials
+
+__all__ = ["BLOCK_POINTS", "Index", "build_index"]
+
+BLOCK_POINTS = 128
+"""Points a block: enough that testing blocks costs nothing, few enough that their bounds are tight
+(``docs/decisions.md``)."""
+
+CURVE_BITS = 10
+"""Bits of each coordinate along the curve: cells of a thousandth of the cloud hold few blocks."""
+
+BOUND = np.dtype(
+    [
+        ("centre", np.float64, 3),  # of the sphere about the points
+        ("reach", np.float64),  # its radius
+        ("largest", np.float64),  # radius of the largest disc
+        ("mean", np.float64),  # of the discs' radii
+        ("axis", np.float64, 3),  # of the cone about the normals
+        ("sine", np.float64),  # of the angle between axis and furthest normal; 2: there is no cone
+    ]
+)
+"""Bounds of a block."""
+
+
+@dataclass(frozen=True)
+class Index:
+    """A cloud's points along a space-filling curve, in blocks of ``BLOCK_POINTS``.
+
+    It takes 50 bytes a point and 88 a block beyond the cloud itself.
+
+    Parameters
+    ----------
+    cloud
+        What it was built from.
+    point
+        Index into the cloud: shape (n,), int32.
+    positions, normals, two_sided
+        The cloud's own, in this order: (n, 3) float64, (n, 3) float32, (n,) bool.
+    radii
+        Of the discs, in the cloud's unit: shape (n,), float64.
+    materials
+        The palette, and each point's colour of it in this order.
+    bounds
+        Of each block: shape (ceil(n / BLOCK_POINTS),), structured, see ``BOUND``.
+    """
+
+    cloud: Cloud
+    point: npt.NDArray[np.int32]
+    positions: npt.NDArray[np.float64]
+    normals: npt.NDArray[np.float32]
+    two_sided: npt.NDArray[np.bool_]
+    radii: npt.NDArray[np.float64]
+    materials: Materials
+    bounds: npt.NDArray[Any]
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.point)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that the index takes beyond the cloud."""
+        parts = ("point", "positions", "normals", "two_sided", "radii", "bounds")
+        return self.materials.index.nbytes + sum(getattr(self, part).nbytes for part in parts)
+
+
+def build_index(
+    cloud: Cloud,
+    radii: npt.NDArray[np.floating[Any]],
+    materials: Materials | None = None,
+) -> Index:
+    """Return the index of a cloud.
+
+    Parameters
+    ----------
+    cloud
+        The points.
+    radii
+        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``.
+    materials
+        The cloud's palette; found if not given.
+
+    Raises
+    ------
+    InputError
+        If a radius is missing, negative or not finite.
+    """
+    radii = np.ascontiguousarray(radii, np.float64)
+    _check_radii(radii, len(cloud))
+    if materials is None:
+        materials = find_materials(cloud)
+    order = _curve_order(cloud.positions)
+    count = len(order)
+    index = Index(
+        cloud=cloud,
+        point=order,
+        positions=np.empty((count, 3)),
+        normals=np.empty((count, 3), np.float32),
+        two_sided=np.empty(count, np.bool_),
+        radii=np.empty(count),
+        materials=Materials(materials.palette, np.empty(count, np.uint8)),
+        bounds=np.empty(-(-count // BLOCK_POINTS), BOUND),
+    )
+    _gather(
+        order,
+        cloud.positions,
+        cloud.normals,
+        cloud.two_sided,
+        radii,
+        materials.index,
+        index.positions,
+        index.normals,
+        index.two_sided,
+        index.radii,
+        index.materials.index,
+        index.bounds,
+    )
+    return index
+
+
+def _check_radii(radii: npt.NDArray[np.floating[Any]], count: int) -> None:
+    """Raise ``InputError`` unless there is a length for every point."""
+    if np.shape(radii) != (count,):
+        raise InputError(f"there must be one radius a point, {count}, not {np.shape(radii)}")
+    if count and not (np.isfinite(radii).all() and np.min(radii) >= 0.0):
+        raise InputError("every radius must be a finite length, 0 or more")
+
+
+def _curve_order(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.int32]:
+    """Return the order of points along Morton's curve through the cloud's own cube."""
+    if not len(positions):
+        return np.zeros(0, np.int32)
+    low, high = _limits(positions)
+    extent = float((high - low).max())
+    keys = np.empty(len(positions), np.uint64)
+    _curve_keys(positions, low, extent if extent > 0.0 else 1.0, keys)
+    # Each key ends in its point's number, so that the order is the same whatever sorts it.
+    keys.sort()
+    return (keys & np.uint64(0xFFFFFFFF)).astype(np.int32)
+
+
+@nb.njit(cache=True)
+def _limits(positions: Any) -> tuple[Any, Any]:
+    """Return the least and greatest coordinates (numpy takes four times as long by columns)."""
+    low, high = positions[0].copy(), positions[0].copy()
+    for i in range(len(positions)):
+        for axis in range(3):
+            value = positions[i, axis]
+            low[axis] = value if value < low[axis] else low[axis]
+            high[axis] = value if value > high[axis] else high[axis]
+    return low, high
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def _curve_keys(positions: Any, low: Any, extent: float, keys: Any) -> None:
+    """Set each point's place along the curve, with its number in the lower half."""
+    cells = float((1 << CURVE_BITS) - 1)
+    for i in nb.prange(len(positions)):
+        key = 0
+        for axis in range(3):
+            # Divided first: the product of a tiny cloud's inverse extent would overflow.
+            cell = int(min((positions[i, axis] - low[axis]) / extent, 1.0) * cells)
+            key |= _spread(cell) << axis
+        keys[i] = key << 32 | i
+
+
+@nb.njit
+def _spread(cell: int) -> int:
+    """Return ten bits with two zeros between each and the next."""
+    cell = (cell | cell << 16) & 0x030000FF
+    cell = (cell | cell << 8) & 0x0300F00F
+    cell = (cell | cell << 4) & 0x030C30C3
+    return (cell | cell << 2) & 0x09249249
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def _gather(
+    order: Any,
+    from_positions: Any,
+    from_normals: Any,
+    from_two_sided: Any,
+    from_radii: Any,
+    from_material: Any,
+    positions: Any,
+    normals: Any,
+    two_sided: Any,
+    radii: Any,
+    material: Any,
+    bounds: Any,
+) -> None:
+    """Bring the points into their order, and bound each block."""
+    for block in nb.prange(len(bounds)):
+        start = block * BLOCK_POINTS
+        stop = min(start + BLOCK_POINTS, len(order))
+        for i in range(start, stop):
+            j = order[i]
+            for axis in range(3):
+                positions[i, axis] = from_positions[j, axis]
+                normals[i, axis] = from_normals[j, axis]
+            two_sided[i] = from_two_sided[j]
+            radii[i] = from_radii[j]
+            material[i] = from_material[j]
+        _bound_sphere(bounds[block], positions[start:stop], radii[start:stop])
+        _bound_cone(bounds[block], normals[start:stop], two_sided[start:stop])
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _bound_sphere(bound: Any, positions: Any, radii: Any) -> None:
+    """Set the sphere about a block's points, and the sizes of its discs."""
+    for axis in range(3):
+        low = high = positions[0, axis]
+        for i in range(1, len(positions)):
+            low, high = min(low, positions[i, axis]), max(high, positions[i, axis])
+        bound.centre[axis] = low + 0.5 * (high - low)
+    reach, largest, total = 0.0, 0.0, 0.0
+    for i in range(len(positions)):
+        dx = positions[i, 0] - bound.centre[0]
+        dy = positions[i, 1] - bound.centre[1]
+        dz = positions[i, 2] - bound.centre[2]
+        # Not a sum of squares: those of a tiny cloud underflow.
+        reach = max(reach, np.hypot(np.hypot(dx, dy), dz))
+        largest = max(largest, radii[i])
+        total += radii[i]
+    bound.reach = reach * (1.0 + 1e-9)
+    bound.largest = largest
+    bound.mean = total / len(positions)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _bound_cone(bound: Any, normals: Any, two_sided: Any) -> None:
+    """Set the cone about a block's normals; none if one is two-sided or a quarter turn away."""
+    x, y, z = 0.0, 0.0, 0.0
+    turned = False
+    for i in range(len(normals)):
+        x += normals[i, 0]
+        y += normals[i, 1]
+        z += normals[i, 2]
+        turned |= two_sided[i]
+    length = np.sqrt(x * x + y * y + z * z)
+    bound.sine = 2.0
+    bound.axis[:] = 0.0
+    if turned or not length > 0.0:
+        return
+    x, y, z = x / length, y / length, z / length
+    cosine = 1.0
+    for i in range(len(normals)):
+        cosine = min(cosine, x * normals[i, 0] + y * normals[i, 1] + z * normals[i, 2])
+    # The margin covers normals that float32 rounded.
+    cosine -= 1e-6
+    if cosine > 0.0:
+        bound.axis[0], bound.axis[1], bound.axis[2] = x, y, z
+        bound.sine = np.sqrt(1.0 - cosine * cosine)

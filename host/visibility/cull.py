@@ -1,0 +1,166 @@
+"""What a view does not show of a cloud: whole blocks first, then point by point.
+
+A block's test is the point's, made for the worst point that the block's bounds allow: it leaves out
+a block only where each of its points would be.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba as nb
+
+from .skips import REASONS
+
+__all__ = ["cull_blocks", "faces_away", "lies_outside", "misses_centre"]
+
+MARGIN = 1.5
+"""Pixels by which a drawn footprint may reach beyond its true circle: a centre rounded to a whole
+pixel and a diameter rounded up."""
+
+ROUNDING = 1e-3
+"""Pixels by which a place may be off, as float32 holds it, where that matters."""
+
+OUTSIDE = REASONS["outside"]
+FACING_AWAY = REASONS["facing_away"]
+NO_PIXEL = REASONS["no_pixel"]
+
+
+@nb.njit(inline="always")
+def lies_outside(place: float, slope: float, radius: float, share: float, size: int) -> bool:
+    """Return whether a splat lies beyond one of the two borders of an axis.
+
+    A disc of radius R at the depth z, seen at the slant a = x / z, reaches at most
+    sqrt(1 + a^2) R / (z - R) from its centre's place: R is the ``share`` of z that it comes nearer.
+
+    Parameters
+    ----------
+    place
+        Column (or line) of its centre, in pixels.
+    slope
+        Its slant a.
+    radius
+        R over z in pixels.
+    share
+        R over z.
+    size
+        Pixels of the image along the axis.
+    """
+    less = 1.0 - share if share < 1.0 else 0.0
+    reach = radius * (1.0 + abs(slope)) + MARGIN
+    return not (place * less > -reach and (place - size) * less < reach)
+
+
+@nb.njit(inline="always")
+def faces_away(facing: float) -> bool:
+    """Return whether a surface shows its back; ``facing`` is n . (p - eye), up to a factor."""
+    return facing >= 0.0
+
+
+@nb.njit(inline="always")
+def misses_centre(column: float, line: float, radius: float, a: float, b: float) -> bool:
+    """Return whether a splat of less than half a pixel in radius misses every pixel's centre.
+
+    A disc seen aslant, from x / z = a and y / z = b, reaches up to sqrt(1 + a^2 + b^2) times its
+    radius (see ``host.encode.ellipse.conic``). The pixel that holds its own centre is the nearest.
+    """
+    dx, dy = math.floor(column) + 0.5 - column, math.floor(line) + 0.5 - line
+    reach = radius + ROUNDING
+    return dx * dx + dy * dy > reach * reach * (1.0 + a * a + b * b)
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
+    """Set for each block the reason to leave all of it out, or 0.
+
+    Parameters
+    ----------
+    bounds
+        Of the blocks, see ``host.visibility.block_index.BOUND``.
+    camera
+        Eye, axes, focal length, middle, width, height and near distance of the view.
+    rules
+        Whether each reason counts, by its number.
+    status
+        Set: shape (blocks,), uint8.
+    """
+    eye, axes, focal, middle_x, middle_y, width, height, near = camera
+    # To the border that is further from the axis.
+    wide = max(middle_x, width - middle_x) + MARGIN
+    high = max(middle_y, height - middle_y) + MARGIN
+    for block in nb.prange(len(bounds)):
+        bound = bounds[block]
+        dx = bound.centre[0] - eye[0]
+        dy = bound.centre[1] - eye[1]
+        dz = bound.centre[2] - eye[2]
+        x = axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz
+        y = axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz
+        z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
+        reach, disc = bound.reach, focal * bound.largest
+        status[block] = 0
+        if z + reach < near or (
+            rules[OUTSIDE]
+            and (
+                _beyond(x, z, focal, wide, reach, bound.largest)
+                or _beyond(y, z, focal, high, reach, bound.largest)
+            )
+        ):
+            status[block] = OUTSIDE
+        elif rules[FACING_AWAY] and _all_face_away(dx, dy, dz, bound):
+            status[block] = FACING_AWAY
+        elif rules[NO_PIXEL] and z - reach >= near:
+            least = z - reach
+            if _between_centres(x / z, least, middle_x, focal, reach, disc) or _between_centres(
+                y / z, least, middle_y, focal, reach, disc
+            ):
+                status[block] = NO_PIXEL
+
+
+@nb.njit
+def _beyond(across: float, z: float, focal: float, away: float, reach: float, disc: float) -> bool:
+    """Return whether a sphere lies beyond one of the two borders of an axis, discs and all.
+
+    What lies beyond the right border, ``away`` pixels from the view's axis, has
+    focal x - away z > 0: a plane in space, from which the sphere's centre must be further than its
+    radius and a disc's together.
+    """
+    needed = (reach + disc) * math.sqrt(focal * focal + away * away)
+    return focal * abs(across) - away * z > needed
+
+
+@nb.njit
+def _all_face_away(dx: float, dy: float, dz: float, bound: Any) -> bool:
+    """Return whether every normal in the cone shows its back to the eye, from the whole sphere.
+
+    From a point of the sphere the direction to the centre differs by at most the sphere's angular
+    radius, and the normal by at most the cone's angle from its axis: together less than what the
+    axis leans away.
+    """
+    distance = math.hypot(math.hypot(dx, dy), dz)
+    if not (bound.sine <= 1.0 and bound.reach < distance):
+        return False
+    lean = (bound.axis[0] * dx + bound.axis[1] * dy + bound.axis[2] * dz) / distance
+    apart = math.asin(bound.sine) + math.asin(bound.reach / distance)
+    return apart < 0.5 * math.pi and lean > math.sin(apart) + 1e-6
+
+
+@nb.njit
+def _between_centres(
+    slope: float, least: float, middle: float, focal: float, reach: float, disc: float
+) -> bool:
+    """Return whether a sphere with all its discs lies between two columns (or lines) of centres.
+
+    A point of the sphere has x / z within reach sqrt(1 + a^2) / z of the centre's a, and its disc
+    reaches sqrt(1 + a'^2) times its radius (see ``host.encode.ellipse.conic``) from its own a'.
+    """
+    spread = reach * math.sqrt(1.0 + slope * slope) / least
+    furthest = abs(slope) + spread
+    span = focal * spread + disc * math.sqrt(1.0 + furthest * furthest) / least
+    return span < 0.5 and _misses_pixels(middle + focal * slope, span)
+
+
+@nb.njit(inline="always")
+def _misses_pixels(centre: float, reach: float) -> bool:
+    """Return whether no pixel's centre lies within ``reach`` of a column (or line)."""
+    return math.ceil(centre - reach - ROUNDING - 0.5) > math.floor(centre + reach + ROUNDING - 0.5)

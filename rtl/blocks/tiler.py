@@ -1,0 +1,286 @@
+"""Laying an element's whole block out for lanes that take it in a cycle."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from splatline.contract.config import BLOCK, ROWS, EngineConfig
+from splatline.rtl.layouts import BlockLayout, ClearedLayout, GeometryLayout
+from splatline.rtl.shapes.rows import ShapeRows
+
+__all__ = ["BlockTiler"]
+
+
+class ShapeLayout(data.StructLayout):
+    """An element's rows, and what they are clipped by.
+
+    ``rows``: the columns of each, from X on, or one further right for the lower four where they are
+    ``shifted``. ``turns``: the lane of the first of them, one bit of eight, in the upper four rows
+    and in the lower. ``inside``: which of the words of X and the one after it lie in the image.
+    ``groups``: groups of eight lines from that of the first row to the image's last, 0..3: 0 if it
+    lies below, 3 stands for more. The others as in :class:`GeometryLayout`.
+    """
+
+    def __init__(self, config: EngineConfig):
+        element = GeometryLayout(config).members
+        super().__init__(
+            {
+                **{name: element[name] for name in ("mode", "x", "z", "top", "end")},
+                "rows": data.ArrayLayout(BLOCK, BLOCK),
+                "shifted": 1,
+                "turns": data.ArrayLayout(BLOCK, 2),
+                "inside": 2,
+                "groups": 2,
+            }
+        )
+
+
+class TurnedLayout(data.StructLayout):
+    """The same with the columns of the lanes, clipped to the image's words.
+
+    ``odd``: which of them lie in odd words, of the upper four rows and of the lower ones. ``turn``:
+    the row of lanes of the first line, one bit of eight.
+    """
+
+    def __init__(self, config: EngineConfig):
+        names = ("mode", "x", "z", "top", "end", "rows", "groups")
+        shape = ShapeLayout(config).members
+        super().__init__(
+            {
+                **{name: shape[name] for name in names},
+                "odd": data.ArrayLayout(BLOCK, 2),
+                "turn": BLOCK,
+            }
+        )
+
+
+class BlockTiler(wiring.Component):
+    """Gives an element's pixels in one cycle, dealt to the lanes of the window.
+
+    A block has eight lines of eight columns, one for each residue of either, wherever it lies: its
+    rows are turned to theirs, and its columns to theirs, and clipped to the image (columns by whole
+    words). What is turned of a shape whose middle lies at a half place begins a column further
+    right, or has its rows a line higher.
+
+    An element waits here until its lines are in the window, and none of them has the place of one
+    that is still being cleared. Meanwhile its ``top`` is known already, so that the lines above it
+    may leave. Where the window is about to come to it, it goes as that does.
+
+    **Latency**: 4 cycles. **Throughput**: one element a cycle; a frame's first comes two cycles
+    after the ``end`` token before it at the soonest, as the window must have moved on.
+
+    Members
+    -------
+    i : In(stream of GeometryLayout)
+        Elements, and ``end`` tokens.
+    o : Out(stream of BlockLayout)
+        Blocks; for an ``end`` token one without pixels, to be taken when the frame before is out.
+    moves : Out(1)
+        What each stage has in the next cycle is of the element behind, or nothing: colours move on.
+    oldest : In(signed(line_bits + 2))
+        First line of the window as far as it was loaded, of the frame that is drawn: which is the
+        next one as soon as an ``end`` token was taken from ``o``.
+    cleared : In(ClearedLayout)
+        The place of that line is not free in this cycle and the next one.
+    empties : In(1)
+        The window comes to the ``top`` of what waits, and of its places only those of ``cleared``
+        and of the line of ``oldest`` are not free, the latter in the two cycles after this as well.
+    last_column : In(x_bits)
+        Width of the image less 1; steady during a frame, as is the height.
+    last_line : In(line_bits)
+        Height of the image less 1.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "i": In(stream.Signature(GeometryLayout(config))),
+                "o": Out(stream.Signature(BlockLayout(config))),
+                "moves": Out(1),
+                "oldest": In(signed(config.line_bits + 2)),
+                "cleared": In(ClearedLayout(config)),
+                "empties": In(1),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        element = self.i.payload
+        # Four stages: the element's rows, those in the columns of lanes, its pixels in lanes, and
+        # those with all that is said of them together.
+        shaped, there, laid, offered = Signal(), Signal(), Signal(), Signal()
+        # They move on together, with gaps between elements, as who is taken is known late.
+        steps = Signal()
+        m.d.comb += [
+            steps.eq(~offered | (self.o.valid & self.o.ready)),
+            self.moves.eq(steps),
+            self.i.ready.eq(steps),
+        ]
+        shape = Signal(ShapeLayout(self.config), reset_less=True)
+        turned = Signal(TurnedLayout(self.config), reset_less=True)
+        lanes = Signal(BlockLayout(self.config), reset_less=True)
+        last = Signal(BlockLayout(self.config), reset_less=True)
+        top = Signal.like(last.top, name="last_top", init=-ROWS)  # it stays where nothing follows
+        rows, columns, pixels = self._shape(m, element), self._turn(m, shape), self._lay(m, turned)
+        with m.If(steps):
+            m.d.sync += [
+                Cat(shaped, there, laid, offered).eq(Cat(self.i.valid, shaped, there, laid)),
+                shape.eq(rows),
+                turned.eq(columns),
+                lanes.eq(pixels),
+                last.eq(lanes),
+                last.rows.eq(Cat(mask.any() for mask in lanes.mask)),
+            ]
+            m.d.sync += [
+                touch.eq(Cat((mask & odd).any(), (mask & ~odd).any()))
+                for touch, mask, odd in zip(last.touch, lanes.mask, lanes.odd, strict=True)
+            ]
+            with m.If(laid):
+                m.d.sync += top.eq(lanes.top)
+            with m.Elif(offered & last.end):
+                m.d.sync += top.eq(-ROWS)  # of the next frame
+
+        # Whether the lines of what the last stage has are in the window is known a cycle ahead,
+        # because all before it waits for it. While it waits itself, what is behind it is not looked
+        # at, and comes as one whose lines are not there.
+        near, waiting = Signal(), Signal()
+        wanted, mode = Mux(waiting, top, lanes.top), waiting & last.mode
+        behind = Signal(signed(len(top) + 1))
+        left = Signal(self.config.slot_bits)  # lines from ``wanted`` to the place that is cleared
+        m.d.comb += [
+            waiting.eq(offered & ~near),
+            behind.eq(self.oldest - wanted),
+            left.eq(self.cleared.place - wanted),
+            self.o.valid.eq(offered & (near | last.end)),
+            self.o.payload.eq(last),
+            self.o.payload.top.eq(top),
+        ]
+        # Until an end token was taken, ``oldest`` is not of the frame behind it.
+        with m.If(offered & last.end):
+            m.d.sync += near.eq(0)
+        with m.Elif(waiting | steps):
+            bits = self.config.slot_bits
+            there = ~behind[-1] | (behind[bits:].all() & (behind[:bits] > BLOCK))
+            comes = self.empties & waiting & _outside(behind[:bits], mode)
+            m.d.sync += near.eq((there | comes) & ~(self.cleared.valid & ~_outside(left, mode)))
+        return m
+
+    def _shape(self, m, element):
+        """Return the columns of an element's rows, and what they are clipped by."""
+        config = self.config
+        bits = config.pixel_bits
+        rows = Signal(ShapeLayout(config))
+        shape = ShapeRows(m, element)
+        masks = [Signal(BLOCK, name=f"mask_{k}") for k in range(ROWS)]
+        for row, mask in zip(shape.rows, masks, strict=True):
+            m.d.comb += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
+        # A raised shape's row 3 is in its middle and has no half turn.
+        turned = [mask[::-1] for mask in masks[::-1]]
+        raised = [*turned[1:], 0]
+        # Neither they nor ``groups`` are a choice of 0, which would clear the register from where
+        # ``ready`` is known last.
+        whole = ~element.mode.replicate(BLOCK)
+        lower = [
+            Mux(shape.raised, high, low) & whole for high, low in zip(raised, turned, strict=True)
+        ]
+        first = Signal(BLOCK)
+        words_left = Signal(signed(config.word_bits + 1))
+        groups = Signal(signed(len(element.top)))
+        m.d.comb += [
+            first.eq(_one_of(element.x[:bits])),
+            words_left.eq(self.last_column[bits:] - element.x[bits:]),
+            groups.eq((self.last_line >> 3) - (element.top >> 3) + 1),
+        ]
+        more = groups[2:-1].any()
+        m.d.comb += [rows[name].eq(element[name]) for name in ("mode", "x", "z", "top", "end")]
+        m.d.comb += [
+            rows.rows.eq(Cat(*masks, *lower)),
+            rows.shifted.eq(shape.shifted),
+            rows.turns.eq(Cat(first, Mux(shape.shifted, first.rotate_left(1), first))),
+            rows.inside.eq(Cat(words_left >= word for word in range(2))),
+            rows.groups.eq(Cat(groups[0] | more, groups[1] | more) & ~groups[-1].replicate(2)),
+        ]
+        return rows
+
+    def _turn(self, m, shape):
+        """Return the rows with their columns turned to the lanes', and clipped.
+
+        A multiplier turns a row's pixels, by a power of two.
+        """
+        turned = Signal(TurnedLayout(self.config))
+        bits = self.config.pixel_bits
+        kept = ("mode", "x", "z", "top", "end", "groups")
+        m.d.comb += [turned[name].eq(shape[name]) for name in kept]
+        m.d.comb += turned.turn.eq(_one_of(shape.top[:3]))
+        # The lower rows may lie a column further right.
+        for part, shift in enumerate((0, shape.shifted)):
+            begin = Signal(bits + 1, name=f"begin_{part}")
+            beyond = Signal(BLOCK, name=f"beyond_{part}")  # in the second word
+            m.d.comb += [
+                begin.eq(shape.x[:bits] + shift),
+                beyond.eq(Cat(begin > column for column in range(BLOCK))),
+                turned.odd[part].eq(beyond ^ shape.x[bits].replicate(BLOCK)),
+            ]
+            clip = Mux(shape.inside[1], -1, ~beyond) & Mux(shape.inside[0], -1, beyond)
+            for k in range(part * ROWS, part * ROWS + ROWS):
+                product = Signal(2 * BLOCK, name=f"turned_{k}")
+                m.d.comb += [
+                    product.eq(shape.rows[k] * shape.turns[part]),
+                    turned.rows[k].eq((product[:BLOCK] | product[BLOCK:]) & clip),
+                ]
+        return turned
+
+    def _lay(self, m, turned):
+        """Return the pixels in lanes: a multiplier turns those of a column, by a power of two."""
+        block = Signal(BlockLayout(self.config))
+        bits = self.config.pixel_bits
+        top = turned.top
+        m.d.comb += [block[name].eq(turned[name]) for name in ("z", "mode", "top", "end")]
+        m.d.comb += [block.words[n].eq(turned.x[bits:] + n) for n in range(2)]
+        here, past = self._lines(m, turned, block)
+        for p in range(BLOCK):
+            product = Signal(2 * BLOCK, name=f"product_{p}")
+            m.d.comb += product.eq(Cat(row[p] for row in turned.rows) * turned.turn)
+            for q in range(BLOCK):
+                pixel = (product[q] & here[q]) | (product[BLOCK + q] & past[q])
+                m.d.comb += block.mask[q][p].eq(pixel)
+        for q in range(BLOCK):
+            row = Signal(3, name=f"row_of_{q}")
+            m.d.comb += [
+                row.eq(q - top[:3]),
+                block.odd[q].eq(Mux(row[2], turned.odd[1], turned.odd[0])),
+            ]
+        return block
+
+    def _lines(self, m, turned, block):
+        """Place the block's lines; return which of them lie in the image, by residue.
+
+        Those in the group of eight lines that its first row is in, and those in the next group.
+        """
+        top, left = turned.top, turned.groups
+        here, past = Signal(BLOCK), Signal(BLOCK)
+        for q in range(BLOCK):
+            low = self.last_line[:3] >= q
+            m.d.comb += [
+                block.group[q].eq(top[3 : self.config.slot_bits] + (top[:3] > q)),
+                here[q].eq(~top[-1] & (left[1] | (left[0] & low))),
+                past[q].eq(left[1] & (left[0] | low)),
+            ]
+        return here, past
+
+
+def _outside(lines, mode):
+    """Return whether a place so many lines below a block's first one is none of the block's.
+
+    Modulo the window's height; of its upper four if ``mode`` is set.
+    """
+    return lines[3:].any() | (mode & lines[2])
+
+
+def _one_of(number):
+    """Return the bit of a number alone; not as ``1 << number``, which is a choice of 0 as well."""
+    return Cat(number == n for n in range(1 << len(number)))

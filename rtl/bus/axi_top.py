@@ -1,0 +1,273 @@
+"""The engine on standard buses: AXI4-Stream for what it draws, AXI4-Lite for the rest."""
+
+from __future__ import annotations
+
+from amaranth.hdl import Cat, ClockDomain, Module, Signal
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out, connect
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.contract.register_map import raster_stream_bytes, register_map
+from splatline.rtl.engine import Engine
+from splatline.rtl.layouts import CodeWordLayout, RasterLayout
+
+from .axi_lite import AxiLiteSignature
+from .axi_registers import RegisterFile
+from .axi_stream import AxiStreamSignature, HalfSlice, PacketLayout, RegisterSlice
+from .codeword_check import CodeWordCheck, end_word, is_end
+from .stream_guard import StreamGuard
+
+__all__ = ["AxiTop"]
+
+CODEWORD_BYTES = 8
+
+
+class AxiTop(wiring.Component):
+    """An engine that stands in a block design as it is.
+
+    Its ports have the names by which vendors' tools find buses: ``aclk``, ``aresetn`` (low: reset,
+    synchronous), ``s_axi_ctrl_*`` (AXI4-Lite), ``s_axis_codewords_*``, ``s_axis_initial_*``,
+    ``m_axis_raster_*`` (AXI4-Stream) and ``irq``. The registers are in ``docs/registers.md``.
+
+    - A packet of code words is a frame; TLAST comes with its end word.
+    - A packet of the raster is a frame as well: its beats, filled up with zeros to a power of two
+      of bytes, and then the end beat, with TLAST. So a packet is never empty, and each packet of
+      code words is answered by one.
+    - An initial raster is a packet of the same kind.
+
+    Whatever else comes sets a bit of the register ERROR, and does no harm: :class:`StreamGuard` and
+    :class:`RegisterFile` say what becomes of it. CONTROL.ABORT ends the frame that is open: an
+    end is put in behind the words that were taken, an initial raster that is still waited for ends,
+    the rest of both packets is dropped up to TLAST, and of the picture only the end beat still
+    leaves. The engine is never reset for it, so its tables stay.
+
+    Each bus ends in registers in both directions: no path leads from one of its inputs to an output
+    in the same cycle.
+
+    **Latency**: that of the engine and 1 cycle from a code word's acceptance to the engine, 2 for a
+    frame's first; 1 from the engine to the raster port. **Throughput**: within a frame the
+    engine's. Frames do not overlap as the engine's do: the next one opens only when this one's end
+    beat has left the engine.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    engine
+        What draws, with the ports of :class:`Engine`; one of that configuration if not given.
+
+    Members
+    -------
+    aclk, aresetn : In(1)
+        Clock, and synchronous reset, active low.
+    s_axi_ctrl_* : AxiLiteSignature
+        The registers.
+    s_axis_codewords_*, s_axis_initial_* : AxiStreamSignature
+        What is drawn, and what it is drawn over.
+    m_axis_raster_* : AxiStreamSignature
+        The picture.
+    irq : Out(1)
+        An enabled bit of IRQ_STATUS is set; stays until it is cleared.
+    """
+
+    def __init__(self, config: EngineConfig = PAPER, engine: wiring.Component | None = None):
+        self.config = config
+        self.engine = Engine(config) if engine is None else engine
+        self.registers = register_map(config)
+        raster = AxiStreamSignature(raster_stream_bytes(config))
+        self.buses = {
+            "s_axi_ctrl": In(AxiLiteSignature(self.registers.address_bits)),
+            "s_axis_codewords": In(AxiStreamSignature(CODEWORD_BYTES)),
+            "s_axis_initial": In(raster),
+            "m_axis_raster": Out(raster),
+        }
+        super().__init__(
+            {
+                "aclk": In(1),
+                "aresetn": In(1),
+                **{
+                    f"{bus}_{name}": wire
+                    for bus, member in self.buses.items()
+                    for name, wire in member.signature.members.items()
+                },
+                "irq": Out(1),
+            }
+        )
+
+    @property
+    def latency(self) -> int:
+        """Cycles from a code word's acceptance to the one that writes its first pixels."""
+        return self.engine.latency + 1
+
+    @property
+    def clear_cycles(self) -> int:
+        """Cycles after reset in which the engine clears its memory; code words wait."""
+        return self.engine.clear_cycles
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        m.domains.sync = sync = ClockDomain("sync")
+        m.d.comb += [sync.clk.eq(self.aclk), sync.rst.eq(~self.aresetn)]
+
+        m.submodules.engine = engine = self.engine
+        m.submodules.registers = registers = RegisterFile(self.registers)
+        for name, wire in self.buses["s_axi_ctrl"].signature.members.items():
+            port, inner = getattr(self, f"s_axi_ctrl_{name}"), getattr(registers.bus, name)
+            m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
+        connect(m, registers.tables, engine.tables)
+
+        m.submodules.codewords = codewords = self._codewords(m)
+        m.submodules.initial = initial = self._initial(m)
+        connect(m, codewords.o, engine.codewords)
+        connect(m, initial.o, engine.initial)
+        values, events, pulses = registers.values, registers.events, registers.pulses
+
+        # A frame is open from its first code word in the guard to its end beat, one at a time: the
+        # engine would take the next while this one's end beat still waits.
+        word_taken = Signal()
+        end_taken = Signal()
+        drawing = Signal()
+        loading = Signal()  # the end of the initial raster is still to come
+        aborting = Signal()
+        released = Signal()  # it is no longer waited for
+        busy = Signal()
+        abort = Signal()
+        m.d.comb += [
+            word_taken.eq(codewords.o.valid & codewords.o.ready),
+            end_taken.eq(engine.raster.valid & engine.raster.ready & engine.raster.payload.end),
+            busy.eq(codewords.open | drawing),
+            # In the cycle in which the end beat is taken, the frame is whole: none is left to end.
+            abort.eq(pulses.control_abort & busy & ~end_taken),
+            registers.busy.eq(busy),
+            # A table write that is offered goes first, as it does in the engine.
+            codewords.admit.eq(~drawing & ~values.control_hold & ~registers.tables.valid),
+            codewords.cut.eq(abort & codewords.open),
+            codewords.forget.eq(pulses.control_resync),
+            initial.admit.eq(1),
+            initial.cut.eq(aborting & loading & ~released),
+            initial.forget.eq(pulses.control_resync),
+        ]
+        with m.If(end_taken):
+            m.d.sync += [drawing.eq(0), aborting.eq(0), released.eq(0)]
+        with m.If(word_taken):
+            m.d.sync += drawing.eq(1)
+            with m.If(~drawing):
+                m.d.sync += loading.eq(values.start_load)
+        with m.If(initial.cut):
+            m.d.sync += released.eq(1)
+        with m.If(initial.o.valid & initial.o.ready & initial.o.payload.end):
+            m.d.sync += loading.eq(0)
+        with m.If(abort):
+            m.d.sync += aborting.eq(1)
+
+        end_left, word_left = self._raster(m, aborting)
+
+        m.submodules.check = check = CodeWordCheck(self.config)
+        m.d.comb += [
+            check.codeword.eq(engine.codewords.payload),
+            check.taken.eq(word_taken),
+            check.last_column.eq(values.last_column_value),
+            check.last_line.eq(values.last_line_value),
+            events.error_x_outside.eq(check.x_outside),
+            events.error_line_past.eq(check.line_past),
+            events.error_frame_ended_early.eq(codewords.early),
+            events.error_end_without_last.eq(codewords.late),
+            events.error_partial_word.eq(codewords.partial),
+            events.error_initial_ended_early.eq(initial.early),
+            events.error_initial_without_last.eq(initial.late),
+            events.error_initial_partial.eq(initial.partial),
+            events.error_aborted.eq(abort),
+            events.irq_status_frame_done.eq(end_left),
+        ]
+        live = registers.live
+        m.d.comb += [
+            live.status_busy.eq(busy),
+            live.status_dropping.eq(codewords.dropping),
+            live.status_dropping_initial.eq(initial.dropping),
+            live.status_aborting.eq(aborting),
+            live.irq_status_error.eq(_errors(self.registers, values).any()),
+        ]
+        counted = {
+            "frames": end_left,
+            "elements": check.element,
+            "cycles": word_taken | drawing,
+            "input_stalls": codewords.o.valid & ~codewords.o.ready,
+            "output_stalls": self.m_axis_raster_tvalid & ~self.m_axis_raster_tready,
+            "words": word_left,
+        }
+        for name, event in counted.items():
+            counter = Signal(32, name=name)
+            m.d.comb += live[f"{name}_value"].eq(counter)
+            with m.If(pulses.control_clear):
+                m.d.sync += counter.eq(0)
+            with m.Elif(event):
+                m.d.sync += counter.eq(counter + 1)
+
+        irq = Signal()
+        m.d.sync += irq.eq(
+            (values.irq_status_frame_done & values.irq_enable_frame_done)
+            | (live.irq_status_error & values.irq_enable_error)
+        )
+        m.d.comb += self.irq.eq(irq)
+        return m
+
+    def _codewords(self, m):
+        """Return the guard of the code words, behind the port's registers."""
+        layout = CodeWordLayout(self.config)
+        m.submodules.codeword_slice = slice_ = RegisterSlice(PacketLayout(layout))
+        guard = StreamGuard(layout, end_word(self.config), is_end)
+        self._enter(m, "s_axis_codewords", slice_)
+        connect(m, slice_.o, guard.i)
+        return guard
+
+    def _initial(self, m):
+        """Return the guard of the initial raster, behind registers at the rate of the loader."""
+        layout = RasterLayout(self.config)
+        m.submodules.initial_slice = slice_ = HalfSlice(PacketLayout(layout))
+        guard = StreamGuard(layout, layout.const({"end": 1}), lambda beat: beat.end)
+        self._enter(m, "s_axis_initial", slice_)
+        connect(m, slice_.o, guard.i)
+        return guard
+
+    def _enter(self, m, port, slice_):
+        """Lead a port into its registers; bits of TDATA above a word's are not looked at."""
+        wires = {
+            name: getattr(self, f"{port}_{name}") for name in self.buses[port].signature.members
+        }
+        word = slice_.i.payload
+        m.d.comb += [
+            word.data.as_value().eq(wires["tdata"]),
+            word.whole.eq(wires["tkeep"].all()),
+            word.last.eq(wires["tlast"]),
+            slice_.i.valid.eq(wires["tvalid"]),
+            wires["tready"].eq(slice_.i.ready),
+        ]
+
+    def _raster(self, m, aborting):
+        """Lead the engine's beats to their port; of an aborted frame the end beat alone.
+
+        Returns whether an end beat leaves in this cycle, and whether another does.
+        """
+        beat = RasterLayout(self.config)
+        m.submodules.raster_slice = slice_ = RegisterSlice(beat)
+        raster = self.engine.raster
+        dropped = aborting & ~raster.payload.end
+        m.d.comb += [
+            slice_.i.payload.eq(raster.payload),
+            slice_.i.valid.eq(raster.valid & ~dropped),
+            raster.ready.eq(slice_.i.ready | dropped),
+            self.m_axis_raster_tdata.eq(slice_.o.payload),
+            self.m_axis_raster_tkeep.eq(~0),
+            self.m_axis_raster_tlast.eq(slice_.o.payload.end),
+            self.m_axis_raster_tvalid.eq(slice_.o.valid),
+            slice_.o.ready.eq(self.m_axis_raster_tready),
+        ]
+        left = slice_.o.valid & slice_.o.ready
+        return left & slice_.o.payload.end, left & ~slice_.o.payload.end
+
+
+def _errors(registers, values):
+    """Return all bits of ERROR."""
+    return Cat(values[f"error_{field.name}".lower()] for field in registers["ERROR"].fields)

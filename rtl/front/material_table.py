@@ -1,0 +1,89 @@
+"""The material table, in one block RAM even where a material is wider than its ports."""
+
+from amaranth.hdl import Cat, Const, Module, Mux, Signal
+from amaranth.lib import memory, wiring
+from amaranth.lib.wiring import In, Out
+
+from splatline.contract.config import EngineConfig
+
+from .tables import MaterialWriteLayout
+
+__all__ = ["MaterialTable"]
+
+PORT_BITS = 36
+"""Widest port of a block RAM; it has two."""
+
+
+class MaterialTable(wiring.Component):
+    """Looks a material's coefficients up.
+
+    A table of up to 36 bits is written through one port and read through the other. A wider one
+    would fill two block RAMs to a quarter. It is cut into halves instead, which lie in one block
+    RAM at different addresses, and both ports write and read, each its own half. As a port has one
+    address for both, a write takes the place of a read; there are no elements to look up then,
+    because tables are written between frames.
+
+    **Latency**: 1 cycle. **Throughput**: one material a cycle.
+
+    Members
+    -------
+    write : In(MaterialWriteLayout)
+        A write into the table. Never while ``data`` is needed, if a material has over 36 bits.
+    enable : In(1)
+        High: ``data`` changes to the material at ``address``; low: it stays.
+    address : In(material_bits)
+        The material.
+    data : Out(6 * coefficient_bits)
+        Its coefficients.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "write": In(MaterialWriteLayout(config)),
+                "enable": In(1),
+                "address": In(config.material_bits),
+                "data": Out(6 * config.coefficient_bits),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        bits = len(self.data)
+        parts = 1 if bits <= PORT_BITS else 2
+        width = bits // parts
+        m.submodules.ram = ram = memory.Memory(
+            shape=width,
+            depth=parts << self.config.material_bits,
+            init=[],
+            # Nothing is read while a material is written: writes go between frames.
+            attrs={"ram_style": "block", "no_rw_check": 1},
+        )
+        if parts == 1:
+            ports = [(self.write.address, self.address, self.enable)]
+        else:
+            shared = Signal(self.config.material_bits)
+            # Reading in every cycle of a write, too, is what the block RAM does by itself.
+            enable = Signal()
+            m.d.comb += [
+                shared.eq(Mux(self.write.enable, self.write.address, self.address)),
+                enable.eq(self.enable | self.write.enable),
+            ]
+            ports = [
+                (Cat(shared, Const(part, 1)), Cat(shared, Const(part, 1)), enable)
+                for part in range(parts)
+            ]
+        for part, (write_address, read_address, enable) in enumerate(ports):
+            write, read = ram.write_port(), ram.read_port()
+            chosen = slice(part * width, (part + 1) * width)
+            m.d.comb += [
+                write.en.eq(self.write.enable),
+                write.addr.eq(write_address),
+                write.data.eq(self.write.data[chosen]),
+                read.en.eq(enable),
+                read.addr.eq(read_address),
+                self.data[chosen].eq(read.data),
+            ]
+        return m

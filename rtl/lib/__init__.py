@@ -1,0 +1,4 @@
+"""Small parts that several components use: multiplexers, wide gates, a FIFO.
+
+It imports ``contract`` and ``rtl.layouts``.
+"""

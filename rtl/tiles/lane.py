@@ -1,0 +1,117 @@
+"""A lane of the window: one block RAM of pixels, and the writer behind it."""
+
+from amaranth.hdl import Cat, Const, Module, Signal
+from amaranth.lib import data, memory, wiring
+from amaranth.lib.wiring import In, Out
+
+from splatline.contract.config import EngineConfig
+
+__all__ = ["Lane", "LaneRequestLayout", "PixelLayout", "lane_address_bits"]
+
+
+class PixelLayout(data.StructLayout):
+    """A pixel of the window's memory."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"depth": config.depth_bits, "colour": config.colour_bits})
+
+
+def lane_address_bits(config: EngineConfig) -> int:
+    """Return the address bits of a lane: those of its lines, one in four, and of its columns."""
+    return config.group_bits + config.word_bits
+
+
+class LaneRequestLayout(data.StructLayout):
+    """What a lane is asked to do in a cycle.
+
+    ``draw``: depth-test the pixel at ``address``. ``clear``: read it and leave background there.
+    ``load``: copy a pixel there, whatever it is. At most one of the three.
+    """
+
+    def __init__(self, config: EngineConfig):
+        address = lane_address_bits(config)
+        super().__init__({"draw": 1, "clear": 1, "load": 1, "address": address})
+
+
+class Lane(wiring.Component):
+    """Reads a pixel, tests it, and writes over it if it is behind.
+
+    The lane has one pixel of each word of every fourth line of the window, one a word of its
+    memory: so nothing need be merged with what was there, and a pixel that does not pass is not
+    written.
+
+    A pixel is read in the cycle of the request; in the next it stands on ``old``, is compared with
+    ``new``, and what is written is written at that cycle's end. A request for that very pixel in
+    that cycle would read it as it was before: whoever requests must wait a cycle.
+
+    Of a cleared pixel the depth is set to the background's; its colour then means nothing.
+
+    A pixel is loaded through the port that reads, which has no other use for that cycle: so it
+    takes no multiplexer, and the other port may write at the same time, but not the same pixel.
+
+    **Latency**: 1 cycle to ``old``, 2 to the memory, 1 for a load. **Throughput**: one request a
+    cycle.
+
+    Members
+    -------
+    enable : In(1)
+        Low: everything stands still, and ``request`` is not taken.
+    request : In(LaneRequestLayout)
+        What to do.
+    new : In(PixelLayout)
+        What to draw, in the cycle after the request.
+    loaded : In(PixelLayout)
+        What to load, in the cycle of the request.
+    old : Out(PixelLayout)
+        The pixel as it was before the last request taken.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "enable": In(1),
+                "request": In(LaneRequestLayout(config)),
+                "new": In(PixelLayout(config)),
+                "loaded": In(PixelLayout(config)),
+                "old": Out(PixelLayout(config)),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        pixel = PixelLayout(config)
+        m.submodules.ram = ram = memory.Memory(
+            shape=pixel,
+            depth=1 << lane_address_bits(config),
+            init=[],
+            # Nobody uses a pixel that was read while it was being written.
+            attrs={"ram_style": "block", "no_rw_check": 1},
+        )
+        read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
+        taken = Signal(LaneRequestLayout(config))
+        difference = Signal(config.depth_bits + 3)
+        with m.If(self.enable):
+            m.d.sync += taken.eq(self.request)
+        m.d.comb += [
+            read.addr.eq(self.request.address),
+            read.en.eq(self.enable),
+            # Of the same address and enable, so that the two are one port of the block RAM.
+            load.addr.eq(self.request.address),
+            load.en.eq(self.enable & self.request.load),
+            load.data.eq(self.loaded),
+            self.old.eq(read.data),
+            # new < old, as the carry of old - new - 1; the request rides on the same chain, because
+            # the way from the memory to its own write enable is the longest there is.
+            difference.eq(
+                Cat(self.old.depth, taken.draw, taken.clear) + ~Cat(self.new.depth, Const(1, 2))
+            ),
+            write.addr.eq(taken.address),
+            write.data.colour.eq(self.new.colour),
+            write.data.depth.eq(self.new.depth | taken.clear.replicate(config.depth_bits)),
+            # Written every cycle while standing still, the pixel comes out the same each time.
+            write.en.eq(difference[-1]),
+        ]
+        return m

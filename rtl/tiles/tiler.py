@@ -1,0 +1,282 @@
+"""Cutting elements into tiles, each of which the window's lanes take in a cycle."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from splatline.contract.config import BLOCK, EngineConfig
+from splatline.rtl.layouts import GeometryLayout, TileLayout
+from splatline.rtl.lib.mux import number_of, pick
+from splatline.rtl.shapes.rows import ShapeRows
+
+__all__ = ["Tiler"]
+
+SIDE = 4
+"""Lines of a tile."""
+
+
+class Tiler(wiring.Component):
+    """Gives an element's tiles, one a cycle, dealt to the lanes of the window.
+
+    A tile is four lines high and a word's pixels wide, so with 4 pixels a word an element's block
+    of 8 x 8 pixels (8 x 4 for a fraction) has four (two) tiles. They lie on the element, not on the
+    image, so whatever is up to four pixels wide and high is one tile at any place. Tiles without a
+    pixel are passed over in no time. A tile's pixels lie in different lanes, one for each residue
+    of line and column: its rows and columns are turned to theirs, and clipped to the image (columns
+    by whole words). The lower tiles of a shape whose middle lies at a half place begin a column
+    further right, or hold its rows from a line higher on.
+
+    An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
+    so that the lines above it may leave.
+
+    **Latency**: 2 cycles. **Throughput**: one tile a cycle; a frame's first comes three
+    cycles after the ``end`` token before it at the soonest, as the window must have moved on.
+
+    Members
+    -------
+    i : In(stream of GeometryLayout)
+        Elements, and ``end`` tokens.
+    o : Out(stream of TileLayout)
+        Tiles; for an ``end`` token one without pixels, to be taken when the frame before is out.
+    moves : Out(1)
+        What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
+    oldest : In(signed(line_bits + 2))
+        First line of the window as far as it was loaded, of the frame that is drawn: which is the
+        next one as soon as an
+        ``end`` token was taken from ``o``.
+    last_column : In(x_bits)
+        Width of the image less 1; steady during a frame, as is the height.
+    last_line : In(line_bits)
+        Height of the image less 1.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        self.across = BLOCK // config.pixels_per_word  # tiles that lie side by side
+        super().__init__(
+            {
+                "i": In(stream.Signature(GeometryLayout(config))),
+                "o": Out(stream.Signature(TileLayout(config))),
+                "moves": Out(1),
+                "oldest": In(signed(config.line_bits + 2)),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        element = self.i.payload
+        tile = Signal(TileLayout(self.config))
+        there = Signal()  # an element, or the end
+        left = Signal(2 * self.across)  # tiles to do: the upper ones from the left, the lower ones
+        first = Signal.like(left)  # the one to do now
+        rest = Signal.like(left)
+        near = Signal(2)  # the lines of its upper, of its lower tiles are in the window
+        may = Signal()  # those of the tile to do now
+        step = Signal()
+        valid = Signal()
+        held = {
+            name: Signal.like(getattr(element, name), name=name, reset_less=True)
+            for name in ("x", "z", "top", "end")
+        }
+        m.d.comb += [
+            first.eq(left & (~left + 1)),
+            rest.eq(left & ~first),
+            step.eq(~valid | self.o.ready),
+            self.moves.eq(step),
+            self.i.ready.eq(~there | (step & may & ~rest.any())),
+            *(tile[name].eq(held[name]) for name in ("z", "end")),
+        ]
+        with m.If(self.i.ready):
+            m.d.sync += [held[name].eq(getattr(element, name)) for name in held]
+            m.d.sync += there.eq(self.i.valid)
+        with m.Elif(step & may):
+            m.d.sync += left.eq(rest)
+
+        given = Signal(TileLayout(self.config), reset_less=True)
+        top = Signal(element.top.shape(), name="given_top", init=-SIDE)
+        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
+        with m.If(step):
+            m.d.sync += [
+                valid.eq(there & may & (left.any() | held["end"])),
+                given.eq(tile),
+                given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
+            ]
+            with m.If(there):
+                m.d.sync += top.eq(held["top"])
+            with m.Elif(valid & given.end):
+                m.d.sync += top.eq(-SIDE)  # of the next frame
+
+        lower = Signal()
+        column = Signal(range(self.across))  # of tiles, from the left
+        waiting = Signal()
+        behind = Signal.like(held["top"])
+        m.d.comb += [
+            lower.eq(~left[: self.across].any()),
+            column.eq(number_of(first, len(column))),
+            may.eq(held["end"] | Mux(lower, near[1], near[0])),
+            # Known a cycle ahead, because all before it waits for it. While the element at hand
+            # waits, the one behind it is not looked at, and comes as one whose lines are not there.
+            waiting.eq(there & ~near.all()),
+            behind.eq(self.oldest - Mux(waiting, held["top"], element.top)),
+        ]
+        # Until an end token was taken, ``oldest`` is not of the frame behind it.
+        ending = (there & held["end"]) | (valid & given.end)
+        with m.If((waiting & self.i.ready) | ending):
+            m.d.sync += near.eq(0)
+        with m.Elif(waiting | self.i.ready):
+            # A line takes the place of one that left some cycles ago. So less than 12 lines ahead
+            # of a window of 16, or 8 for a lower tile. A window of 8 lines has no room beside a
+            # whole element's: the lines above it have left once the oldest is its first.
+            bits = self.config.slot_bits
+            high, low = behind[bits:].all(), behind[:bits]
+            m.d.sync += near.eq(
+                Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
+            )
+        shape = ShapeRows(m, element)
+        raised, shifted = (Signal(name=name, reset_less=True) for name in ("raised", "shifted"))
+        with m.If(self.i.ready):
+            m.d.sync += [raised.eq(shape.raised), shifted.eq(shape.shifted)]
+        # Where the tile begins, from the left edge of the word that X lies in, and on which line
+        # modulo 4: the rows of lower ones may lie a line higher or a column further right.
+        place, turn = Signal(self.config.pixel_bits + 1), Signal(2)
+        m.d.comb += [
+            place.eq(held["x"][: self.config.pixel_bits] + (lower & shifted)),
+            turn.eq(held["top"][:2] - (lower & raised)),
+        ]
+        rows = self._rows(m, element, shape, left)
+        pixels = self._turn(m, rows, turn, place[:-1], lower, raised, column)
+        lines = self._lines(m, element, tile, held["top"], lower)
+        columns = self._columns(m, element, tile, held["x"], place, column)
+        for i in range(SIDE):
+            for j in range(self.config.pixels_per_word):
+                m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
+        return m
+
+    def _rows(self, m, element, shape, left):
+        """Return the upper rows as masks, and note which tiles have a pixel."""
+        masks = [Signal(BLOCK, name=f"mask_{k}", reset_less=True) for k in range(SIDE)]
+        upper = Signal(self.across)  # the upper tiles that have a pixel, from the left
+        turned = Signal(self.across)  # those of which the half turn has one
+        step = self.config.pixel_bits
+        for n in range(self.across):
+            reach = Cat(
+                (row.first[step:] <= n if n < self.across - 1 else 1)
+                & (row.last[step:] >= n if n else 1)
+                for row in shape.rows
+            )
+            reached = shape.filled & reach
+            m.d.comb += [
+                upper[n].eq(reached.any()),
+                turned[n].eq(reached[:3].any() | (reached[3] & ~shape.raised)),
+            ]
+        with m.If(self.i.ready):
+            for row, mask in zip(shape.rows, masks, strict=True):
+                m.d.sync += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
+            # The lower half is the upper one turned: its left is the upper one's right.
+            lower = turned[::-1] & ~element.mode.replicate(self.across)
+            m.d.sync += left.eq(Cat(upper, lower) & ~element.end.replicate(len(left)))
+        return masks
+
+    def _turn(self, m, rows, turn_line, turn_column, lower, raised, column):
+        """Take the tile out of the rows; return its pixels by residue of line and column."""
+        wide = self.config.pixels_per_word
+        tile, by_line, turned = (
+            [Signal(wide, name=f"{name}_{k}") for k in range(SIDE)]
+            for name in ("tile", "by_line", "turned")
+        )
+        places = range(0, BLOCK, wide)
+        for k in range(SIDE):
+            row, other = (
+                pick([pixels[place : place + wide] for place in places], column)
+                for pixels in (rows[k], rows[SIDE - 1 - k][::-1])
+            )
+            if k == 0:  # a raised shape's row 3 has no half turn
+                other = Mux(raised, 0, other)
+            m.d.comb += tile[k].eq(Mux(lower, other, row))
+        with m.Switch(turn_line):
+            for turn in range(SIDE):
+                with m.Case(turn):
+                    m.d.comb += [by_line[i].eq(tile[(i - turn) % SIDE]) for i in range(SIDE)]
+        with m.Switch(turn_column):
+            for turn in range(wide):
+                with m.Case(turn):
+                    for i in range(SIDE):
+                        columns = Cat(by_line[i][(j - turn) % wide] for j in range(wide))
+                        m.d.comb += turned[i].eq(columns)
+        return turned
+
+    def _lines(self, m, element, tile, top, lower):
+        """Place the tile's lines; return which of them lie in the image, by residue."""
+        # Groups of four lines from the block's first to the image's last, 0..4: 0 if it lies above,
+        # 4 stands for more.
+        groups = Signal(signed(len(top)))
+        left = Signal(3, reset_less=True)
+        m.d.comb += groups.eq((self.last_line >> 2) - (element.top >> 2) + 1)
+        with m.If(self.i.ready):
+            m.d.sync += left.eq(Mux(groups < 0, 0, Mux(groups > 4, 4, groups)))
+        here = Signal(3)
+        m.d.comb += here.eq(Mux(lower & left.any(), left - 1, left))
+        inside = Signal(SIDE)
+        for i in range(SIDE):
+            # Past a multiple of 4: in the group after the first row's.
+            past = Signal(name=f"past_{i}")
+            low = self.last_line[:2] >= i
+            m.d.comb += [
+                past.eq(top[:2] > i),
+                tile.group[i].eq(top[2 : self.config.slot_bits] + lower + past),
+                inside[i].eq(
+                    Mux(
+                        here == 0,
+                        0,
+                        Mux(here == 1, ~past & low, Mux(here == 2, ~past | low, 1)),
+                    )
+                    & (~top[-1] | lower | past)
+                ),
+            ]
+        return inside
+
+    def _columns(self, m, element, tile, x, place, column):
+        """Place the tile's columns; return which of them lie in the image, by residue."""
+        bits = self.config.pixel_bits
+        last_word = self.last_column[bits:]
+        # Of the block's first word and those on its right, which lie in the image.
+        inside = Signal(self.across + 1, reset_less=True)
+        words_left = Signal(signed(self.config.word_bits + 1))
+        m.d.comb += words_left.eq(last_word - element.x[bits:])
+        with m.If(self.i.ready):
+            m.d.sync += inside.eq(Cat(words_left >= k for k in range(len(inside))))
+        m.d.comb += [
+            tile.words[0].eq(x[bits:] + column),
+            tile.words[1].eq(x[bits:] + column + 1),
+        ]
+        columns = Signal(self.config.pixels_per_word)
+        for j in range(len(columns)):
+            past = Signal(name=f"next_{j}")
+            m.d.comb += [
+                past.eq(place > j),
+                tile.next[j].eq(past),
+                columns[j].eq(
+                    pick([Mux(past, inside[n + 1], inside[n]) for n in range(self.across)], column)
+                ),
+            ]
+        return columns
+
+    def _meets(self, m, tile, before):
+        """Return whether two tiles overlap: whether they have a pixel of the image in common."""
+        same, after, ahead = Signal(), Signal(), Signal()
+        m.d.comb += [
+            same.eq(tile.words[0] == before.words[0]),
+            after.eq(tile.words[1] == before.words[0]),
+            ahead.eq(tile.words[0] == before.words[1]),
+        ]
+        # Which of their pixels they draw would be known too late, and says little more.
+        lines, columns = Signal(SIDE), Signal(self.config.pixels_per_word)
+        for i in range(SIDE):
+            m.d.comb += lines[i].eq(tile.group[i] == before.group[i])
+        for j in range(len(columns)):
+            new, old = tile.next[j], before.next[j]
+            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, ahead)))
+        return lines.any() & columns.any()

@@ -1,0 +1,272 @@
+"""The sliding window in lanes of pixels: the least silicon for small elements."""
+
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from splatline.contract.config import EngineConfig
+from splatline.rtl.layouts import PlaceLayout, RasterLayout, TileLayout
+from splatline.rtl.window.loader import Loader
+
+from .flush_scan import TileFlushScan
+from .lane import Lane, PixelLayout, lane_address_bits
+from .readout import TileReadout
+
+__all__ = ["TileWindow"]
+
+SIDE = 4
+"""Lines of a tile."""
+
+
+class TileWindow(wiring.Component):
+    """Draws tiles into a window of lines that slides down the image.
+
+    The lane of a pixel is the residue of its line modulo 4 and of its column modulo a word's
+    pixels, so that a tile has each lane once, wherever it lies. Three stages: *request* (an address
+    a lane), *write* (the lanes write over what is behind; a flushed word stands on its lanes'
+    outputs) and *emit* (the word waits on ``raster``). A tile and a word that is flushed go
+    together if their rows of lanes differ; if not, the tile goes first, or the word (see
+    ``lagging``). In place of that word one of the initial raster goes, into lanes that the tile
+    leaves free, or alone (see ``pressing``). A word that ``raster`` does not take stops all three
+    stages.
+
+    A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
+    the lanes are cleared, which takes as many cycles as a lane has pixels.
+
+    **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
+    for that, for a cycle for each stretch of 32 words whose marks are taken (see :class:`TileFlushScan`),
+    and for words that go first; a word in two cycles of the initial raster, and a word a cycle of
+    ``raster``, of those that were written, but for what the flush scan takes, for tiles that go first
+    and for each other.
+
+    Members
+    -------
+    i : In(stream of TileLayout)
+        Tiles in the order of their lines, which are in the window that begins at ``oldest`` and
+        were so a cycle before. An ``end`` token is taken once nothing more comes of its frame's
+        initial raster, and the frame before is out; then tiles of the next frame may follow.
+    shade : In(colour_bits)
+        Colour of the tile that is offered on ``i``.
+    oldest : Out(signed(line_bits + 2))
+        First line of the window as far as it was loaded, of the frame that is drawn: negative while
+        one leaves.
+    initial : In(stream of RasterLayout)
+        Initial raster; read if ``load`` is set.
+    raster : Out(stream of RasterLayout)
+        The words in which something was drawn, then an ``end`` beat.
+    last_column, last_line : In
+        Size of the image less 1; steady until ``finished``, as is ``load``.
+    load : In(1)
+        The frame starts from the initial raster.
+    active : In(1)
+        A frame is open: from its first code word until its ``end`` token is taken.
+    closing : Out(1)
+        A frame whose ``end`` token was taken is not out.
+    finished : Out(1)
+        High for one cycle: the frame's end beat goes into the emit stage.
+    """
+
+    def __init__(self, config: EngineConfig):
+        self.config = config
+        super().__init__(
+            {
+                "i": In(stream.Signature(TileLayout(config))),
+                "shade": In(config.colour_bits),
+                "oldest": Out(signed(config.line_bits + 2)),
+                "initial": In(stream.Signature(RasterLayout(config))),
+                "raster": Out(stream.Signature(RasterLayout(config))),
+                "last_column": In(config.x_bits),
+                "last_line": In(config.line_bits),
+                "load": In(1),
+                "active": In(1),
+                "closing": Out(1),
+                "finished": Out(1),
+            }
+        )
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        config = self.config
+        tile = self.i.payload
+
+        m.submodules.flush_scan = flush_scan = TileFlushScan(config)
+        m.submodules.loader = loader = Loader(config)
+        m.submodules.readout = readout = TileReadout(config)
+        columns = range(config.pixels_per_word)
+        lanes = [[Lane(config) for _ in columns] for _ in range(SIDE)]
+        for i, row in enumerate(lanes):
+            for j, lane in enumerate(row):
+                m.submodules[f"lane_{i}_{j}"] = lane
+        running = readout.running
+        close = Signal()  # the end token is taken
+        ending = Signal()
+
+        sweeping = Signal(init=1)
+        sweep = Signal(lane_address_bits(config))
+        with m.If(sweeping):
+            m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
+        swept = Signal(init=1)  # in the cycle before: the last pixels are still to be written
+        m.d.sync += swept.eq(sweeping)
+
+        connect(m, flipped(self.initial), loader.i)
+        connect(m, readout.raster, flipped(self.raster))
+        m.d.comb += [
+            loader.enable.eq(self.load),
+            loader.active.eq(self.active),
+            loader.last_line.eq(self.last_line),
+            loader.last_word.eq(self.last_column[config.pixel_bits :]),
+            loader.oldest.eq(flush_scan.front),
+            loader.restart.eq(close),
+            readout.last_column.eq(self.last_column),
+            readout.end.eq(ending),
+            self.finished.eq(readout.finished),
+            close.eq(self.i.valid & tile.end & loader.finished & ~flush_scan.closing),
+            flush_scan.close.eq(close),
+            self.closing.eq(flush_scan.closing),
+        ]
+        m.d.sync += ending.eq(flush_scan.over & ~self.finished)
+
+        # What is served beside the tile: a word of the initial raster, or one that leaves.
+        service = Signal(PlaceLayout(config))
+        serving = Signal()  # the former
+        m.d.comb += service.eq(flush_scan.flush.payload)
+        with m.If(serving):
+            m.d.comb += [
+                service.word.eq(loader.o.payload.word),
+                service.line.eq(loader.o.payload.line),
+            ]
+        line = Signal(SIDE)  # the row of lanes that it lies in
+        m.d.comb += line.eq(1 << service.line[:2])
+
+        # Request: the tile, and a load or a flush, in rows of lanes that differ.
+        offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
+        wanted = Signal(SIDE)  # rows of lanes that the tile draws into
+        first, meeting, lagging = Signal(), Signal(), Signal()
+        pressing = Signal()  # a word of the initial raster goes, and no tile
+        drawn = Signal()  # in the cycle before
+        refused = Signal()  # a word of the initial raster, in the cycle before
+        conflict, stopped = Signal(), Signal()
+        busy = Signal(SIDE)
+        m.d.comb += [
+            flush_scan.top.eq(tile.top),
+            self.oldest.eq(loader.front),
+            flush_scan.limit.eq(loader.limit),
+            flush_scan.jump.eq(loader.finished),
+            flush_scan.enable.eq(~sweeping),
+            flush_scan.wipe.eq(sweeping),
+            flush_scan.wipe_row.eq(sweep),
+            flush_scan.restart.eq(self.finished),
+            offered.eq(self.i.valid & ~tile.end & ~pressing),
+            going.eq(
+                offered & running & ~swept & ~flush_scan.taking & ~conflict & ~(first & meeting)
+            ),
+            # What the lanes read is stale where they are still writing it: of the tile before if
+            # that went one cycle ago, and of it or of a word that left if all stood still since.
+            conflict.eq((drawn & tile.meets) | stopped),
+            self.i.ready.eq(going | close),
+            first.eq(flush_scan.flush.valid & lagging),
+            meeting.eq(wanted.bit_select(flush_scan.oldest[:2], 1)),
+            # Whether the tile goes is known late; its lanes are kept for it in any case.
+            wanted.eq(Cat(row.any() for row in tile.mask)),
+            busy.eq(wanted & offered.replicate(SIDE) & ~(line & first.replicate(SIDE))),
+            # In turn with words that leave, where one of the two is refused.
+            serving.eq(
+                loader.o.valid & (pressing | ~(flush_scan.flush.valid & (refused | lagging)))
+            ),
+            # The line whose place it takes may have left since all stood still, while its last word
+            # is still cleared: there the port that writes would meet the one that loads.
+            loading.eq(
+                serving
+                & running
+                & ~sweeping
+                & ~swept
+                & ~stopped
+                & ~flush_scan.taking
+                & ~(offered & wanted.bit_select(loader.o.payload.line[:2], 1))
+            ),
+            loader.o.ready.eq(loading),
+            flushing.eq(flush_scan.flush.valid & flush_scan.flush.ready),
+            flush_scan.flush.ready.eq(
+                running
+                & ~sweeping
+                & ~serving
+                & (first | ~(offered & meeting))
+                # The line of a tile that stood still may leave since, while it is still written.
+                & ~(stopped & drawn)
+            ),
+            readout.flush.eq(flushing),
+            readout.place.eq(service),
+        ]
+        # Which of them goes first. Elements of up to three lines lie about the fourth line from
+        # ``top`` on and leave the row of lanes of the line two above ``top``: that one leaves
+        # beside them. So the line three above goes first, modulo 4, and that one itself where
+        # larger elements want its row. Were all to go first, there would be none left to leave
+        # beside the elements, and each would hold up those of the line that completes it.
+        # Of what is loaded the line ten below ``top`` goes beside them, in that same row of lanes.
+        # The two before it go first, so that it comes to that; and the two before those, which
+        # tiles may wait for.
+        distance = Signal(3)
+        m.d.comb += distance.eq(loader.o.payload.line[:3] - tile.top[:3])
+        m.d.sync += [
+            stopped.eq(~running),
+            lagging.eq((tile.top[:2] - flush_scan.oldest[:2])[1]),
+            # Known a cycle ahead, as all before a tile waits for it.
+            pressing.eq(serving & ~loading & ((distance < 2) | (distance > 5))),
+        ]
+        with m.If(running):
+            m.d.sync += drawn.eq(going)
+        m.d.sync += refused.eq(serving & ~loading)
+
+        drawing = Signal(PixelLayout(config), reset_less=True)
+        with m.If(running):
+            m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.shade)]
+        pixels = loader.o.payload.pixels
+        word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in columns]
+        group = service.line[2 : config.slot_bits]
+        for i, row in enumerate(lanes):
+            for j, lane in enumerate(row):
+                address = Signal(lane_address_bits(config), name=f"address_{i}_{j}")
+                m.d.comb += [
+                    address.eq(
+                        Mux(
+                            busy[i],
+                            Cat(word[j], tile.group[i]),
+                            Cat(service.word, group),
+                        )
+                    ),
+                    lane.enable.eq(running),
+                    lane.request.address.eq(Mux(sweeping, sweep, address)),
+                    lane.request.draw.eq(going & tile.mask[i][j]),
+                    lane.request.load.eq(loading & line[i]),
+                    lane.request.clear.eq((flushing & line[i]) | sweeping),
+                    lane.new.eq(drawing),
+                    lane.loaded.depth.eq(pixels.depth[j]),
+                    lane.loaded.colour.eq(pixels.colour[j]),
+                    readout.lanes[i][j].eq(lane.old),
+                ]
+        self._touch(m, flush_scan, going)
+        m.d.comb += [
+            flush_scan.load.eq(line & loading.replicate(SIDE)),
+            flush_scan.load_word.eq(loader.o.payload.word),
+        ]
+        # Where no tile draws, what would be loaded is what would be marked.
+        m.d.comb += flush_scan.lone.eq(~(wanted & offered.replicate(SIDE)))
+        for i in range(SIDE):
+            with m.If(flush_scan.lone[i]):
+                m.d.comb += flush_scan.group[i].eq(loader.o.payload.line[2 : config.slot_bits])
+        return m
+
+    def _touch(self, m, flush_scan, going):
+        """Tell the flush scan which words the tile writes."""
+        tile = self.i.payload
+        m.d.comb += [
+            flush_scan.words.eq(tile.words),
+            flush_scan.group.eq(tile.group),
+            flush_scan.reaching.eq(self.i.valid & ~tile.end),
+        ]
+        for i in range(SIDE):
+            m.d.comb += [
+                flush_scan.touch[i][0].eq(going & (tile.mask[i] & ~tile.next).any()),
+                flush_scan.touch[i][1].eq(going & (tile.mask[i] & tile.next).any()),
+            ]

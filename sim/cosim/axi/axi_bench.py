@@ -1,0 +1,256 @@
+"""The cocotb side of the engine on its buses: runs inside the simulator and does what it is told.
+
+The buses are driven by cocotbext-axi, whose masters and slaves others wrote. Commands come over the
+socket that ``SPLATLINE_SOCKET`` names, as tuples of a method's name and its arguments; simulated
+time stands still between them. The other end is :mod:`splatline.sim.cosim.axi.axi_device`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import random
+import socket
+from collections.abc import Iterator
+from multiprocessing.connection import Connection
+from typing import Any
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.task import Task
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
+from cocotbext.axi import (  # type: ignore[import-untyped]
+    AxiLiteBus,
+    AxiLiteMaster,
+    AxiStreamBus,
+    AxiStreamFrame,
+    AxiStreamSink,
+    AxiStreamSource,
+)
+
+__all__ = ["AxiBench", "serve"]
+
+PERIOD_NS = 10
+TICK = 16
+"""Cycles between two looks at whether a frame has come."""
+
+CHANNELS = (
+    ("s_axi_ctrl_b", ("bresp",)),
+    ("s_axi_ctrl_r", ("rdata", "rresp")),
+    ("m_axis_raster_t", ("tdata", "tkeep", "tlast")),
+)
+"""What the engine offers on its buses: the prefix of valid and ready, and what must stay."""
+
+INPUTS = (
+    *(f"s_axi_ctrl_{name}" for name in ("awaddr", "awprot", "awvalid", "wdata", "wstrb", "wvalid")),
+    *(f"s_axi_ctrl_{name}" for name in ("bready", "araddr", "arprot", "arvalid", "rready")),
+    *(f"s_axis_codewords_{name}" for name in ("tdata", "tkeep", "tlast", "tvalid")),
+    *(f"s_axis_initial_{name}" for name in ("tdata", "tkeep", "tlast", "tvalid")),
+    "m_axis_raster_tready",
+)
+OUTPUTS = (
+    *(f"s_axi_ctrl_{name}" for name in ("awready", "wready", "bresp", "bvalid")),
+    *(f"s_axi_ctrl_{name}" for name in ("arready", "rdata", "rresp", "rvalid")),
+    "s_axis_codewords_tready",
+    "s_axis_initial_tready",
+    *(f"m_axis_raster_{name}" for name in ("tdata", "tkeep", "tlast", "tvalid")),
+    "irq",
+)
+
+
+@cocotb.test()
+async def serve(dut: Any) -> None:
+    """Do what comes over the socket until it closes."""
+    with socket.socket(socket.AF_UNIX) as end:
+        end.connect(os.environ["SPLATLINE_SOCKET"])
+        line: Connection[Any, Any] = Connection(end.detach())
+    bench = AxiBench(dut)
+    with line:
+        await bench.reset()
+        line.send("ready")
+        while True:
+            try:
+                name, *arguments = line.recv()
+            except EOFError:
+                return
+            line.send(await getattr(bench, name)(*arguments))
+
+
+class AxiBench:
+    """The buses of an ``AxiTop``, and a watch on their rules."""
+
+    def __init__(self, dut: Any) -> None:
+        self.dut = dut
+        common = (dut.aclk, dut.aresetn, False)
+        self.master = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axi_ctrl"), *common)
+        self.sources = {
+            name: AxiStreamSource(AxiStreamBus.from_prefix(dut, f"s_axis_{name}"), *common)
+            for name in ("codewords", "initial")
+        }
+        self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_raster"), *common)
+        for source in self.sources.values():
+            # The sources begin with X on data that is not valid, as a bus may. A lane compares by
+            # an adder, and to a simulator with X a sum with one unknown bit is all unknown: its
+            # sweep after reset would leave out what hardware clears.
+            source.bus.tdata.value = 0
+        self.breaches: list[str] = []
+        self.raster = [0, 0]
+        self.engine = [0, 0]
+        self.engine_watch: Task[None] | None = None
+        dut.aresetn.value = 0
+        Clock(dut.aclk, PERIOD_NS, unit="ns").start()
+        for prefix, names in CHANNELS:
+            cocotb.start_soon(self._watch(prefix, [f"{prefix[:-1]}{name}" for name in names]))
+
+    async def reset(self) -> None:
+        """Hold the reset for four clock edges."""
+        self.dut.aresetn.value = 0
+        await ClockCycles(self.dut.aclk, 4)
+        self.dut.aresetn.value = 1
+        await ClockCycles(self.dut.aclk, 2)
+
+    async def read(self, offset: int) -> tuple[int, int]:
+        """Read a register: its value and the bus's answer."""
+        done = await self.master.read(offset, 4)
+        return int.from_bytes(done.data, "little"), int(done.resp)
+
+    async def write(self, offset: int, data: bytes) -> int:
+        """Write bytes at an offset; return the bus's answer."""
+        return int((await self.master.write(offset, data)).resp)
+
+    async def together(
+        self, reads: list[int], writes: list[tuple[int, bytes]]
+    ) -> tuple[list[tuple[int, int]], list[int]]:
+        """Read and write at once, each in its order; return what :meth:`read` and the rest did."""
+        reading = [self.master.init_read(offset, 4) for offset in reads]
+        writing = [self.master.init_write(offset, data) for offset, data in writes]
+        for event in (*reading, *writing):
+            await event.wait()
+        return (
+            [(int.from_bytes(e.data.data, "little"), int(e.data.resp)) for e in reading],
+            [int(event.data.resp) for event in writing],
+        )
+
+    async def send(self, name: str, data: bytes, keep: bytes | None) -> None:
+        """Queue a packet on a stream: its bytes and, for each, whether it is kept."""
+        frame = AxiStreamFrame(data, tkeep=None if keep is None else list(keep))
+        self.sources[name].send_nowait(frame)
+
+    async def receive(self, cycles: int) -> bytes | None:
+        """Wait for a packet of the raster; None if none has come after so many cycles."""
+        waited = 0
+        while self.sink.empty() and waited < cycles:
+            await ClockCycles(self.dut.aclk, TICK)
+            waited += TICK
+        return None if self.sink.empty() else bytes(self.sink.recv_nowait(compact=False).tdata)
+
+    async def wait(self, cycles: int) -> None:
+        """Let time go by."""
+        await ClockCycles(self.dut.aclk, cycles)
+
+    async def irq(self) -> int:
+        """Return the interrupt."""
+        return int(self.dut.irq.value)
+
+    async def pause(self, name: str, pause: bool) -> None:
+        """Hold a stream back, or let it go on: ``codewords``, ``initial`` or ``raster``."""
+        (self.sink if name == "raster" else self.sources[name]).pause = pause
+
+    async def forget(self, name: str) -> None:
+        """Forget what a source has not sent, as when its DMA is reset."""
+        self.sources[name].assert_reset()
+
+    async def stall(self, rate: float, seed: int) -> None:
+        """Hold every channel back at random in that share of the cycles."""
+        write, read = self.master.write_if, self.master.read_if
+        channels = (
+            *(write.aw_channel, write.w_channel, write.b_channel, read.ar_channel, read.r_channel),
+            *(*self.sources.values(), self.sink),
+        )
+        for number, channel in enumerate(channels):
+            channel.clear_pause_generator()
+            channel.pause = False
+            if rate:
+                channel.set_pause_generator(_pauses(rate, f"{seed}/{number}"))
+
+    async def rules(self) -> list[str]:
+        """Return the breaches of the buses' rules so far."""
+        return self.breaches
+
+    async def raster_cycles(self) -> tuple[int, int]:
+        """Return in how many cycles since the last call a beat was taken, and waited."""
+        counted, self.raster = self.raster, [0, 0]
+        return counted[0], counted[1]
+
+    async def watch_engine(self) -> None:
+        """Begin to count what :meth:`engine_cycles` returns."""
+        self.engine = [0, 0]
+        self.engine_watch = cocotb.start_soon(self._watch_engine())
+
+    async def engine_cycles(self) -> tuple[int, int]:
+        """Return in how many cycles a frame was open, and a code word waited for the engine."""
+        assert self.engine_watch is not None
+        self.engine_watch.cancel()
+        return self.engine[0], self.engine[1]
+
+    async def turn_over(self, cycles: int) -> list[str]:
+        """Turn all inputs over in the middle of each cycle, and back; return which outputs moved.
+
+        A bus forbids a path from a slave's inputs to its outputs where the master may have one the
+        other way.
+        """
+        inputs = [getattr(self.dut, name) for name in INPUTS]
+        outputs = [getattr(self.dut, name) for name in OUTPUTS]
+        moved = set()
+        for _ in range(cycles):
+            await FallingEdge(self.dut.aclk)
+            before = [int(port.value) for port in outputs]
+            values = [int(port.value) for port in inputs]
+            for port, value in zip(inputs, values, strict=True):
+                port.value = ~value & (1 << len(port)) - 1
+            await Timer(1, "ns")
+            after = [int(port.value) for port in outputs]
+            moved |= {n for n, value in enumerate(before) if value != after[n]}
+            for port, value in zip(inputs, values, strict=True):
+                port.value = value
+        return [outputs[n]._name for n in sorted(moved)]
+
+    async def _watch(self, prefix: str, names: list[str]) -> None:
+        """Note where something that is offered changes or goes before it is taken."""
+        valid, ready = getattr(self.dut, f"{prefix}valid"), getattr(self.dut, f"{prefix}ready")
+        payload = [getattr(self.dut, name) for name in names]
+        waiting: list[int] | None = None
+        while True:
+            await RisingEdge(self.dut.aclk)
+            if not int(self.dut.aresetn.value):
+                waiting = None
+                continue
+            offered = [int(part.value) for part in payload] if int(valid.value) else None
+            if waiting is not None and offered != waiting:
+                self.breaches.append(f"{prefix}valid: {waiting} became {offered}")
+            waiting = None if int(ready.value) else offered
+            if offered is not None and prefix.startswith("m_axis"):
+                self.raster[waiting is not None] += 1
+
+    async def _watch_engine(self) -> None:
+        """Count at the ports of the engine itself, inside of the registers of the buses.
+
+        A frame is open from its first code word to its end beat, the cycles of both included.
+        """
+        inside = self.dut.engine
+        ready, valid, beat = inside.raster__ready, inside.raster__valid, inside.raster__payload
+        is_open = False
+        while True:
+            await RisingEdge(self.dut.aclk)
+            offered, taken = int(inside.codewords__valid.value), int(inside.codewords__ready.value)
+            is_open = is_open or bool(offered and taken)
+            self.engine[0] += is_open
+            self.engine[1] += offered and not taken
+            if int(valid.value) and int(ready.value) and int(beat.value) >> len(beat) - 1:
+                is_open = False
+
+
+def _pauses(rate: float, seed: str) -> Iterator[bool]:
+    """Yield whether to pause, cycle by cycle."""
+    numbers = random.Random(seed)
+    return (numbers.random() < rate for _ in itertools.count())

@@ -1,0 +1,61 @@
+"""A whole frame through the engine on its buses: the driver's way, in a simulation."""
+
+from __future__ import annotations
+
+import time
+
+from splatline.contract.frame import Frame
+from splatline.contract.raster_beats import from_beats
+from splatline.host.device.driver import EngineError
+from splatline.host.device.engine import Engine
+from splatline.sim.cosim.player.jobs import Outcome
+from splatline.sim.cosim.simulator import SimulationError
+
+from .axi_device import SimulatedDevice, build_axi
+
+__all__ = ["simulate_on_buses"]
+
+CYCLES_A_WORD = 64
+"""Far above what a code word or a line of the image takes, stalls left out."""
+
+
+def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Outcome:
+    """Draw one frame with the generated Verilog on AXI, through the driver.
+
+    Parameters
+    ----------
+    frame
+        What to draw.
+    stall
+        Share of the cycles, 0..1 without 1, in which each channel of each bus is held back.
+    seed
+        Of the random stalls.
+
+    Raises
+    ------
+    InputError
+        If the simulator or cocotbext-axi is not installed.
+    SimulationError
+        If the simulator fails or the engine breaks a rule of its buses.
+    ValueError
+        If ``stall`` is out of range.
+    """
+    if not 0.0 <= stall < 1.0:
+        raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
+    begin = time.perf_counter()
+    built = build_axi(frame.config)
+    seconds = {"build": time.perf_counter() - begin}
+    begin = time.perf_counter()
+    most = CYCLES_A_WORD * (len(frame.codewords) + frame.width * frame.height)
+    limit = int(most / (1.0 - stall) ** 2)
+    with SimulatedDevice(frame.config, stall=stall, seed=seed, limit=limit, built=built) as device:
+        engine = Engine(device)
+        try:
+            engine.write_tables(frame.tables, frame.width, frame.height)
+            beats = engine.draw_beats(frame.codewords)
+            raster = from_beats(beats, frame.width, frame.height, frame.config)
+        except (EngineError, ValueError) as error:
+            raise SimulationError(str(error)) from error
+        cycles = engine.counters()["cycles"]
+    seconds["run"] = time.perf_counter() - begin
+    return Outcome([raster], beats, cycles, seconds)

@@ -1,0 +1,118 @@
+"""Whole frames through the Verilog of a chain of engines: a stream of code words for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.frame import Frame
+from splatline.host.encode.partition import deal
+from splatline.host.encode.partition_methods import DEFAULT_METHOD
+from splatline.sim.cosim.simulator import Build
+
+from .jobs import STREAMS, Outcome, Playing
+from .play import play_jobs
+from .player import wrap
+
+__all__ = ["ChainJob", "build_chain", "play_chain", "simulate_parts"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChainJob(Playing):
+    """Frames to play to a chain one behind the other; :class:`.jobs.Playing` says how.
+
+    Parameters
+    ----------
+    frames
+        The parts of each frame: shape (frames, engines). All parts of a frame have its tables.
+    """
+
+    frames: Sequence[Sequence[Frame]]
+
+    @classmethod
+    def dealt(
+        cls, *frames: Frame, engines: int, method: str = DEFAULT_METHOD, **options: object
+    ) -> ChainJob:
+        """Return a job of whole frames, each dealt to the engines."""
+        parts = [deal(frame, engines, method) for frame in frames]
+        return cls(frames=parts, **options)  # type: ignore[arg-type]
+
+    @property
+    def parts(self) -> Sequence[Sequence[Frame]]:
+        """What each engine draws of each frame."""
+        return self.frames
+
+
+def build_chain(
+    config: EngineConfig,
+    engines: int,
+    link: str = "merge",
+    *,
+    queue: int | None = None,
+    simulator_name: str = "verilator",
+) -> Build:
+    """Build the player around a chain's Verilog, or find it built."""
+    from splatline.flow.chain_verilog import generate_chain
+    from splatline.rtl.chain.chain import QUEUE
+
+    text, _ = generate_chain(config, engines, link, queue=QUEUE if queue is None else queue)
+    return wrap(text, config, engines, simulator_name=simulator_name)
+
+
+def play_chain(
+    jobs: Sequence[ChainJob],
+    *,
+    link: str = "merge",
+    queue: int | None = None,
+    simulator_name: str = "verilator",
+    built: Build | None = None,
+) -> list[Outcome]:
+    """Play jobs one after the other, in one run of the simulator.
+
+    Parameters
+    ----------
+    jobs
+        At least one; all of one configuration and number of engines.
+    link, queue
+        Of the chain.
+    simulator_name
+        One of ``simulator.SIMULATORS``.
+    built
+        A build of ``frame_player`` to use instead of the chain's own, such as a broken one.
+
+    Raises
+    ------
+    SimulationError, ValueError
+        See :func:`.play.play_jobs`.
+    """
+
+    def build(config: EngineConfig, engines: int) -> Build:
+        return built or build_chain(
+            config, engines, link, queue=queue, simulator_name=simulator_name
+        )
+
+    return play_jobs(jobs, build)
+
+
+def simulate_parts(
+    parts: Sequence[Frame], *, link: str = "merge", stall: float = 0.0, seed: int = 1
+) -> Outcome:
+    """Draw one frame, dealt to engines, with the generated Verilog of their chain.
+
+    Parameters
+    ----------
+    parts
+        What each engine draws.
+    link
+        Of the chain.
+    stall, seed
+        As of :func:`.frames.simulate_frame`.
+
+    Raises
+    ------
+    SimulationError
+        If the simulator fails or the chain breaks a rule of its contract.
+    """
+    rates = dict.fromkeys(STREAMS, 1.0 - stall)
+    return play_chain([ChainJob(frames=[parts], rates=rates, seed=seed)], link=link)[0]

@@ -1,0 +1,98 @@
+"""Whole frames through an engine's Verilog: code words in, rasters and cycle counts out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.frame import Frame
+from splatline.contract.raster import Raster
+from splatline.sim.cosim.simulator import Build
+
+from .jobs import STREAMS, Outcome, Playing
+from .play import play_jobs
+from .player import wrap
+
+__all__ = ["Job", "build_engine", "play", "simulate_frame"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job(Playing):
+    """A frame to play to an engine, and those right behind it; :class:`.jobs.Playing` says how.
+
+    Parameters
+    ----------
+    frame
+        Code words, tables and size.
+    followed_by
+        Frames whose table writes and code words are offered right behind, while those before are
+        still being drawn.
+    """
+
+    frame: Frame
+    followed_by: Sequence[Frame] = ()
+
+    @property
+    def frames(self) -> list[Frame]:
+        """The frames of the job."""
+        return [self.frame, *self.followed_by]
+
+    @property
+    def parts(self) -> list[list[Frame]]:
+        """Each frame as a whole, for the one engine."""
+        return [[frame] for frame in self.frames]
+
+
+def simulate_frame(
+    frame: Frame, *, initial: Raster | None = None, stall: float = 0.0, seed: int = 1
+) -> Outcome:
+    """Draw one frame with the generated Verilog of its configuration.
+
+    Parameters
+    ----------
+    frame
+        What to draw.
+    initial
+        Raster to start from.
+    stall
+        Share of the cycles, 0 to 255/256, in which each port is held back at random.
+    seed
+        Of the random stalls.
+
+    Raises
+    ------
+    SimulationError
+        If the simulator fails or the engine breaks a rule of its contract.
+    """
+    rates = dict.fromkeys(STREAMS, 1.0 - stall)
+    return play([Job(frame=frame, initial=initial, rates=rates, seed=seed)])[0]
+
+
+def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Build:
+    """Build the player around the engine's Verilog, or find it built."""
+    from splatline.flow.verilog import generate
+
+    return wrap(generate(config)[0], config, simulator_name=simulator_name)
+
+
+def play(
+    jobs: Sequence[Job], *, simulator_name: str = "verilator", built: Build | None = None
+) -> list[Outcome]:
+    """Play frames one after the other, in one run of the simulator.
+
+    Parameters
+    ----------
+    jobs
+        At least one; all of one configuration.
+    simulator_name
+        One of ``simulator.SIMULATORS``.
+    built
+        A build of ``frame_player`` to use instead of the configuration's own, such as a broken one.
+
+    Raises
+    ------
+    SimulationError, ValueError
+        See :func:`.play.play_jobs`.
+    """
+    return play_jobs(jobs, lambda config, _: built or build_engine(config, simulator_name))

@@ -1,0 +1,86 @@
+"""The player around an engine's Verilog, or a chain's, ready to be built."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+from splatline.contract.config import EngineConfig
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.simulator import Build
+
+__all__ = ["wrap"]
+
+PLAYER = ("stream_source.v", "stream_sink.v", "stream_check.v", "frame_player.v")
+
+
+def wrap(
+    text: str,
+    config: EngineConfig,
+    engines: int | None = None,
+    *,
+    simulator_name: str = "verilator",
+) -> Build:
+    """Build the player around Verilog, or find it built.
+
+    Parameters
+    ----------
+    text
+        What was generated, or a changed one.
+    config
+        Configuration of the engine, or of a chain's.
+    engines
+        How many the chain has; None: it is an engine by itself.
+    simulator_name
+        One of ``simulator.SIMULATORS``.
+    """
+    names = ["codewords"] if engines is None else [f"codewords_{n}" for n in range(engines)]
+    sources = {
+        "splatline.v": _without_tools(text),
+        "player_ports.v": _ports(config, names),
+        **{name: resources.files(__package__).joinpath(name).read_text() for name in PLAYER},
+    }
+    parameters = {
+        "ENGINES": len(names),
+        "TABLE_BITS": config.table_address.end,
+        "RASTER_BITS": config.raster_end.end,
+    }
+    return simulator.build(sources, "frame_player", simulator=simulator_name, parameters=parameters)
+
+
+def _without_tools(text: str) -> str:
+    """Drop comments, which carry versions: only the circuit decides whether to build anew."""
+    return "\n".join(line for line in text.splitlines() if not line.startswith(("//", "/*")))
+
+
+def _ports(config: EngineConfig, names: list[str]) -> str:
+    """Return the module between the player's vectors and the ports of what it plays to."""
+    streams = {
+        "tables": ("input", config.table_address.end),
+        "initial": ("input", config.raster_end.end),
+        "raster": ("output", config.raster_end.end),
+    }
+    count = len(names)
+    ports = [
+        "input clk, input rst",
+        f"input [{64 * count - 1}:0] codewords, input [{count - 1}:0] codewords_valid"
+        f", output [{count - 1}:0] codewords_ready",
+    ]
+    links = [".clk(clk), .rst(rst)"]
+    for name, (way, bits) in streams.items():
+        back = "output" if way == "input" else "input"
+        payload = "initial_beat" if name == "initial" else name  # initial is a word of Verilog
+        ports.append(f"{way} [{bits - 1}:0] {payload}, {way} {name}_valid, {back} {name}_ready")
+        links.append(
+            f".{name}__payload({payload}), .{name}__valid({name}_valid)"
+            f", .{name}__ready({name}_ready)"
+        )
+    links += [
+        f".{name}__payload(codewords[{64 * n + 63}:{64 * n}])"
+        f", .{name}__valid(codewords_valid[{n}])"
+        f", .{name}__ready(codewords_ready[{n}])"
+        for n, name in enumerate(names)
+    ]
+    return (
+        f"module player_ports({', '.join(ports)});\n"
+        f"  splatline engine (\n    {f',{chr(10)}    '.join(links)});\nendmodule\n"
+    )

@@ -1,0 +1,116 @@
+"""How few cycles a frame could take, by how the window's memory is laid out.
+
+A memory word holds one pixel; a lane reads one and writes one a cycle. No order of work draws an
+element in fewer cycles than its busiest lane has pixels of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import BLOCK
+from splatline.contract.frame import Frame
+from splatline.sim.golden.compact_words import expand_frame
+from splatline.sim.golden.renderer import block_rows, decode, render
+from splatline.sim.stress.word_checks import elements_of
+
+from .tiles import least_lane_cycles
+
+__all__ = ["bound_cycles"]
+
+_Ints = npt.NDArray[np.int64]
+
+
+def bound_cycles(frame: Frame) -> int:
+    """Return the least cycles that the layout of the engine's memory leaves for a frame.
+
+    The larger of two. A lane takes one pixel in a cycle: all that are drawn and all that leave,
+    were they spread evenly. And each element takes as many cycles as its busiest lane has pixels,
+    one beat of the raster leaves in a cycle, and the window has only so many lines: see
+    :func:`_slide`. What lanes take of an element is as if nothing of it were clipped: tiles outside
+    the image take their cycles too.
+    """
+    config = frame.config
+    frame = _until_the_end(expand_frame(frame))
+    fields, line, places = elements_of(frame)
+    if config.draws_blocks:
+        # Wherever a block lies, it has each lane once at most.
+        costs = np.ones(len(places), np.int64)
+        memories = BLOCK * config.raster_pixels
+    else:
+        costs = least_lane_cycles(frame.codewords[places].view(np.int64), config.pixels_per_word)
+        memories = 4 * config.pixels_per_word
+    drawn = render(frame).drawn
+    leaving = int(_groups(drawn, config.pixels_per_word).sum())
+    beats = _groups(drawn, config.raster_pixels)
+    upper, lower = _lines(fields, line, frame)
+    slid = _slide(upper, lower, costs, beats, config.window_lines)
+    pixels = _covered_pixels(fields) + config.pixels_per_word * leaving
+    return max(slid, -(-pixels // memories))
+
+
+@nb.njit(cache=True)
+def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
+    """Return the cycles in which elements pass through a window that slides down the image.
+
+    A line leaves, beat by beat, once nothing more is drawn into it and those above have left. No
+    element is drawn into a line before the one whose place it takes has left. Elements are drawn in
+    their order; the engine's own time is not counted, nor control words, nor who waits for whom at
+    a lane.
+
+    Parameters
+    ----------
+    upper, lower
+        The first and last line that each element draws into, ``upper > lower`` if none: shape (n,),
+        int64.
+    costs
+        The cycles that each takes: shape (n,), int64.
+    beats
+        Those of each line: shape (height,), int64.
+    lines
+        Of the window.
+    """
+    drawn = np.zeros(len(beats), np.int64)  # when the last element of each line was
+    now = left = leaving = 0  # cycles passed; when the line above ``leaving`` had left
+    for i in range(len(costs)):
+        while leaving <= lower[i] - lines:
+            left = max(left, drawn[leaving]) + beats[leaving]
+            leaving += 1
+        now = max(now + costs[i], left + 1)
+        drawn[upper[i] : lower[i] + 1] = now
+    for line in range(leaving, len(beats)):
+        left = max(left, drawn[line]) + beats[line]
+    return max(now, left)
+
+
+def _until_the_end(frame: Frame) -> Frame:
+    """Return the frame without the words behind its end word."""
+    (ends,) = np.nonzero(decode(frame.codewords, frame.config)["end"])
+    return replace(frame, codewords=frame.codewords[: ends[0] + 1]) if len(ends) else frame
+
+
+def _lines(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> tuple[_Ints, _Ints]:
+    """Return the first and last line of the image that each element draws into."""
+    first, last = block_rows(fields)
+    inside = fields["x"].astype(np.int64)[:, np.newaxis] + first < frame.width
+    lines = (line - BLOCK // 2)[:, np.newaxis] + np.arange(BLOCK)
+    fills = (first <= last) & inside & (lines >= 0) & (lines < frame.height)
+    upper = np.where(fills, lines, frame.height).min(axis=1, initial=frame.height)
+    return upper, np.where(fills, lines, -1).max(axis=1, initial=-1)
+
+
+def _groups(drawn: npt.NDArray[np.bool_], pixels: int) -> _Ints:
+    """Return in how many groups of so many neighbouring pixels each line has something."""
+    starts = range(0, drawn.shape[1], pixels)
+    return np.count_nonzero(np.add.reduceat(drawn, starts, axis=1), axis=1).astype(np.int64)
+
+
+def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
+    """Return how many pixels elements cover, each for itself."""
+    first, last = block_rows(fields)
+    return int(np.maximum(last - first + 1, 0).sum())

@@ -1,0 +1,300 @@
+"""The compiled part of the golden renderer: code words in, depths and colours out.
+
+A pixel of the canvas holds the code word that drew it, whole. The word carries its own depth, in
+its highest bits, so the depth test is one comparison of words; and what a pixel looks like is
+worked out once at the end, for the word that stayed. A pixel that nothing was drawn into holds a
+control word with the depth that it started from: no element is a control word.
+
+The canvas has the eight lines that an element can reach, and moves down the image with the engine's
+line. The image is cut into bands of lines, which do not depend on each other and are drawn side by
+side; elements that touch both sides of a cut are drawn for both.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numba as nb
+import numpy as np
+from numba.extending import intrinsic
+
+from splatline.contract.config import BLOCK, ROWS, EngineConfig
+from splatline.contract.presets import PAPER
+
+__all__ = ["Layout", "draw_bands", "index_lines", "layout_of"]
+
+ABOVE = BLOCK // 2
+"""Lines of an element's block that lie above the engine's current line."""
+
+BELOW = BLOCK - 1 - ABOVE
+"""Lines of the block below the current one."""
+
+LANES = 4
+"""Pixels that are tested at a time, in one register of the processor."""
+
+# The scans have the same place in every configuration, so that the compiler may know it. A lane of
+# six bits holds a row; in each, one number of three bits and room for a carry.
+ROW_BITS = PAPER.first(1).lsb - PAPER.first(0).lsb
+FIRSTS_LSB = np.uint64(PAPER.first(0).lsb)
+LASTS_LSB = np.uint64(PAPER.last(0).lsb)
+COLUMN = np.uint64(PAPER.first(0).mask)
+COLUMNS = np.uint64(sum(PAPER.first(0).mask << ROW_BITS * row for row in range(ROWS)))
+CARRIES = np.uint64(sum((PAPER.first(0).mask + 1) << ROW_BITS * row for row in range(ROWS)))
+CARRY_LSB = PAPER.first(0).width
+MIDDLE_FIRST = np.uint64(PAPER.first(ROWS - 1).lsb)
+MIDDLE_LAST = np.uint64(PAPER.last(ROWS - 1).lsb)
+HALF = np.uint64(BLOCK // 2 - 1)
+
+ONE = np.uint64(1)
+MODE = np.uint64(1 << PAPER.mode.lsb)
+UNTOUCHED = MODE | COLUMNS << FIRSTS_LSB
+"""A control word (four rows from column 7 to column 0), for the lowest bits of untouched pixels."""
+
+
+class Layout(NamedTuple):
+    """The configuration as the compiled code needs it, flat: numba's parallel loops ask for that.
+
+    For each field its lowest bit and its mask, in unsigned integers of 64 bits; and the widths of
+    the colour.
+    """
+
+    diffuse_lsb: np.uint64
+    diffuse_mask: np.uint64
+    specular_lsb: np.uint64
+    specular_mask: np.uint64
+    material_lsb: np.uint64
+    material_mask: np.uint64
+    x_lsb: np.uint64
+    x_mask: np.uint64
+    z_lsb: np.uint64
+    z_mask: np.uint64
+    end_lsb: np.uint64
+    colour_shift: int
+    channel_max: int
+
+
+def layout_of(config: EngineConfig) -> Layout:
+    """Return a configuration's layout."""
+    places: dict[str, Any] = {}
+    for name in ("diffuse", "specular", "material", "x", "z"):
+        field = getattr(config, name)
+        places[f"{name}_lsb"] = np.uint64(field.lsb)
+        places[f"{name}_mask"] = np.uint64(field.mask)
+    return Layout(
+        **places,
+        end_lsb=np.uint64(config.control_end.lsb),
+        colour_shift=config.colour_shift,
+        channel_max=config.channel_max,
+    )
+
+
+@nb.njit(cache=True)
+def index_lines(words: Any, lines: int, layout: Layout) -> Any:
+    """Find the words of each line of the engine.
+
+    Parameters
+    ----------
+    words
+        Code words: shape (n,), uint64.
+    lines
+        How many lines to tell apart: 0 .. ``lines - 1``.
+    layout
+        The fields' places.
+
+    Returns
+    -------
+    starts
+        Shape (lines + 1,), int64: the elements met while the engine's line is y are among
+        ``words[starts[y] : starts[y + 1]]``, with control words between.
+    ended
+        Whether there is an end word.
+    """
+    starts = np.zeros(lines + 1, np.int64)
+    y: Any = 0
+    for index, word in enumerate(words):
+        if not _is_control(word):
+            continue
+        if word >> layout.end_lsb & ONE:
+            starts[y + 1 :] = index
+            return starts, True
+        # Held at ``lines``, y cannot overflow whatever the stream adds to it.
+        below = min(y + np.int64(_field(word, layout.x_lsb, layout.x_mask)), lines)
+        starts[y + 1 : below + 1] = index
+        y = below
+    return starts, False
+
+
+@nb.njit(parallel=True, cache=True)
+def draw_bands(
+    words: Any,
+    starts: Any,
+    cuts: Any,
+    ambient: Any,
+    coefficients: Any,
+    layout: Layout,
+    depth: Any,
+    colour: Any,
+) -> None:
+    """Draw a frame, its bands in parallel.
+
+    Parameters
+    ----------
+    words
+        Code words: shape (n,), uint64.
+    starts
+        From ``index_lines``, for ``height + 4`` lines.
+    cuts
+        Shape (bands + 1,), int64: lines of the image, growing from 0 to its height.
+    ambient
+        I0 of each channel: shape (3,), int64.
+    coefficients
+        kd and ks of each material and channel: shape (materials, 2, 3), int64.
+    layout
+        The fields' places.
+    depth
+        Shape (height, width), uint16: what is there before; receives the picture.
+    colour
+        Shape (height, width, 3), uint8; likewise.
+    """
+    width = depth.shape[1]
+    for band in nb.prange(len(cuts) - 1):
+        begin, end = cuts[band], cuts[band + 1]
+        # Blocks may reach over the right border, and the last pixels tested a little further.
+        canvas = np.zeros((BLOCK, width + 2 * BLOCK), np.uint64)
+        for y in range(begin - BELOW, end + ABOVE):
+            if y + BELOW < end:
+                _open_line(canvas, y + BELOW, layout, depth)
+            if y >= 0:
+                _draw_line(words, starts, canvas, y, width, layout)
+            if y - ABOVE >= begin:
+                _close_line(canvas, y - ABOVE, ambient, coefficients, layout, depth, colour)
+
+
+@nb.njit(cache=True)
+def _open_line(canvas: Any, line: int, layout: Layout, depth: Any) -> None:
+    """Fill a line of the canvas with untouched pixels."""
+    pixels = canvas[line % BLOCK]
+    for column in range(depth.shape[1]):
+        stored = np.uint64(depth[line, column])
+        pixels[column] = UNTOUCHED | stored << layout.z_lsb
+
+
+@nb.njit(cache=True)
+def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout: Layout) -> None:
+    """Draw the elements of one of the engine's lines into the canvas."""
+    pixels = canvas.reshape(-1)
+    stride = canvas.shape[1]
+    below_z = (ONE << layout.z_lsb) - ONE
+    for index in range(starts[y], starts[y + 1]):
+        word = words[index]
+        x = np.int64(_field(word, layout.x_lsb, layout.x_mask))
+        if x >= width:
+            continue
+        # Less than another word only if the depth is: all other bits are ones.
+        key = word | below_z
+        symmetric = word & MODE == 0
+        shape, raised, shifted = _middle(word) if symmetric else (word, 0, 0)
+        rows = _filled_rows(shape)  # none in a control word
+        while rows:
+            carry = _lowest_bit(rows)
+            rows &= rows - ONE
+            row = carry // ROW_BITS
+            lsb = np.uint64(carry - CARRY_LSB)
+            first = np.int64(shape >> (lsb + FIRSTS_LSB) & COLUMN)
+            last = np.int64(shape >> (lsb + LASTS_LSB) & COLUMN)
+            count = last - first + 1
+            start = (y - ABOVE + row) % BLOCK * stride + x + first
+            _draw_row(pixels, start, count, key, word)
+            # The row turned by 180 degrees; the one in the middle of the shape is its own.
+            if symmetric and not (raised and row == ROWS - 1):
+                below = (y + BELOW - raised - row) % BLOCK * stride
+                _draw_row(pixels, below + x + BLOCK - 1 + shifted - last, count, key, word)
+
+
+@nb.njit(cache=True, inline="always")
+def _middle(word: int) -> Any:
+    """Return a symmetric word, and the lines and columns by which its middle lies off.
+
+    That is, what is turned lies so many lines higher and columns further right, 0 or 1. The word
+    has its row 3 from left to right.
+    """
+    first, last = word >> MIDDLE_FIRST & COLUMN, word >> MIDDLE_LAST & COLUMN
+    if first > HALF and last <= HALF:
+        ends = (COLUMN << MIDDLE_FIRST) | (COLUMN << MIDDLE_LAST)
+        ordered = (word & ~ends) | last << MIDDLE_FIRST | first << MIDDLE_LAST
+        return ordered, 1, 1 - np.int64((first ^ last) & ONE)
+    first, last = word >> FIRSTS_LSB & COLUMN, word >> LASTS_LSB & COLUMN
+    return word, 0, np.int64(first > last) & np.int64(first >> ONE & ONE)
+
+
+@nb.njit(cache=True, inline="always")
+def _draw_row(pixels: Any, start: int, count: int, key: int, word: int) -> None:
+    """Draw ``count`` pixels of a line; what is nearer stays, and of two as near the first."""
+    for offset in range(0, count, LANES):
+        # Pixels past the row are written back as they were: that keeps branches out.
+        for lane in range(LANES):
+            old = pixels[start + offset + lane]
+            passes = (key < old) & (offset + lane < count)
+            pixels[start + offset + lane] = word if passes else old
+
+
+@nb.njit(cache=True)
+def _close_line(
+    canvas: Any,
+    line: int,
+    ambient: Any,
+    coefficients: Any,
+    layout: Layout,
+    depth: Any,
+    colour: Any,
+) -> None:
+    """Turn the words that a line's pixels hold into depths and colours.
+
+    Int64 holds every sum: I0 < 2^(c + i + 1) and each product < 2^(c + i), with c <= 12 bits of a
+    coefficient and i <= 9 of an intensity. So a sum is less than 4 * 2^(c + i) < 2^23.
+    """
+    pixels = canvas[line % BLOCK]
+    for column in range(depth.shape[1]):
+        word = pixels[column]
+        if _is_control(word):
+            continue
+        depth[line, column] = _field(word, layout.z_lsb, layout.z_mask)
+        material = _field(word, layout.material_lsb, layout.material_mask)
+        d = np.int64(_field(word, layout.diffuse_lsb, layout.diffuse_mask))
+        s = np.int64(_field(word, layout.specular_lsb, layout.specular_mask))
+        for channel in range(3):
+            kd, ks = coefficients[material, 0, channel], coefficients[material, 1, channel]
+            total = ambient[channel] + kd * d + ks * s
+            level = total >> layout.colour_shift
+            colour[line, column, channel] = min(level, layout.channel_max)
+
+
+@nb.njit(cache=True, inline="always")
+def _field(word: int, lsb: int, mask: int) -> Any:
+    return word >> lsb & mask
+
+
+@nb.njit(cache=True, inline="always")
+def _is_control(word: int) -> Any:
+    return (word & MODE != 0) & (_filled_rows(word) == 0)
+
+
+@nb.njit(cache=True, inline="always")
+def _filled_rows(word: int) -> Any:
+    """Return a bit a row, at ``CARRY_LSB + ROW_BITS * row``: the row is not empty.
+
+    All four rows in one subtraction: its carry stays where first <= last.
+    """
+    firsts = word >> FIRSTS_LSB & COLUMNS
+    lasts = word >> LASTS_LSB & COLUMNS
+    return ((lasts | CARRIES) - firsts) & CARRIES
+
+
+@intrinsic
+def _lowest_bit(typing: Any, number: Any) -> Any:
+    """Return the place of a number's lowest bit that is set, by the processor's instruction."""
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.cttz(arguments[0], context.get_constant(nb.types.boolean, True))
+
+    return nb.types.int64(number), build

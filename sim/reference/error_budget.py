@@ -1,0 +1,169 @@
+"""The error budget: from one exact sample a pixel to the engine's picture, a step at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.presets import PAPER
+from splatline.contract.raster import Raster
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.shape_table import LEVELS
+from splatline.host.shading.lighting import Lighting
+from splatline.host.shading.shade import SHADE_LEVELS
+from splatline.host.visibility.view import View
+
+from . import metrics
+from .point_sampled import Picture, Steps, render
+from .reference import Reference
+
+__all__ = ["LADDERS", "Step", "blurred_psnr", "ladder", "measure", "walk"]
+
+LADDERS = ("paper", "exact")
+"""The qualities that a ladder leads to."""
+
+BLUR = 1.5
+"""Standard deviation in pixels of the blur of ``blurred_psnr``: as in SSIM."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A rung: everything up to it is approximated as the engine does.
+
+    Parameters
+    ----------
+    name
+        What is approximated from here on.
+    steps
+        All approximations so far.
+    """
+
+    name: str
+    steps: Steps
+
+
+def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
+    """Return the rungs from one exact sample a pixel to what an engine draws.
+
+    Parameters
+    ----------
+    quality
+        One of ``LADDERS``: ``paper`` has one depth a splat, whole places and diameters and the
+        shape table; ``exact`` one depth a fraction, and footprints as they are.
+    config
+        The engine: bits of depth, intensity and colour, materials.
+
+    Returns
+    -------
+    list of Step
+        Each differs from the one before it in what its name says, and in nothing else.
+    """
+    if quality not in LADDERS:
+        raise ValueError(f"no ladder leads to {quality!r}; there are: {', '.join(LADDERS)}")
+    per = "splat" if quality == "paper" else "fraction"
+    changes: list[tuple[str, dict[str, Any]]] = [
+        (f"one depth a {per}", {"depth": per}),
+        (f"{config.depth_bits}-bit depth", {"depth_bits": config.depth_bits}),
+    ]
+    if quality == "paper":
+        changes += [
+            ("whole places", {"place": "whole", "never_empty": True}),
+            ("whole diameters", {"size": "whole"}),
+            ("levels of n'", {"normal_levels": True}),
+        ]
+    colour = f"{config.channel_bits}-bit colour"
+    levels = LEVELS if quality == "paper" else SHADE_LEVELS
+    changes += [
+        ("shading table", {"intensity_bits": config.intensity_bits, "shade_levels": levels}),
+        ("materials", {"materials": 1 << config.material_bits}),
+        (colour, {"channel_bits": config.channel_bits}),
+    ]
+    rungs = [Step("one sample a pixel", Steps())]
+    for name, change in changes:
+        rungs.append(Step(name, replace(rungs[-1].steps, **change)))
+    return rungs
+
+
+def walk(
+    rungs: list[Step],
+    cloud: Cloud,
+    view: View,
+    radii: npt.ArrayLike,
+    lighting: Lighting,
+    exact: Reference,
+    background: tuple[float, float, float],
+) -> Iterator[dict[str, Any]]:
+    """Draw each rung and measure its error.
+
+    Yields
+    ------
+    dict
+        ``step``, its name, and what ``metrics.compare`` measures.
+    """
+    for rung in rungs:
+        picture = render(cloud, view, radii, lighting, rung.steps, background=background)
+        yield {"step": rung.name, **measure(picture, exact, background)}
+
+
+def measure(
+    picture: Picture, exact: Reference, background: tuple[float, float, float]
+) -> dict[str, float | None]:
+    """Measure the error of a picture that is no engine's.
+
+    Returns
+    -------
+    dict
+        What ``metrics.compare`` measures, and ``psnr_blurred_db``.
+    """
+    low, high = picture.depth_range
+    found = metrics.compare(
+        cast(Raster, _AsRaster(picture)),
+        exact,
+        background=background,
+        depth_range=(low, high) if high > low else None,
+    )
+    return {**found, "psnr_blurred_db": blurred_psnr(picture.rgb, exact.rgb)}
+
+
+def blurred_psnr(rgb: npt.NDArray[np.float64], exact: npt.NDArray[np.float64]) -> float | None:
+    """Return the PSNR in dB of what is left of the error seen from afar; None without error.
+
+    The error is blurred by a Gaussian of ``BLUR`` pixels. Noise from pixel to pixel
+    counts for little then, and a colour that is wrong over an area for as much as before.
+
+    Parameters
+    ----------
+    rgb, exact
+        Shape (height, width, 3), float64, 0..1.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    error = float(np.mean(gaussian_filter(rgb - exact, (BLUR, BLUR, 0.0)) ** 2))
+    return -10.0 * math.log10(error) if error > 0.0 else None
+
+
+class _AsRaster:
+    """A picture where a raster is expected: depth is the share of the range that codes span."""
+
+    def __init__(self, picture: Picture) -> None:
+        low, high = picture.depth_range
+        self.depth = (picture.depth - low) / (high - low if high > low else 1.0)
+        self.drawn = picture.drawn
+        self.config = _Unit
+        self._rgb = picture.rgb
+
+    def to_rgb(self, background: tuple[float, float, float]) -> npt.NDArray[np.float64]:
+        """Return the picture, drawn with that background already."""
+        return self._rgb
+
+
+class _Unit:
+    """A depth of 1 is the largest that draws."""
+
+    background_depth = 2

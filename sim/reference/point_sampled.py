@@ -1,0 +1,208 @@
+"""One sample a pixel in float64, with any of the engine's approximations switched on by itself.
+
+With all of them off the picture is the reference's at one sample a pixel. Footprints are true
+perspective discs, moved and scaled as a whole where place and size are rounded; with quantised
+normals they are the paper's ellipses (equation 1). Nothing is shared with the host's encoder but
+the definitions of its quantisations: levels of n', the shading table and the palette.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.shape_table import level_slopes, quantise
+from splatline.host.shading.lighting import Lighting
+from splatline.host.shading.materials import find_materials
+from splatline.host.shading.shade import SHADE_LEVELS, shade_tables
+from splatline.host.visibility.view import View
+from splatline.sim import reference
+
+from .point_sampled_kernel import DEPTHS, PLACES, SIZES, SPLAT, draw_bands, place_splats
+
+__all__ = ["Picture", "Steps", "render"]
+
+_Floats = npt.NDArray[np.float64]
+
+GRAZING = -1e-6
+"""Normals that lean further from the eye are shaded as if they just did not."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """Which approximations are made; by default none.
+
+    Parameters
+    ----------
+    depth
+        Where depth is taken: at every ``pixel`` of the sloped disc, at the mean place of each
+        ``fraction``, cut as the host's ``exact`` cuts them, or at the centre of the ``splat``.
+    depth_bits
+        Bits of a stored depth, the largest value being the background's; None: as it is.
+    reciprocal
+        Depth codes are even steps of 1 / z, not of z.
+    place
+        Centres as they are (``true``), or rounded to a ``quarter`` or a ``whole`` of a pixel; whole
+        places are corners of the pixel grid.
+    size
+        Diameters as they are (``true``), or rounded to a ``half`` or a ``whole`` of a pixel.
+    size_up
+        Sizes are rounded up, not to nearest.
+    never_empty
+        A splat that covers no pixel's centre draws the pixel that holds its own; about a pixel
+        corner the nearest pixel in the ellipse's metric and its half turn.
+    normal_levels
+        The shape is the paper's ellipse of n', quantised to the levels of ``host.encode.shape_table``.
+    intensity_bits
+        The shade comes from the table of quantised normals, with the viewer on the image's axis and
+        so many bits of D and S; None: Phong's model at the disc's centre.
+    shade_levels
+        Levels of n'x and of n'y in that table.
+    materials
+        Most colours of the palette; None: each point's own.
+    channel_bits
+        Bits of a stored colour channel; None: as it is.
+    """
+
+    depth: Literal["pixel", "fraction", "splat"] = "pixel"
+    depth_bits: int | None = None
+    reciprocal: bool = False
+    place: Literal["true", "quarter", "whole"] = "true"
+    size: Literal["true", "half", "whole"] = "true"
+    size_up: bool = True
+    never_empty: bool = False
+    normal_levels: bool = False
+    intensity_bits: int | None = None
+    shade_levels: int = SHADE_LEVELS
+    materials: int | None = None
+    channel_bits: int | None = None
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What came out.
+
+    Parameters
+    ----------
+    rgb
+        Shape (height, width, 3), float64, 0..1, background included.
+    depth
+        Shape (height, width), float64: distance along the view in the cloud's unit, as its code
+        gives it back; NaN where nothing was drawn.
+    seen
+        Shape (height, width), int64: the point that a pixel shows, -1 where nothing was drawn.
+    depth_range
+        Distances that the codes span.
+    """
+
+    rgb: _Floats
+    depth: _Floats
+    seen: npt.NDArray[np.int64]
+    depth_range: tuple[float, float]
+
+    @property
+    def drawn(self) -> npt.NDArray[np.bool_]:
+        """Where anything was drawn: shape (height, width)."""
+        return self.seen >= 0
+
+
+def render(
+    cloud: Cloud,
+    view: View,
+    radii: npt.ArrayLike,
+    lighting: Lighting,
+    steps: Steps = Steps(),
+    *,
+    background: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    depth_range: tuple[float, float] | None = None,
+) -> Picture:
+    """Draw a cloud of discs, one sample a pixel, at the pixels' centres.
+
+    Of equally deep splats the first in the cloud is seen.
+
+    Parameters
+    ----------
+    cloud, view, radii, lighting, background
+        As the reference takes them.
+    steps
+        The approximations.
+    depth_range
+        Distances that depth codes span; by default those of the centres that may be seen.
+    """
+    radii = np.ascontiguousarray(radii, np.float64)
+    centres = (cloud.positions - view.eye) @ view.axes.T
+    normals, facing = reference._face_eye(cloud, view, centres)
+
+    discs = (centres, normals, facing, radii)
+    camera = (view.focal, view.near, view.width, view.height, *view.middle)
+    splats = np.zeros(len(cloud), SPLAT)
+    rounding = (PLACES[steps.place], SIZES[steps.size], steps.size_up, steps.never_empty)
+    slopes = level_slopes() if steps.normal_levels else np.empty(0)
+    place_splats(discs, camera, rounding, slopes, splats)
+    if depth_range is None:
+        depths = centres[splats["left"] <= splats["right"], 2]
+        depth_range = (float(depths.min()), float(depths.max())) if len(depths) else (0.0, 0.0)
+    # Depths are compared as codes, which grow with distance.
+    low, high = depth_range
+    if steps.reciprocal:
+        low, high = 1.0 / low, 1.0 / high
+    largest = 0 if steps.depth_bits is None else (1 << steps.depth_bits) - 2
+    coding = (largest, steps.reciprocal, low, high - low if high != low else 1.0)
+
+    codes = np.full((view.height, view.width), np.inf)
+    seen = np.full((view.height, view.width), -1, np.int64)
+    draw_bands(splats, discs, camera, coding, DEPTHS[steps.depth], codes, seen)
+
+    depth = np.where(seen >= 0, codes, np.nan)
+    if largest:
+        depth = coding[2] + depth / largest * coding[3]
+        depth = 1.0 / depth if steps.reciprocal else depth
+    colours = _colours(cloud, normals, centres, lighting, steps)
+    rgb = _levels(colours[seen], steps) if len(cloud) else np.zeros((*seen.shape, 3))
+    rgb = np.where(seen[..., np.newaxis] >= 0, rgb, np.asarray(background, np.float64))
+    return Picture(rgb, depth, seen, depth_range)
+
+
+def _colours(
+    cloud: Cloud, normals: _Floats, centres: _Floats, lighting: Lighting, steps: Steps
+) -> _Floats:
+    """Return the colour that each splat shows, before it is rounded: shape (n, 3)."""
+    base = cloud.colours
+    if steps.materials is not None:
+        found = find_materials(cloud, steps.materials)
+        base = found.palette[found.index]
+    if steps.intensity_bits is None:
+        return reference._shade(base, normals, centres, lighting)
+    level = np.empty((2, len(normals)), np.int64)
+    _shade_levels(normals, steps.shade_levels, level)
+    diffuse, specular = (
+        table[level[0], level[1]]
+        for table in shade_tables(lighting, steps.intensity_bits, steps.shade_levels)
+    )
+    full = float((1 << steps.intensity_bits) - 1)
+    shown: _Floats = base / 255.0 * (diffuse / full)[:, np.newaxis]
+    shown += lighting.gloss * (specular / full)[:, np.newaxis]
+    return shown.clip(0.0, 1.0)
+
+
+@numba.njit(cache=True)
+def _shade_levels(normals: Any, levels: int, level: Any) -> None:
+    """Set each normal's levels of n'x and n'y."""
+    for i in range(len(normals)):
+        towards = min(normals[i, 2], GRAZING)
+        level[0, i] = quantise(normals[i, 0], towards, levels)
+        level[1, i] = quantise(normals[i, 1], towards, levels)
+
+
+def _levels(rgb: _Floats, steps: Steps) -> _Floats:
+    """Return a picture in the engine's levels of colour."""
+    if steps.channel_bits is None:
+        return rgb
+    largest = (1 << steps.channel_bits) - 1
+    levels: _Floats = np.minimum(np.floor(rgb * largest + 0.5), largest) / largest
+    return levels

@@ -1,0 +1,122 @@
+import json
+import sys
+import types
+
+import pytest
+
+from splatline.contract.presets import PAPER
+from splatline.flow.tools import ToolError
+
+REPORT = {
+    "preset": "paper",
+    "device": "LFE5U-25F-6BG381",
+    "seed": 1,
+    "rates_mhz": {"1": 123.4, "2": 98.7},
+    "fmax_mhz": 123.4,
+    "target_mhz": 100.0,
+    "slack_ns": 1.9,
+    "utilisation": {"4-input LUTs": {"used": 2400, "available": 24288}},
+    "logic_ns": 2.0,
+    "routing_ns": 6.1,
+    "critical_path": [
+        {"type": "clk-to-q", "ns": 0.5, "module": "engine", "name": "engine.draining"},
+        {"type": "routing", "ns": 6.1, "module": "engine", "name": "engine.draining"},
+    ],
+    "virtex2_estimate_mhz": 90.1,
+    "virtex2_estimate": {"mhz": 90.1, "levels": 7, "source": "a data sheet"},
+}
+
+
+@pytest.fixture
+def routing(monkeypatch):
+    """Puts a place and route in place that takes no time."""
+    asked = []
+
+    def place_and_route(config, *, seed, tries, mhz, packed):
+        asked.append((config, seed, tries, mhz))
+        if packed is not None:
+            packed.write_bytes(b"bits")
+        return REPORT
+
+    module = types.ModuleType("splatline.flow.timing.pnr")
+    module.place_and_route = place_and_route
+    monkeypatch.setitem(sys.modules, "splatline.flow.timing.pnr", module)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: True)
+    return module, asked
+
+
+def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder, routing):
+    result = run(
+        "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit"
+    )
+    assert result.exit_code == 0, result.stderr
+    assert routing[1] == [(PAPER, 3, 2, 150.0)]
+    assert json.loads((folder / "a.json").read_text()) == REPORT
+    assert (folder / "a.bit").read_bytes() == b"bits"
+    for text in (
+        "123.4 MHz",
+        "2: 98.7",
+        "1.90 ns",
+        "2,400 of 24,288 (10%)",
+        "an estimate",
+        "90.1 MHz",
+    ):
+        assert text in result.stdout
+    assert "engine.draining" in result.stdout
+
+
+@pytest.mark.parametrize(("command", "package"), [("pnr", "nextpnr_ecp5"), ("netlist", "yosys")])
+def test_a_missing_tool_is_named_in_one_line(run, folder, routing, monkeypatch, command, package):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: package not in name or None)
+    result = run(command)
+    assert result.exit_code == 2
+    assert result.stderr == (
+        f"splatline: {command} needs yowasp_{package}: pip install '.[pnr]' in Splatline's folder\n"
+    )
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("pnr", "--bitstream", "a.bin"),
+        ("pnr", "--json", "absent/a.json"),
+        ("pnr", "--seed", "-1"),
+        ("pnr", "--freq", "0"),
+        ("netlist", "-o", "a.v"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_at_once(run, folder, routing, arguments):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("splatline: ")
+    assert result.stderr.count("\n") == 1
+    assert not routing[1]
+
+
+def test_a_tool_that_fails_shows_its_log(run, folder, routing, monkeypatch):
+    def fail(config, **options):
+        raise ToolError("nextpnr failed:\nits log")
+
+    monkeypatch.setattr(routing[0], "place_and_route", fail)
+    result = run("pnr", "--json", "a.json")
+    assert result.exit_code == 1
+    assert result.stderr.endswith("splatline: nextpnr failed:\nits log\n")
+    assert not list(folder.iterdir())
+
+
+def test_netlist_writes_edif(run, folder, routing, monkeypatch):
+    module = types.ModuleType("splatline.flow.netlist")
+    module.pin_netlist = lambda config: ("(edif splatline)\n", {"cells": {"a": {}}})
+    monkeypatch.setitem(sys.modules, "splatline.flow.netlist", module)
+    result = run("netlist")
+    assert result.exit_code == 0, result.stderr
+    assert (folder / "splatline_paper.edif").read_text() == "(edif splatline)\n"
+    assert "1 cells" in result.stdout
+
+
+def test_verilog_of_the_pins(run, folder):
+    result = run("verilog", "--top", "pins", "-o", "top.v")
+    assert result.exit_code == 0, result.stderr
+    ports = {port["name"] for port in json.loads((folder / "top.json").read_text())["ports"]}
+    assert {"words__payload", "initial__payload", "raster__payload"} <= ports

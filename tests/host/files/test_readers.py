@@ -1,0 +1,429 @@
+"""Cloud files of every format, whole and damaged."""
+
+import numpy as np
+import pytest
+from plyfile import PlyData, PlyElement
+from pypcd4 import Encoding, PointCloud
+
+from splatline.contract.errors import InputError
+from splatline.host.files.colours import NEUTRAL, colours_to_bytes
+from splatline.host.files.readers import FORMATS, read_cloud
+
+COUNT = 60
+RNG = np.random.default_rng(1)
+POSITIONS = RNG.normal(size=(COUNT, 3)).astype(np.float32)
+NORMALS = RNG.normal(size=(COUNT, 3)).astype(np.float32)
+NORMALS /= np.linalg.norm(NORMALS, axis=1, keepdims=True)
+COLOURS = RNG.integers(2, 256, (COUNT, 3), np.uint8)
+
+FACES = {
+    "triangles": [[0, 1, 2], [2, 3, 4]],
+    "mixed": [[0, 1, 2], [2, 3, 4, 5]],
+}
+
+
+def places(cloud):
+    return cloud.positions + cloud.origin
+
+
+def assert_is_the_cloud(cloud):
+    """What every format must give back of POSITIONS, NORMALS and COLOURS."""
+    assert places(cloud) == pytest.approx(POSITIONS.astype(float), abs=1e-6)
+    assert cloud.normals == pytest.approx(NORMALS, abs=1e-6)
+    assert np.array_equal(cloud.colours, COLOURS)
+    assert not cloud.two_sided.any()
+    assert cloud.dropped == {"non_finite": 0}
+    assert cloud.positions.dtype == np.float64
+    assert cloud.normals.dtype == np.float32
+    assert cloud.colours.dtype == np.uint8
+
+
+def vertices(positions=POSITIONS, normals=NORMALS, colours=COLOURS):
+    names = [(name, positions.dtype) for name in "xyz"]
+    columns = list(positions.T)
+    if normals is not None:
+        names += [(name, "f4") for name in ("nx", "ny", "nz")]
+        columns += list(normals.T)
+    if colours is not None:
+        names += [(name, colours.dtype) for name in ("red", "green", "blue")]
+        columns += list(colours.T)
+    rows = np.empty(len(positions), names)
+    for (name, _), column in zip(names, columns, strict=True):
+        rows[name] = column
+    return rows
+
+
+def write_ply(path, rows=None, *, faces=None, text=False, byte_order="<"):
+    elements = [PlyElement.describe(vertices() if rows is None else rows, "vertex")]
+    if faces is not None:
+        listed = np.empty(len(faces), [("vertex_indices", object)])
+        listed["vertex_indices"] = [np.array(face, np.int32) for face in faces]
+        elements.append(PlyElement.describe(listed, "face"))
+    PlyData(elements, text=text, byte_order="=" if text else byte_order).write(str(path))
+    return path
+
+
+def write_pcd(path, encoding):
+    packed = COLOURS.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)
+    fields = ("x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb")
+    columns = [*POSITIONS.T, *NORMALS.T, packed]
+    types = (*[np.float32] * 6, np.uint32)
+    PointCloud.from_points(columns, fields, types).save(path, encoding)
+    return path
+
+
+def write_text(path, *columns, header="", delimiter=" "):
+    np.savetxt(path, np.column_stack(columns), "%.9g", delimiter, header=header, comments="")
+    return path
+
+
+class TestFormats:
+    @pytest.mark.parametrize(
+        "kind", [{"text": True}, {"byte_order": "<"}, {"byte_order": ">"}], ids=str
+    )
+    @pytest.mark.parametrize("faces", [None, "triangles", "mixed"])
+    def test_ply(self, tmp_path, kind, faces):
+        path = write_ply(tmp_path / "a.ply", faces=FACES.get(faces), **kind)
+        assert_is_the_cloud(read_cloud(path))
+
+    def test_ply_with_double_positions_and_extra_properties(self, tmp_path):
+        rows = np.empty(COUNT, [("quality", "f4"), *[(name, "f8") for name in "xyz"]])
+        for name, column in zip("xyz", POSITIONS.T, strict=True):
+            rows[name] = column + 1e7
+        rows["quality"] = np.nan
+        cloud = read_cloud(write_ply(tmp_path / "a.ply", rows))
+        assert places(cloud) == pytest.approx(POSITIONS + 1e7, abs=1e-8, rel=0)
+
+    def test_ply_with_points_under_another_name(self, tmp_path):
+        other = np.zeros(2, [("k", "i4")])
+        points = PlyElement.describe(vertices(), "point")
+        PlyData([PlyElement.describe(other, "camera"), points]).write(str(tmp_path / "a.ply"))
+        assert_is_the_cloud(read_cloud(tmp_path / "a.ply"))
+
+    @pytest.mark.parametrize("encoding", list(Encoding)[:3], ids=lambda encoding: encoding.value)
+    def test_pcd(self, tmp_path, encoding):
+        assert_is_the_cloud(read_cloud(write_pcd(tmp_path / "a.pcd", encoding)))
+
+    def test_pcd_with_colours_in_the_bits_of_floats(self, tmp_path):
+        packed = PointCloud.encode_rgb(COLOURS)
+        columns = [*POSITIONS.T, packed]
+        cloud = PointCloud.from_points(columns, ("x", "y", "z", "rgb"), (np.float32,) * 4)
+        cloud.save(tmp_path / "a.pcd", Encoding.BINARY)
+        assert np.array_equal(read_cloud(tmp_path / "a.pcd").colours, COLOURS)
+
+    def test_pcd_of_a_single_point_as_text(self, tmp_path):
+        cloud = PointCloud.from_points([[1.0], [2.0], [3.0]], ("x", "y", "z"), (np.float32,) * 3)
+        cloud.save(tmp_path / "a.pcd", Encoding.ASCII)
+        assert places(read_cloud(tmp_path / "a.pcd")).tolist() == [[1.0, 2.0, 3.0]]
+
+    @pytest.mark.parametrize("colours", ["colours", "colors", "rgb"])
+    @pytest.mark.parametrize("positions", ["positions", "points", "xyz"])
+    def test_npz(self, tmp_path, positions, colours):
+        arrays = {positions: POSITIONS, "normals": NORMALS, colours: COLOURS, "other": np.ones(3)}
+        np.savez(tmp_path / "a.npz", **arrays)
+        assert_is_the_cloud(read_cloud(tmp_path / "a.npz"))
+
+    def test_npz_leaves_out_the_fourth_channel(self, tmp_path):
+        colours = np.column_stack([COLOURS, np.full(COUNT, 255, np.uint8)])
+        np.savez(tmp_path / "a.npz", points=POSITIONS, normals=NORMALS, colors=colours)
+        assert_is_the_cloud(read_cloud(tmp_path / "a.npz"))
+
+    def test_the_suffix_may_be_in_capitals(self, tmp_path):
+        assert_is_the_cloud(read_cloud(write_ply(tmp_path / "SCAN.PLY")))
+
+    def test_the_path_may_be_a_string_and_names_the_cloud(self, tmp_path):
+        assert read_cloud(str(write_ply(tmp_path / "my.scan.ply"))).name == "my.scan"
+
+
+class TestText:
+    @pytest.mark.parametrize("suffix", [".xyz", ".xyzn", ".txt", ".csv", ".asc"])
+    @pytest.mark.parametrize("delimiter", [" ", ",", ", ", ";", "\t", "   "])
+    def test_nine_columns_are_position_normal_colour(self, tmp_path, suffix, delimiter):
+        path = tmp_path / f"a{suffix}"
+        write_text(path, POSITIONS, NORMALS, COLOURS, delimiter=delimiter)
+        assert_is_the_cloud(read_cloud(path))
+
+    def test_nine_columns_may_have_the_normal_last(self, tmp_path):
+        path = write_text(tmp_path / "a.txt", POSITIONS, COLOURS, NORMALS)
+        assert_is_the_cloud(read_cloud(path))
+
+    def test_three_columns_are_a_position(self, tmp_path):
+        cloud = read_cloud(write_text(tmp_path / "a.xyz", POSITIONS))
+        assert places(cloud) == pytest.approx(POSITIONS.astype(float), abs=1e-6)
+        assert cloud.two_sided.all()
+
+    def test_a_fourth_column_is_left_alone(self, tmp_path):
+        cloud = read_cloud(write_text(tmp_path / "a.xyz", POSITIONS, np.arange(COUNT)))
+        assert (cloud.colours == NEUTRAL).all()
+        assert places(cloud) == pytest.approx(POSITIONS.astype(float), abs=1e-6)
+
+    def test_six_columns_with_unit_vectors_are_normals(self, tmp_path):
+        cloud = read_cloud(write_text(tmp_path / "a.xyz", POSITIONS, NORMALS))
+        assert cloud.normals == pytest.approx(NORMALS, abs=1e-6)
+        assert (cloud.colours == NEUTRAL).all()
+
+    @pytest.mark.parametrize("scale", [1, 1 / 255])
+    def test_six_columns_with_others_are_colours(self, tmp_path, scale):
+        cloud = read_cloud(write_text(tmp_path / "a.xyz", POSITIONS, COLOURS * scale))
+        assert np.array_equal(cloud.colours, COLOURS)
+        assert cloud.two_sided.all()
+
+    def test_six_columns_of_xyzn_are_normals_of_any_length(self, tmp_path):
+        cloud = read_cloud(write_text(tmp_path / "a.xyzn", POSITIONS, 100.0 * NORMALS))
+        assert cloud.normals == pytest.approx(NORMALS, abs=1e-6)
+
+    @pytest.mark.parametrize("mark", ["", "# ", "//"])
+    @pytest.mark.parametrize("delimiter", [" ", ","])
+    def test_a_header_says_what_the_columns_are(self, tmp_path, mark, delimiter):
+        names = ["B", "time", "z", "x", "y", "R", "G", "nz", "nx", "ny"]
+        columns = {**dict(zip("xyz", POSITIONS.T, strict=True)), "time": np.arange(COUNT)}
+        columns |= zip(["nx", "ny", "nz"], NORMALS.T, strict=True)
+        columns |= zip("RGB", COLOURS.T, strict=True)
+        path = tmp_path / "a.csv"
+        header = mark + delimiter.join(names)
+        write_text(path, *(columns[name] for name in names), header=header, delimiter=delimiter)
+        assert_is_the_cloud(read_cloud(path))
+
+    def test_the_first_point_is_read_under_a_header_and_without_one(self, tmp_path):
+        for text in ("1 2 3\n4 5 6\n", "x y z\n1 2 3\n4 5 6\n", "\n# by hand\n\n1 2 3\n4 5 6"):
+            (tmp_path / "a.txt").write_text(text)
+            assert places(read_cloud(tmp_path / "a.txt")).tolist() == [[1, 2, 3], [4, 5, 6]]
+
+    def test_a_column_of_words_is_left_alone_under_a_header(self, tmp_path):
+        (tmp_path / "a.csv").write_text('"class","x","y","z"\ntall tree,1,2,3\nroad,4,5,6\n')
+        assert places(read_cloud(tmp_path / "a.csv")).tolist() == [[1, 2, 3], [4, 5, 6]]
+
+    def test_a_line_of_words_under_a_header_is_an_error(self, tmp_path):
+        (tmp_path / "a.csv").write_text("x,y,z\none,two,three\n")
+        with pytest.raises(InputError, match="line 2 holds no numbers"):
+            read_cloud(tmp_path / "a.csv")
+
+    def test_a_spreadsheets_mark_and_line_ends_are_no_trouble(self, tmp_path):
+        (tmp_path / "a.csv").write_bytes(b"\xef\xbb\xbfx,y,z\r\n1,2,3\r\n4,5,6\r\n")
+        assert places(read_cloud(tmp_path / "a.csv")).tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+class TestRepairs:
+    def test_positions_are_relative_to_the_middle_of_the_bounding_box(self, tmp_path):
+        (tmp_path / "a.xyz").write_text("0 0 0\n0 0 1\n0 2 0\n10 0 0\n")
+        cloud = read_cloud(tmp_path / "a.xyz")
+        assert cloud.origin.tolist() == [5.0, 1.0, 0.5]
+        assert cloud.positions[0].tolist() == [-5.0, -1.0, -0.5]
+
+    def test_map_coordinates_give_the_same_cloud_as_the_origin(self, tmp_path):
+        offset = np.array([3.5e6, 5.4e6, 2e2])
+        np.savez(tmp_path / "here.npz", points=POSITIONS.astype(float))
+        np.savez(tmp_path / "there.npz", points=POSITIONS + offset)
+        here, there = read_cloud(tmp_path / "here.npz"), read_cloud(tmp_path / "there.npz")
+        assert there.positions == pytest.approx(here.positions, abs=1e-8, rel=0)
+        assert there.origin - here.origin == pytest.approx(offset, rel=1e-12)
+        assert np.abs(np.sum(here.normals * there.normals, axis=1)).min() > 0.9999
+
+    @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+    def test_points_without_a_finite_position_are_dropped_and_counted(self, tmp_path, bad):
+        positions = POSITIONS.copy()
+        positions[[3, 7], [0, 2]] = bad
+        cloud = read_cloud(write_ply(tmp_path / "a.ply", vertices(positions)))
+        kept = np.delete(np.arange(COUNT), [3, 7])
+        assert cloud.dropped == {"non_finite": 2}
+        assert places(cloud) == pytest.approx(POSITIONS[kept].astype(float), abs=1e-6)
+        assert cloud.normals == pytest.approx(NORMALS[kept], abs=1e-6)
+        assert np.array_equal(cloud.colours, COLOURS[kept])
+
+    def test_normals_are_scaled_to_unit_length(self, tmp_path):
+        lengths = np.geomspace(1e-30, 1e30, COUNT, dtype=np.float32)[:, None]
+        rows = vertices(normals=NORMALS * lengths)
+        cloud = read_cloud(write_ply(tmp_path / "a.ply", rows))
+        assert cloud.normals == pytest.approx(NORMALS, abs=1e-5)
+        assert not cloud.two_sided.any()
+
+    def test_missing_normals_alone_are_estimated(self, tmp_path):
+        rng = np.random.default_rng(3)
+        plane = np.column_stack([rng.random((COUNT, 2)), np.zeros(COUNT)]).astype(np.float32)
+        normals = np.tile(np.float32([0.6, 0.0, 0.8]), (COUNT, 1))
+        normals[5], normals[6], normals[7] = 0.0, np.nan, np.inf
+        cloud = read_cloud(write_ply(tmp_path / "a.ply", vertices(plane, normals)))
+        assert np.flatnonzero(cloud.two_sided).tolist() == [5, 6, 7]
+        assert np.abs(cloud.normals[5:8]) == pytest.approx(np.tile([0, 0, 1], (3, 1)), abs=1e-4)
+        assert np.delete(cloud.normals, [5, 6, 7], axis=0) == pytest.approx(
+            np.tile([0.6, 0.0, 0.8], (COUNT - 3, 1))
+        )
+
+    def test_without_normals_every_point_is_two_sided(self, tmp_path):
+        cloud = read_cloud(write_ply(tmp_path / "a.ply", vertices(normals=None)))
+        assert cloud.two_sided.all()
+        assert np.linalg.norm(cloud.normals, axis=1) == pytest.approx(1.0, abs=1e-6)
+
+    def test_without_colours_every_point_is_neutral(self, tmp_path):
+        cloud = read_cloud(write_ply(tmp_path / "a.ply", vertices(colours=None)))
+        assert (cloud.colours == NEUTRAL).all()
+
+
+class TestColours:
+    @pytest.mark.parametrize(
+        "written",
+        [
+            COLOURS,
+            COLOURS / 255.0,
+            (COLOURS / 255.0).astype(np.float32),
+            COLOURS.astype(np.float64),
+            COLOURS.astype(np.uint16),
+            COLOURS.astype(np.uint16) * 257,
+            COLOURS * 257.0,
+            COLOURS.astype(np.int32),
+        ],
+        ids=["bytes", "0..1", "single", "0..255", "short", "0..65535", "float short", "int"],
+    )
+    def test_every_usual_scale_gives_the_same_bytes(self, written):
+        assert np.array_equal(colours_to_bytes(written), COLOURS)
+
+    def test_integers_of_0_and_1_are_bytes(self):
+        assert colours_to_bytes(np.array([[0, 1, 1]], np.uint16)).tolist() == [[0, 1, 1]]
+
+    def test_colours_out_of_range_are_clipped(self):
+        colours = np.array([[-0.5, 0.5, 1.0]])
+        assert colours_to_bytes(colours).tolist() == [[0, 128, 255]]
+
+    def test_colours_that_are_no_numbers_become_neutral(self):
+        colours = np.array([[np.nan, 0.0, 0.0], [np.inf, 1.0, 1.0], [1.0, 0.0, 0.0]])
+        assert colours_to_bytes(colours).tolist() == [list(NEUTRAL), list(NEUTRAL), [255, 0, 0]]
+
+
+def good_file(folder, suffix):
+    """A whole file of any format, with no line end that a text could lose unnoticed."""
+    path = folder / f"whole{suffix}"
+    if suffix == ".ply":
+        write_ply(path)
+    elif suffix == ".pcd":
+        write_pcd(path, Encoding.BINARY)
+    elif suffix == ".npz":
+        np.savez_compressed(path, points=POSITIONS, normals=NORMALS)
+    else:
+        write_text(path, POSITIONS, NORMALS)
+    return path
+
+
+class TestErrors:
+    def fails(self, path, message):
+        with pytest.raises(InputError, match=message) as caught:
+            read_cloud(path)
+        text = str(caught.value)
+        assert text.startswith(f"{path}: ")
+        assert "\n" not in text
+        assert len(text) < len(str(path)) + 300
+
+    def test_missing(self, tmp_path):
+        self.fails(tmp_path / "a.ply", "cannot be read: No such file or directory")
+
+    def test_a_folder(self, tmp_path):
+        (tmp_path / "a.ply").mkdir()
+        self.fails(tmp_path / "a.ply", "is a folder")
+
+    @pytest.mark.parametrize("name", ["a.las", "a"])
+    def test_unknown_format(self, tmp_path, name):
+        (tmp_path / name).write_bytes(b"LASF")
+        self.fails(tmp_path / name, r"unknown format .* one of \.ply .*\.npz")
+
+    @pytest.mark.parametrize("suffix", FORMATS)
+    def test_empty(self, tmp_path, suffix):
+        (tmp_path / f"a{suffix}").touch()
+        self.fails(tmp_path / f"a{suffix}", "the file is empty")
+
+    @pytest.mark.parametrize("suffix", FORMATS)
+    def test_noise(self, tmp_path, suffix):
+        path = tmp_path / f"a{suffix}"
+        path.write_bytes(np.random.default_rng(4).bytes(5000))
+        self.fails(path, f"cannot be read as {suffix[1:].upper()}")
+
+    @pytest.mark.parametrize("suffix", FORMATS)
+    @pytest.mark.parametrize("share", [0.02, 0.5, 0.97])
+    def test_truncated(self, tmp_path, suffix, share):
+        path = good_file(tmp_path, suffix)
+        whole = path.read_bytes()
+        # A text is cut inside a number's neighbourhood: just before a blank.
+        cut = int(len(whole) * share)
+        if suffix not in (".ply", ".pcd", ".npz"):
+            cut = whole.index(b"\n", cut) + 10
+        path.write_bytes(whole[:cut])
+        self.fails(path, ": ")
+
+    @pytest.mark.parametrize("kind", [{"text": True}, {"byte_order": "<"}], ids=str)
+    @pytest.mark.parametrize("faces", ["triangles", "mixed"])
+    def test_a_mesh_truncated_among_its_faces(self, tmp_path, kind, faces):
+        path = write_ply(tmp_path / "a.ply", faces=FACES[faces], **kind)
+        path.write_bytes(path.read_bytes()[:-5])
+        self.fails(path, "is it damaged")
+
+    def test_a_pcd_truncated_between_two_points(self, tmp_path):
+        path = write_pcd(tmp_path / "a.pcd", Encoding.BINARY)
+        path.write_bytes(path.read_bytes()[: -28 * 5])
+        self.fails(path, "ends after 55 of its 60 points")
+
+    def test_a_ply_that_claims_to_be_huge(self, tmp_path):
+        text = "ply\nformat {} 1.0\nelement vertex 99999999999999\nproperty double x\nend_header\n1"
+        for kind in ("ascii", "binary_little_endian"):
+            (tmp_path / "a.ply").write_text(text.format(kind))
+            self.fails(tmp_path / "a.ply", "damaged")
+
+    def test_a_ply_without_z(self, tmp_path):
+        rows = np.zeros(5, [("x", "f4"), ("y", "f4")])
+        self.fails(write_ply(tmp_path / "a.ply", rows), "no vertices with properties x, y and z")
+
+    def test_a_pcd_without_z(self, tmp_path):
+        cloud = PointCloud.from_points([[1.0], [2.0]], ("x", "y"), (np.float32,) * 2)
+        cloud.save(tmp_path / "a.pcd")
+        self.fails(tmp_path / "a.pcd", "no fields x, y and z")
+
+    def test_a_csv_without_z(self, tmp_path):
+        (tmp_path / "a.csv").write_text("x,y,height\n1,2,3\n")
+        self.fails(tmp_path / "a.csv", "x, y, height: there is no x, y and z")
+
+    @pytest.mark.parametrize("columns", [1, 2, 5, 7, 8, 10])
+    def test_a_number_of_columns_that_means_nothing(self, tmp_path, columns):
+        write_text(tmp_path / "a.xyz", np.ones((4, columns)))
+        self.fails(tmp_path / "a.xyz", f"has {columns} columns without names")
+
+    def test_a_header_and_no_points(self, tmp_path):
+        (tmp_path / "a.csv").write_text("x,y,z\n")
+        self.fails(tmp_path / "a.csv", "has no points")
+
+    def test_a_header_of_another_length(self, tmp_path):
+        (tmp_path / "a.csv").write_text("x,y,z,r\n1,2,3\n")
+        self.fails(tmp_path / "a.csv", "names 4 columns, but has 3")
+
+    @pytest.mark.parametrize("line", ["1 2", "1 2 3 4", "1 two 3"])
+    def test_a_line_that_does_not_fit(self, tmp_path, line):
+        (tmp_path / "a.xyz").write_text(f"1 2 3\n4 5 6\n{line}\n7 8 9\n")
+        self.fails(tmp_path / "a.xyz", "is it damaged")
+
+    def test_no_points(self, tmp_path):
+        self.fails(write_ply(tmp_path / "a.ply", vertices()[:0], text=True), "has no points")
+        self.fails(write_ply(tmp_path / "a.ply", vertices()[:0]), "points|damaged")
+        np.savez(tmp_path / "a.npz", points=np.zeros((0, 3)))
+        self.fails(tmp_path / "a.npz", "has no points")
+
+    def test_no_finite_point(self, tmp_path):
+        rows = vertices(np.full_like(POSITIONS, np.nan))
+        self.fails(write_ply(tmp_path / "a.ply", rows), "none of its 60 points has a finite")
+
+    def test_an_npz_without_positions(self, tmp_path):
+        np.savez(tmp_path / "a.npz", elevation=POSITIONS)
+        self.fails(tmp_path / "a.npz", "has no array named positions, points")
+
+    @pytest.mark.parametrize("bad", [np.ones(3), np.ones((5, 2)), np.full((5, 3), "a")])
+    def test_an_npz_of_another_shape_or_type(self, tmp_path, bad):
+        np.savez(tmp_path / "a.npz", points=bad)
+        self.fails(tmp_path / "a.npz", r"its array points has shape .* \(n, 3\)")
+
+    def test_an_npz_of_unequal_lengths(self, tmp_path):
+        np.savez(tmp_path / "a.npz", points=POSITIONS, normals=NORMALS[1:])
+        self.fails(tmp_path / "a.npz", "has 60 positions but 59 normals")
+
+    def test_an_npz_with_objects_is_not_executed(self, tmp_path):
+        np.savez(tmp_path / "a.npz", points=np.array([{}, {}], object))
+        self.fails(tmp_path / "a.npz", "cannot be read as NPZ")
+
+    def test_one_array_under_the_name_of_an_archive(self, tmp_path):
+        with (tmp_path / "a.npz").open("wb") as stream:
+            np.save(stream, POSITIONS)
+        self.fails(tmp_path / "a.npz", "is one array")

@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from splatline.contract.errors import InputError
+from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
+from tests.support.clouds import cloud_of, sphere
+
+
+def test_it_holds_every_point_once_with_all_that_is_its_own():
+    cloud = sphere(1000)
+    radii = np.arange(1000.0)
+    index = build_index(cloud, radii)
+    assert sorted(index.point) == list(range(1000))
+    assert np.array_equal(index.positions, cloud.positions[index.point])
+    assert np.array_equal(index.normals, cloud.normals[index.point])
+    assert np.array_equal(index.radii, radii[index.point])
+    colours = index.materials.palette[index.materials.index]
+    assert np.array_equal(colours, cloud.colours[index.point])
+
+
+def test_it_takes_no_more_than_64_bytes_a_point():
+    cloud = sphere(5000)
+    assert build_index(cloud, np.ones(5000)).nbytes <= 64 * 5000
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(-9, 9), st.integers(1, 600))
+@settings(max_examples=40, deadline=None)
+def test_bounds_hold_their_points(seed, magnitude, count):
+    rng = np.random.default_rng(seed)
+    normals = rng.normal(size=(count, 3)) * 0.4 + [0, 0, 1]
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    cloud = cloud_of(rng.normal(size=(count, 3)) * 10.0**magnitude, normals)
+    index = build_index(cloud, rng.uniform(0, 1, count))
+    assert len(index.bounds) == -(-count // BLOCK_POINTS)
+    for number, bound in enumerate(index.bounds):
+        part = slice(number * BLOCK_POINTS, (number + 1) * BLOCK_POINTS)
+        far = np.linalg.norm(index.positions[part] - bound["centre"], axis=1)
+        assert far.max() <= bound["reach"]
+        assert index.radii[part].max() == bound["largest"]
+        if bound["sine"] <= 1.0:
+            cosine = index.normals[part].astype(float) @ bound["axis"]
+            assert cosine.min() >= np.sqrt(1 - bound["sine"] ** 2)
+
+
+def test_blocks_are_small_and_their_cones_narrow():
+    index = build_index(sphere(20_000), np.ones(20_000))
+    # 128 of 20,000 points on a unit sphere take 0.08 of its area: a patch of radius 0.16.
+    assert np.median(index.bounds["reach"]) < 0.35
+    assert np.median(index.bounds["sine"]) < 0.35
+
+
+def test_two_sided_points_have_no_cone():
+    cloud = cloud_of(np.zeros((3, 3)), [[0, 0, 1]] * 3, two_sided=True)
+    assert build_index(cloud, np.ones(3)).bounds["sine"][0] == 2.0
+
+
+@pytest.mark.parametrize("radii", [np.ones(9), np.full(10, -1.0), np.full(10, np.nan)])
+def test_bad_radii_are_refused(radii):
+    with pytest.raises(InputError, match="radius"):
+        build_index(sphere(10), radii)

@@ -1,0 +1,153 @@
+"""Whole blocks are left out only where each of their points would be."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from splatline.contract.errors import InputError
+from splatline.host.encode.quality import QUALITIES
+from splatline.host.pipeline import make_frame
+from splatline.host.visibility import project as project_module
+from splatline.host.visibility.block_index import build_index
+from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
+from splatline.host.visibility.view import fit_view
+from splatline.sim import golden
+from tests.support.clouds import cloud_of, sphere
+
+
+def every_block(bounds, camera, rules, status):
+    status[:] = 0
+
+
+def patchy(seed, count=6000):
+    """Points in clumps of many sizes, with normals all about."""
+    rng = np.random.default_rng(seed)
+    places = rng.normal(size=(12, 3))[rng.integers(0, 12, count)]
+    places += rng.normal(size=(count, 3)) * 10.0 ** rng.uniform(-4, -0.5, (count, 1))
+    normals = places / np.linalg.norm(places, axis=1, keepdims=True)
+    return cloud_of(places, normals, rng.integers(0, 256, (count, 3)))
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.tuples(st.floats(-180, 180), st.floats(-89, 89)),
+    st.floats(5, 160),
+    st.sampled_from([0.01, 0.2, 1.0, 30.0]),
+    st.floats(-3, 3),
+    st.sampled_from([1e-4, 3e-3, 0.1]),
+    st.sampled_from([(0.0, 0.0), (0.25, -0.375), (40.0, -7.0), (-500.0, 300.0)]),
+)
+@settings(max_examples=60, deadline=None)
+def test_no_block_hides_a_point_that_would_be_drawn(seed, orbit, fov, zoom, nearer, radius, shift):
+    cloud = patchy(seed)
+    view = fit_view(cloud, orbit=orbit, fov=fov, zoom=zoom, size=(64, 48))
+    # From outside the cloud to inside it.
+    eye = view.eye * (1 + nearer / 3) + 0.3 * nearer * view.axes[0]
+    view = dataclasses.replace(view, eye=eye, near=1e-3, shift=shift)
+    index = build_index(cloud, np.full(len(cloud), radius))
+    limits = (0.0, 10.0)
+    try:
+        found = make_frame(index, view, depth_range=limits)
+    except InputError:
+        found = None
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(project_module, "cull_blocks", every_block)
+        if found is None:
+            with pytest.raises(InputError):
+                make_frame(index, view, depth_range=limits)
+            return
+        every = make_frame(index, view, depth_range=limits)
+    assert np.array_equal(found.codewords, every.codewords)
+    assert sum(found.counts["culled"].values()) == sum(every.counts["culled"].values())
+
+
+def frames(cloud, view, radius, *skips):
+    """Frames of one depth range, for some choices of what to leave out."""
+    index = build_index(cloud, np.full(len(cloud), radius))
+    limits = make_frame(index, view, skips=skips[0]).counts["depth_range"]
+    return [make_frame(index, view, skips=chosen, depth_range=limits) for chosen in skips]
+
+
+def test_skipping_what_lies_outside_changes_no_word():
+    cloud = sphere(4000)
+    view = fit_view(cloud, zoom=3.0, size=(96, 80))
+    without, with_it = frames(cloud, view, 0.05, {"facing_away"}, {"facing_away", "outside"})
+    assert with_it.counts["culled"]["outside"] > 1000
+    assert np.array_equal(np.sort(without.codewords), np.sort(with_it.codewords))
+    assert without.counts["elements"] == with_it.counts["elements"]
+
+
+def test_skipping_backs_changes_no_pixel_of_a_closed_surface_but_at_its_silhouette():
+    cloud = sphere(20_000)
+    view = fit_view(cloud, size=(96, 80))
+    without, with_it = frames(cloud, view, 0.06, {"outside"}, {"outside", "facing_away"})
+    assert with_it.counts["culled"]["facing_away"] > 9000
+    # Of equal depths another word may come first, so that only depths are alike.
+    changed = golden.render(without).depth != golden.render(with_it).depth
+    y, x = np.mgrid[:80, :96] + 0.5
+    from_middle = np.hypot(x - 48, y - 40)
+    reach = from_middle[golden.render(with_it).drawn].max()
+    assert not changed[from_middle < reach - 3].any()
+
+
+def test_skipping_what_covers_no_pixel_leaves_no_hole_in_a_closed_surface():
+    cloud = sphere(200_000)
+    view = fit_view(cloud, size=(64, 64))
+    without, with_it = frames(cloud, view, 0.02, DEFAULT_SKIPS - {"no_pixel"}, DEFAULT_SKIPS)
+    assert with_it.counts["culled"]["no_pixel"] > 20_000
+    y, x = np.mgrid[:64, :64] + 0.5
+    from_middle = np.hypot(x - 32, y - 32)
+    reach = from_middle[golden.render(without).drawn].max()
+    assert golden.render(with_it).drawn[from_middle < reach - 1.5].all()
+
+
+def test_thinning_a_crowd_keeps_the_surface_closed_and_says_how_many_it_left_out():
+    cloud = sphere(200_000)
+    view = fit_view(cloud, size=(48, 48))
+    all_of_it, thinned = frames(cloud, view, 0.01, DEFAULT_SKIPS, DEFAULT_SKIPS | {"crowded"})
+    assert thinned.counts["culled"]["crowded"] > 50_000
+    assert sum(thinned.counts["culled"].values()) + thinned.counts["elements"] == 200_000
+    before, after = golden.render(all_of_it), golden.render(thinned)
+    assert (before.drawn & ~after.drawn).sum() <= 0.01 * before.drawn.sum()
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([0.02, 0.1, 0.4, 2.0]),
+    st.tuples(st.floats(-180, 180), st.floats(-89, 89)),
+    st.sampled_from([(64, 48), (61, 47), (20, 90)]),
+)
+@settings(max_examples=25, deadline=None)
+def test_what_hides_behind_others_is_left_out_without_changing_a_pixel(
+    quality, seed, radius, orbit, size
+):
+    cloud = patchy(seed, 9000)
+    view = fit_view(cloud, orbit=orbit, size=size)
+    index = build_index(cloud, np.full(len(cloud), radius))
+    with_it = make_frame(index, view, quality=quality, skips=DEFAULT_SKIPS | {"hidden"})
+    without = make_frame(index, view, quality=quality)
+    assert golden.render(with_it).mismatches(golden.render(without)) == 0
+    assert without.counts["culled"]["hidden"] == 0
+
+
+def test_most_of_what_stands_behind_a_wall_is_hidden():
+    y, x = np.mgrid[-1:1:90j, -1:1:90j]
+    places = np.concatenate(
+        [np.stack([x, y, np.full_like(x, z)], -1).reshape(-1, 3) for z in range(6)]
+    )
+    cloud = cloud_of(places, np.broadcast_to([0, 0, 1.0], places.shape))
+    view = fit_view(cloud, orbit=(0, 0), size=(96, 96))
+    index = build_index(cloud, np.full(len(cloud), 0.04))
+    frame = make_frame(index, view, skips=DEFAULT_SKIPS | {"hidden"})
+    # Five of six walls; the nearest one's first wave may hide less.
+    assert frame.counts["culled"]["hidden"] > 0.6 * len(cloud)
+
+
+def test_every_reason_is_counted():
+    frame = frames(sphere(), fit_view(sphere(), size=(64, 64)), 0.05, DEFAULT_SKIPS)[0]
+    assert set(frame.counts["culled"]) == set(SKIPS)
+    assert frame.counts["skips"] == sorted(DEFAULT_SKIPS)

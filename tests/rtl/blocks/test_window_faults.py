@@ -1,0 +1,181 @@
+"""Planted faults in the window of rows of lanes, in unkind memories: frames notice each."""
+
+import dataclasses
+import re
+
+import numpy as np
+
+from splatline.contract.frame import Tables
+from splatline.contract.presets import SWIFT
+from splatline.contract.raster import Raster
+from splatline.flow.verilog import generate
+from splatline.host.encode.sort_by_line import advance_word
+from splatline.rtl.blocks.window import BlockWindow
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.player.frames import Job
+from splatline.sim.cosim.player.player import frames, wrap
+from splatline.sim.cosim.simulator import SimulationError
+from tests.rtl import test_presets, test_variants
+from tests.support.engines import mismatches
+from tests.support.faults import switched_source
+from tests.support.random_frames import films, frame_of, random_tables, word
+
+
+def behind_the_sweep(rng, config):
+    """A reset, and then at once elements where the lanes are cleared last, and elsewhere.
+
+    Near pixels were there before, or background. No tables are written after it, which would take
+    longer than the sweep: none but the memory's counts.
+    """
+    random = random_tables(rng, config)
+    tables = Tables(np.zeros(3, np.int64), random.diffuse, random.specular)
+
+    last = config.max_width - 8
+
+    def frame(z, count, first=last):
+        elements = [
+            word([(0, 7)] * 4, x, z, diffuse=z, material=9, config=config)
+            for x in (first, *[40] * count)
+        ]
+        words = [advance_word(16, config), *elements]
+        return dataclasses.replace(frame_of(words, config=config), tables=tables)
+
+    yield Job(frame=frame(60, 5))
+    for after in (200, 320):
+        for first in (last, 80):
+            near = [frame(1, 300, first)]
+            yield Job(frame=frame(60, 5), followed_by=near, write_tables="none", reset_after=after)
+
+
+def one_after_another(rng, config):
+    """Films at full rate."""
+    return films(rng, test_presets.RATES[:1], config)
+
+
+def few(rng, config):
+    """Frames of a few elements far apart: each comes to an empty window, as the last one leaves.
+
+    Behind no initial raster, an empty one, and one that ends early.
+    """
+    for number in range(6):
+        start = Raster.background(512, 900, config) if number % 3 else None
+        if number % 3 == 2:
+            start.depth[:60:4, ::9] = 300
+        words = []
+        for _ in range(30):
+            rows = [(0, int(last)) for last in rng.integers(1, 8, 4)]
+            x, z = int(rng.integers(500)), int(rng.integers(511))
+            words += [
+                advance_word(int(rng.integers(9, 50)), config),
+                word(rows, x, z, mode=int(rng.integers(2)), material=9, config=config),
+            ]
+        yield Job(frame=frame_of(words, 512, 900, config=config), initial=start)
+
+
+OVER, DOWN = test_presets.over_an_initial_raster, test_variants.down_the_image
+FILMS, FEW = one_after_another, few
+BEYOND = r"is_last & \(n > self\.last_column\[:bits\]\)"
+IN_THE_WINDOW = {
+    "nothing was drawn before": (r"other\.drawn & same", "0", OVER, "_follow"),
+    "what is drawn lies before all": (r"block\.z >= other\.new\.depth", "0", OVER, "_follow"),
+    "what is drawn lies behind all": (r"block\.z >= other\.new\.depth", "1", OVER, "_follow"),
+    "an equal pixel drawn over": (
+        r"block\.z >= other\.new\.depth",
+        "block.z > other.new.depth",
+        OVER,
+        "_follow",
+    ),
+    "no wait for what is cleared": (r"(?<=loader\.oldest\.eq\()front", "flush_scan.front", OVER),
+    "where the frame before was": (r"-2 \* config\.window_lines", "flush_scan.front", FILMS),
+    "nothing is said to be cleared": (r"(?<=cleared\.valid\.eq\()flushing", "0", FEW),
+    "another is said to be cleared": (
+        r"walker\.flush\.payload\.line\[: config\.slot_bits\]",
+        "flush_scan.line",
+        FEW,
+    ),
+    "not clipped": (BEYOND, "0", OVER, "_outside"),
+    "clipped a pixel early": (BEYOND, "is_last & (n >= self.last_column[:bits])", OVER, "_outside"),
+    "clipped as the next one": (r"(?<=is_last = )requested", "word[1:]", OVER, "_outside"),
+    "half a wait for the sweep": (r"sweeping \| just_swept", "sweeping", behind_the_sweep),
+    "a block goes where a beat goes first": (r"~\(first & meeting\)", "1", OVER),
+    "a block goes where marks go first": (r"~\(marks_first & marking\)", "1", DOWN),
+    "a row is not kept for a block": (r"\(first \| ~\(offered & meeting\)\)", "1", OVER),
+    "a row is kept from what goes first": (
+        r"~\(row_served & first\.replicate\(BLOCK\)\)",
+        "0xFF",
+        OVER,
+    ),
+    "loaded in a block's row": (
+        r"~\(offered & wanted\.bit_select\(load\.line\[:bits\], 1\)\)",
+        "1",
+        OVER,
+    ),
+    "a block goes beside a load that presses": (r"~pressing", "1", OVER),
+    "loads go before all else": (
+        r"\(pressing \| ~\(leaves & \(refused \| lagging\)\)\)",
+        "1",
+        OVER,
+    ),
+    "marks taken in a row that is drawn into": (
+        r"\(marks_first \| ~\(offered & marking\)\)",
+        "1",
+        OVER,
+    ),
+    "marks taken beside a load": (r"(?<=enable\.eq\()~serving", "1", OVER),
+    "no wait for the sweep": (r"~swept(?=\),\n +going)", "1", behind_the_sweep),
+    "a waiting block in the sweep's way": (
+        r"offered\.replicate\(BLOCK\)(?= & )",
+        "(self.i.valid & ~block.end & ~pressing).replicate(BLOCK)",
+        behind_the_sweep,
+    ),
+}
+
+
+def collide(text):
+    """Make a pixel wrong that is read or written while it is written: as a block RAM may do."""
+    port = r"if \((\S+?) ?\)\s+{}\[({}[^]]*\])\] <= (\S+?) ?;(.*?)"
+    text, count = re.subn(
+        port.format(r"((?:even|odd)_\d)", "request")
+        + port.format(r"\2", "addresses")
+        + r"(_\d+_) <= \2\[\3\];",
+        r"if (\1 ) \2[\3] <= \6 && \3 == \7 ? ~\4 : \4 ;\5"
+        r"if (\6 ) \2[\7] <= \1 && \3 == \7 ? ~\8 : \8 ;\9"
+        r"\g<10> <= \6 && \3 == \7 ? ~\2[\3] : \2[\3];",
+        text,
+        flags=re.DOTALL,
+    )
+    assert count == 128, "the lanes' memories look different now"
+    return text
+
+
+def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
+    """Where the memory is as unkind as it may be. One build for them all, which takes the time."""
+    config = SWIFT
+    with monkeypatch.context() as broken:
+        edit = switched_source(
+            broken,
+            BlockWindow,
+            [(*planted[:2], *planted[3:]) for planted in IN_THE_WINDOW.values()],
+        )
+        built = wrap(collide(edit(generate(config)[0])), config)
+    rng = np.random.default_rng(11)
+    cases = (OVER, DOWN, FILMS, FEW, behind_the_sweep)
+    jobs = {case: list(case(rng, config)) for case in cases}
+    run = simulator.run
+
+    def is_wrong(case, number):
+        def with_fault(*args, plusargs=(), **rest):
+            run(*args, plusargs=[*plusargs, f"+fault={number}"], **rest)
+
+        with monkeypatch.context() as chosen:
+            chosen.setattr(simulator, "run", with_fault)
+            try:
+                outcomes = frames.play(jobs[case], built=built)
+            except SimulationError:  # beats outside the frame, or none for too long
+                return True
+        return any(map(mismatches, jobs[case], outcomes))
+
+    assert [case.__name__ for case in jobs if is_wrong(case, 0)] == []
+    numbered = enumerate(IN_THE_WINDOW.items(), 1)
+    unnoticed = [name for n, (name, (_, _, case, *_)) in numbered if not is_wrong(case, n)]
+    assert unnoticed == []

@@ -1,0 +1,120 @@
+"""Planted faults in the guards, the register file and the top: the cases must notice them."""
+
+import functools
+
+import pytest
+
+from splatline.contract.presets import PAPER
+from splatline.flow.verilog import convert
+from splatline.host.device.device import DeviceTimeoutError
+from splatline.host.device.driver import EngineError
+from splatline.rtl.bus.axi_registers import RegisterFile
+from splatline.rtl.bus.axi_stream import RegisterSlice
+from splatline.rtl.bus.axi_top import AxiTop
+from splatline.rtl.bus.stream_guard import StreamGuard
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.axi.axi_device import SimulatedDevice
+from splatline.sim.cosim.simulator import SimulationError
+from tests.rtl.bus import axi_cases
+from tests.rtl.bus.axi_abort_cases import ABORTS
+from tests.rtl.bus.axi_bus_cases import BUS
+from tests.rtl.bus.axi_cases import STREAMS
+from tests.support.faults import fault, rewrite
+
+NOTICED = (AssertionError, DeviceTimeoutError, EngineError, SimulationError, ValueError)
+
+SIGNALS = [
+    (STREAMS, "an_end_word_without_last", "codewords", "dropped", "1'h0", "never done dropping"),
+    (ABORTS, "in_the_middle_of_the_code_words", "codewords", "cut", "1'h0", "no end by an abort"),
+    (STREAMS, "an_element_in_the_last_column", "check", "x_outside", "element", "all is outside"),
+    (BUS, "writes_of_some_bytes", "registers", "whole", "1'h1", "strobes are not looked at"),
+    (BUS, "tables_written_in_mid_frame", None, "busy", "1'h0", "tables change in mid-frame"),
+]
+
+PARTS = [
+    (
+        *(STREAMS, "a_frame_that_ends_early", StreamGuard, "elaborate"),
+        *(r"\(word\.last \| cut\)", "cut", "no end is put in"),
+    ),
+    (
+        *(STREAMS, "partial_words", StreamGuard, "elaborate"),
+        *(r"\(passing & word\.whole\)", "passing", "partial words are drawn"),
+    ),
+    (
+        *(BUS, "nothing_at_an_address", RegisterFile, "_store"),
+        *(r" & ~bits\)", ")", "a bit of ERROR stays"),
+    ),
+    (
+        *(BUS, "bits_that_a_register_lacks", RegisterFile, "_write"),
+        *(r" & ~extra\.any\(\)\)", ")", "bits are not looked at"),
+    ),
+    (
+        *(BUS, "nothing_passes_within_a_cycle", AxiTop, "elaborate"),
+        *(r"irq\.eq\(irq\)", "irq.eq(irq ^ self.s_axi_ctrl_awprot[0])", "a path across the chip"),
+    ),
+    (
+        *(BUS, "a_frame_is_open_behind_others_that_wait", AxiTop, "elaborate"),
+        *(r"~drawing & ~values", "~values", "two frames are open at once"),
+    ),
+    (
+        *(ABORTS, "before_the_engine_has_a_word", AxiTop, "elaborate"),
+        *(r"aborting & loading & ~released", "abort & loading", "an abort that comes too soon"),
+    ),
+    (
+        *(ABORTS, "in_any_of_its_last_cycles", AxiTop, "elaborate"),
+        *(r"busy & ~end_taken\)", "busy)", "an abort that comes too late"),
+    ),
+    (
+        *(ABORTS, "while_the_raster_waits", AxiTop, "_raster"),
+        *(r"aborting & ~raster", "0 & ~raster", "beats of an aborted frame"),
+    ),
+    (
+        *(STREAMS, "any_packets_at_all", RegisterSlice, "elaborate"),
+        *(r"with m\.If\(~spare\)", "with m.If(1)", "the word that waits is lost"),
+    ),
+]
+
+
+@functools.cache
+def whole():
+    """The text of a right engine."""
+    return convert(AxiTop(PAPER), "splatline")
+
+
+def notices(table, name, text):
+    """Whether a case fails on an engine."""
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
+    built = simulator.build({"splatline.v": text}, "splatline", simulator=quickest)
+    with SimulatedDevice(PAPER, limit=2500, built=built) as device:
+        axi_cases.fresh(device)
+        if table is STREAMS:
+            device.command("stall", 0.3, 1)
+        try:
+            table[name](device)
+        except NOTICED:
+            return True
+        return device.command("rules") != []
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "part", "signal", "value"),
+    [pytest.param(*row[:5], id=row[5]) for row in SIGNALS],
+)
+def test_a_fault_in_a_signal_is_noticed(table, name, part, signal, value):
+    module = "splatline" if part is None else f"splatline.{part}"
+    assert notices(table, name, fault(module, signal, value)(whole()))
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "component", "method", "pattern", "replacement"),
+    [pytest.param(*row[:6], id=row[6]) for row in PARTS],
+)
+def test_a_fault_in_a_part_is_noticed(
+    monkeypatch, table, name, component, method, pattern, replacement
+):
+    rewrite(monkeypatch, component, method, pattern, replacement)
+    assert notices(table, name, convert(AxiTop(PAPER), "splatline"))
+
+
+def test_without_a_fault_nothing_is_noticed():
+    assert not notices(STREAMS, "partial_words", whole())

@@ -1,0 +1,258 @@
+"""The engine on its buses, driven by cocotbext-axi, against the golden renderer."""
+
+import numpy as np
+import pytest
+
+from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.raster_beats import from_beats
+from splatline.contract.register_map import raster_stream_bytes, register_map
+from splatline.host.device.engine import Engine
+from splatline.rtl.engine import engine_latency
+from splatline.sim import golden
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.axi.axi_device import SimulatedDevice, build_axi
+from splatline.sim.cosim.axi.axi_frames import simulate_on_buses
+from splatline.sim.cosim.simulator import SimulationError
+from tests.rtl.bus import axi_abort_cases, axi_bus_cases, axi_cases
+from tests.rtl.bus.axi_cases import HEIGHT, WIDTH, clean, draw_scene, fresh, right, setup
+from tests.support.random_frames import random_raster
+
+
+def simulated(config):
+    with SimulatedDevice(config, limit=20_000) as device:
+        yield device
+
+
+def after_reset(simulation):
+    """The device after reset; at the end no rule of the buses has been broken."""
+    fresh(simulation)
+    yield simulation
+    assert simulation.command("rules") == []
+
+
+@pytest.fixture(scope="module")
+def simulation():
+    yield from simulated(PAPER)
+
+
+@pytest.fixture
+def device(simulation):
+    yield from after_reset(simulation)
+
+
+@pytest.fixture(scope="module")
+def wide_simulation():
+    yield from simulated(PRESETS["wide"])
+
+
+@pytest.fixture
+def wide_device(wide_simulation):
+    """An engine with a window of banks, whose beats have two words."""
+    yield from after_reset(wide_simulation)
+
+
+@pytest.mark.parametrize("stall", [0.0, 0.3, 0.8])
+def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
+    engine = Engine(device)
+    device.command("stall", stall, 5)
+    rng = np.random.default_rng(1)
+    for seed, share in enumerate((None, 0.3, None)):
+        frame = clean(PAPER, seed, 120)
+        start = None if share is None else random_raster(rng, WIDTH, HEIGHT, share)
+        picture = draw_scene(engine, frame, start)
+        assert picture.mismatches(golden.render(frame, start)) == 0
+        assert picture.drawn.mean() > 0.2
+    assert engine.counters()["frames"] == 3
+
+
+@pytest.mark.parametrize(
+    ("config", "beat_bytes", "words"),
+    [
+        # The driver knows no preset like the first.
+        (PAPER.replace(pixels_per_word=8, coefficient_bits=12, colour_shift=15), 32, 3),
+        (SWIFT, 64, 2),
+    ],
+    ids=["lanes", "swift"],
+)
+def test_an_engine_with_wider_beats_and_materials(config, beat_bytes, words):
+    """Beats of 32 and 64 bytes, and materials of three and two words."""
+    assert raster_stream_bytes(config) == beat_bytes
+    frame = clean(config, 1, 30)
+    start = random_raster(np.random.default_rng(1), WIDTH, HEIGHT, 0.02, config)
+    # Icarus builds faster, but is slow with banks.
+    quickest = "icarus" if config.lanes and simulator.available("icarus") else "verilator"
+    with SimulatedDevice(config, built=build_axi(config, quickest)) as device:
+        engine = Engine(device)
+        assert engine.config == config
+        assert engine.registers.materials.words == words
+        picture = draw_scene(engine, frame, start)
+        assert picture.mismatches(golden.render(frame, start)) == 0
+        assert device.command("rules") == []
+
+
+def test_frames_that_press_behind_each_other(device):
+    engine, frame = setup(device, 1)
+    frames = [clean(PAPER, seed) for seed in range(4)]
+    for each in frames:
+        device.send(each.codewords)
+    for each in frames:
+        picture = from_beats(device.receive()[:, :2], WIDTH, HEIGHT)
+        expected = golden.render(each.__class__(each.codewords, frame.tables, WIDTH, HEIGHT))
+        assert picture.mismatches(expected) == 0
+    assert engine.errors() == []
+
+
+@pytest.mark.parametrize("stall", [0.0, 0.5])
+@pytest.mark.parametrize("name", axi_cases.STREAMS)
+def test_bad_streams(device, name, stall):
+    device.command("stall", stall, 7)
+    axi_cases.STREAMS[name](device)
+
+
+def test_a_frame_from_an_initial_raster_on_a_window_of_banks(wide_device):
+    wide_device.command("stall", 0.3, 6)
+    engine = Engine(wide_device)
+    frame = clean(PRESETS["wide"], 1, 120)
+    start = random_raster(np.random.default_rng(2), WIDTH, HEIGHT, 0.3, PRESETS["wide"])
+    assert engine.config == PRESETS["wide"]
+    assert draw_scene(engine, frame, start).mismatches(golden.render(frame, start)) == 0
+
+
+@pytest.mark.parametrize("name", axi_cases.STREAMS)
+def test_bad_streams_on_a_window_of_banks(wide_device, name):
+    wide_device.command("stall", 0.3, 7)
+    axi_cases.STREAMS[name](wide_device)
+
+
+@pytest.mark.parametrize("name", axi_bus_cases.BUS)
+def test_bad_accesses(device, name):
+    axi_bus_cases.BUS[name](device)
+
+
+@pytest.mark.parametrize("name", axi_abort_cases.ABORTS)
+def test_a_frame_is_aborted(device, name):
+    axi_abort_cases.ABORTS[name](device)
+
+
+def test_a_reset_in_mid_frame(device):
+    for wait in (10, 60, 300):
+        engine, frame = setup(device, wait)
+        device.send(frame.codewords)
+        device.command("wait", wait)
+        assert engine.get("FRAMES") == 0
+        device.command("reset")
+        right(device)
+        fresh(device)
+
+
+def test_registers_read_as_their_description_says_after_reset(simulation):
+    simulation.command("reset")
+    registers = register_map(PAPER)
+    for register in registers.registers:
+        if register.readable:
+            value = sum(f.reset << f.place.lsb for f in register.fields if f.access.readable)
+            assert simulation.command("read", register.offset) == (value, 0), register.name
+
+
+def test_reads_and_writes_at_once(device):
+    """Each channel stalls apart; reads and writes keep their own order."""
+    registers = Engine(device).registers
+    column, line = registers["LAST_COLUMN"].offset, registers["LAST_LINE"].offset
+    device.command("stall", 0.4, 3)
+    values = [int(value) for value in np.random.default_rng(3).integers(0, 512, 40)]
+    identity = registers["ID"].offset
+    reads = [identity, registers["VERSION"].offset] * 20
+    writes = [(column if n % 2 else line, value.to_bytes(4, "little"))
+              for n, value in enumerate(values)]  # fmt: skip
+    read, written = device.command("together", reads, writes)
+    assert read == [(0x53504C54, 0), (0x100, 0)] * 20
+    assert written == [0] * 40
+    assert (device.read32(line), device.read32(column)) == tuple(values[-2:])
+
+
+def test_the_counters_say_what_was_sent(device):
+    engine, frame = setup(device, 3, 100)
+    engine.clear_counters()
+    device.command("raster_cycles")
+    device.command("watch_engine")
+    assert not any(engine.counters().values())
+    device.command("stall", 0.5, 4)
+    beats = sum(len(engine.draw_beats(frame.codewords)) for _ in range(2))
+    device.command("stall", 0.0, 0)
+    counters = engine.counters()
+    taken, waited = device.command("raster_cycles")
+    cycles, input_stalls = device.command("engine_cycles")
+    elements = int((~golden.decode(frame.codewords)["control"]).sum())
+    assert counters["frames"] == 2
+    assert counters["elements"] == 2 * elements > 100
+    assert counters["words"] == beats - 2 == taken - 2
+    assert counters["output_stalls"] == waited > 100
+    assert counters["cycles"] == cycles > 2 * len(frame.codewords)
+    assert counters["input_stalls"] == input_stalls > 100
+
+
+def test_cycles_of_a_frame_of_nothing(device):
+    """The figure of the engine by itself: the buses add none."""
+    engine, frame = setup(device, 4)
+    engine.clear_counters()
+    engine.draw(frame.codewords[-1:])
+    assert engine.counters()["cycles"] == engine_latency(PAPER) + 2
+    assert engine.counters()["input_stalls"] == 0
+
+
+def test_a_held_frame_waits_and_tables_are_taken_meanwhile(device):
+    engine, frame = setup(device, 5)
+    other = clean(PAPER, 6)
+    engine.set("CONTROL", QUIET=1, HOLD=1)
+    device.send(frame.codewords)
+    device.command("wait", 300)
+    assert not engine.get("STATUS", "BUSY")
+    engine.write_tables(other.tables, WIDTH, HEIGHT)
+    engine.set("CONTROL", QUIET=1)
+    picture = from_beats(device.receive()[:, :2], WIDTH, HEIGHT)
+    expected = golden.render(frame.__class__(frame.codewords, other.tables, WIDTH, HEIGHT))
+    assert picture.mismatches(expected) == 0
+
+
+def interrupt(device):
+    """It follows its cause by a cycle, and an answer on the bus does not wait for it."""
+    device.command("wait", 2)
+    return device.command("irq")
+
+
+def test_interrupts(device):
+    engine, frame = setup(device, 7)
+    engine.set("IRQ_STATUS", FRAME_DONE=1)
+    engine.draw(frame.codewords)
+    assert engine.get("IRQ_STATUS", "FRAME_DONE")
+    assert interrupt(device) == 0
+    engine.set("IRQ_ENABLE", FRAME_DONE=1)
+    assert interrupt(device) == 1
+    engine.set("IRQ_STATUS", FRAME_DONE=1)
+    assert interrupt(device) == 0
+    engine.set("IRQ_ENABLE", ERROR=1)
+    device.send(frame.codewords[:-1])
+    device.receive()
+    assert interrupt(device) == 1
+    engine.set("ERROR", FRAME_ENDED_EARLY=1)
+    assert interrupt(device) == 0
+
+
+def test_a_frame_the_driver_s_way_as_render_has_it():
+    frame = clean(PAPER, 9, 40)
+    outcome = simulate_on_buses(frame, stall=0.2, seed=2)
+    assert outcome.raster.mismatches(golden.render(frame)) == 0
+    assert len(frame.codewords) < outcome.cycles < 20_000
+    early = frame.__class__(frame.codewords[:-1], frame.tables, WIDTH, HEIGHT)
+    with pytest.raises(SimulationError, match="FRAME_ENDED_EARLY"):
+        simulate_on_buses(early)
+
+
+def test_a_simulator_that_stops_is_told_with_its_log():
+    with SimulatedDevice(PAPER) as device, pytest.raises(SimulationError, match="no_such_method"):
+        device.command("no_such_method")
+
+
+def test_a_stall_that_would_never_end_is_refused():
+    with pytest.raises(ValueError, match="stall must be"):
+        SimulatedDevice(PAPER, stall=1.0)

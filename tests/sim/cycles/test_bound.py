@@ -1,0 +1,132 @@
+"""The fewest cycles of a frame: by hand, and beside what engines take."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from splatline.contract.frame import Frame, Tables
+from splatline.contract.presets import PAPER, PRESETS, SWIFT, WIDE
+from splatline.contract.variants import BANKS16, SHAPED, VARIANTS
+from splatline.host.encode.sort_by_line import end_word
+from splatline.sim.cycles.bound import bound_cycles, least_cycles
+from splatline.sim.cycles.cycles import count_cycles
+from tests.support import codewords as cw
+from tests.support.random_frames import nonsense, shapes
+from tests.support.scene_frames import scene_frame
+
+
+def frame_of(rows, x, mode):
+    scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(rows))
+    word = mode | scans << 1 | x << PAPER.x.lsb
+    table = np.zeros((128, 3), np.int64)
+    stream = np.array([word, end_word(PAPER)], np.uint64)
+    return Frame(stream, Tables(np.zeros(3, np.int64), table, table), 512, 512)
+
+
+@pytest.mark.parametrize(
+    ("rows", "x", "mode", "expected"),
+    [
+        # Four lines, two words each: one cycle only where neighbouring words lie apart.
+        ([(0, 7)] * 4, 4, 1, (2, 2, 1, 1)),
+        # Three words in each of eight lines: three columns; 24 words in eight banks, or in sixteen.
+        ([(0, 7)] * 4, 5, 0, (3, 3, 3, 2)),
+        # A slanted shape: no line touches more than one word, but together they touch two.
+        ([(0, 3), (0, 3), (4, 7), (4, 7)], 4, 1, (2, 1, 1, 1)),
+        # A small disc across two words.
+        ([(1, 0), (1, 0), (3, 4), (3, 4)], 0, 0, (2, 2, 1, 1)),
+        ([(1, 0)] * 4, 1, 0, (1, 1, 1, 1)),
+    ],
+)
+def test_known_shapes(rows, x, mode, expected):
+    assert tuple(least_cycles(frame_of(rows, x, mode)).values()) == expected
+
+
+ROW = [(0, 7), *cw.NOTHING[1:]]
+"""Eight pixels of the line four above the engine's: one cycle and one beat, where X is even."""
+
+
+def rows_at(*lines, across=64, width=512, config=WIDE):
+    """A frame in which each of some lines, 4 and below, is filled with so many rows of pixels."""
+    words, at = [], 0
+    for line in lines:
+        words.append(cw.advance(line + 4 - at))
+        words += [cw.encode(ROW, x=8 * n, mode=1, config=config) for n in range(across)]
+        at = line + 4
+    return cw.make_frame([*words, cw.end()], (width, 512), config=config)
+
+
+def test_a_line_leaves_once_it_is_drawn():
+    assert bound_cycles(rows_at(9)) == 64 + 64
+    assert bound_cycles(rows_at(9, config=PAPER)) == 64 * 2 + 128  # a lane has two pixels of a row
+
+
+def test_lines_leave_beside_elements():
+    # The first of two lines leaves while the other one is drawn.
+    assert bound_cycles(rows_at(9, 10)) == 64 + 64 + 64
+
+
+@pytest.mark.parametrize(("below", "waits"), [(15, 0), (16, 64)])
+def test_a_line_is_drawn_into_once_the_one_in_its_place_has_left(below, waits):
+    assert bound_cycles(rows_at(0, below)) == 64 + max(64, waits + 64) + 64
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        ((9,), 64 + 32),
+        ((9, 10), 64 + 64 + 32),
+        ((0, 15), 64 + 64 + 32),
+        # Nothing of the second line is drawn while the first one leaves its place to it.
+        ((0, 16), 64 + 32 + 64 + 32),
+    ],
+)
+def test_words_of_eight_leave_in_half_the_beats(lines, expected):
+    """A line of 512 pixels is 64 words; each row is one of them, and two are a beat."""
+    for config in (BANKS16, SWIFT):
+        assert bound_cycles(rows_at(*lines, config=config)) == expected
+
+
+def test_a_window_of_fewer_lines_holds_up_more():
+    low = next(config for config in VARIANTS if config.window_lines == 8)
+    tall = PAPER.replace(window_lines=low.window_lines * 2, pixels_per_word=low.pixels_per_word)
+    frames = [rows_at(0, 9, across=8, config=config) for config in (low, tall)]
+    first, second = map(bound_cycles, frames)
+    assert first > second
+
+
+def test_a_frame_of_nothing_takes_nothing():
+    assert bound_cycles(cw.make_frame([cw.advance(9), cw.end()], (64, 64))) == 0
+
+
+def knot(config, scale, **view):
+    """The knot with splats of a scale."""
+    return scene_frame("knot", scale, view=view, config=config, quality="paper")
+
+
+ENGINES = [*PRESETS.values(), *SHAPED[:1]]
+
+
+@pytest.mark.parametrize("config", ENGINES, ids=lambda config: config.name)
+def test_no_engine_takes_fewer(config):
+    rng = np.random.default_rng(5)
+    frames = [shapes(rng, 700, 200, 90, config=config)]
+    frames += [knot(config, scale, size=(128, 96)) for scale in (1, 3)]
+    for frame in frames:
+        bound = bound_cycles(frame)
+        assert 0 < bound <= count_cycles(frame, after_reset=False) < 3 * bound
+    # What lies outside the image takes little, and what lies behind the end word nothing.
+    frames = [nonsense(rng, 700, width, 40, config=config) for width in (60, 64, 7)]
+    frames.append(knot(config, 3, size=(128, 128), zoom=8.0))
+    whole = [*[cw.encode(cw.EVERYTHING, config=config)] * 300, cw.end(config)]
+    frames.append(cw.make_frame(whole, (64, 2), config=config))
+    frames.append(cw.make_frame([cw.advance(70, config), *whole], (64, 64), config=config))
+    for frame in frames:
+        assert bound_cycles(frame) <= count_cycles(frame, after_reset=False)
+
+
+def test_words_behind_the_end_word_take_nothing():
+    frame = rows_at(9)
+    more = dataclasses.replace(frame, codewords=np.tile(frame.codewords, 3))
+    assert bound_cycles(more) == bound_cycles(frame)
+    assert least_cycles(more) == least_cycles(frame)

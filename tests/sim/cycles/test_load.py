@@ -1,0 +1,26 @@
+"""What a dense frame pays for the picture that it leaves, and for the one that it starts from."""
+
+import numpy as np
+import pytest
+
+from splatline.contract.presets import get_preset
+from splatline.host import load_scene
+from splatline.sim import golden
+from splatline.sim.cosim.player.frames import Job, play
+from tests.support.scene_frames import scene_frame
+
+MOST = 1.03
+"""Cycles a code word: no engine takes less than one."""
+
+
+@pytest.mark.parametrize("preset", ["paper", "wide", "swift"])
+def test_a_dense_frame_pays_three_hundredths_for_flush_and_load(preset):
+    """All words of its own picture are loaded below it; splats are as large as it is spaced."""
+    config = get_preset(preset)
+    frame = scene_frame("knot", view={"zoom": load_scene("knot").zoom}, config=config)
+    picture = golden.render(frame)
+    words = picture.drawn.reshape(frame.height, -1, config.raster_pixels).any(axis=-1)
+    assert np.count_nonzero(words) > 0.4 * words.size
+    (outcome,) = play([Job(frame=frame, initial=picture)])
+    assert not outcome.raster.mismatches(picture)
+    assert len(frame.codewords) <= outcome.cycles <= MOST * len(frame.codewords)
