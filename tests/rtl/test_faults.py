@@ -29,7 +29,8 @@ from splatline.rtl.scatter import Scatter
 from splatline.rtl.window import Window
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.player.player import frames, wrap
+from splatline.sim.cosim.player import frames
+from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl import test_engine
 from tests.rtl.front import test_sequencer

@@ -14,17 +14,9 @@ COLOURFUL = EngineConfig(
 )  # fmt: skip
 DEEP = EngineConfig(
     name="deepest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
-    channel_bits=1, coefficient_bits=12, colour_shift=13, dither=True,
+    channel_bits=1, coefficient_bits=12, colour_shift=13,
 )  # fmt: skip
 CONFIGS = (*PRESETS.values(), COLOURFUL, DEEP)
-
-# Where four neighbouring pixels of four lines come in the order of their thresholds.
-DITHER = [
-    [0, 8, 2, 10],
-    [12, 4, 14, 6],
-    [3, 11, 1, 9],
-    [15, 7, 13, 5],
-]
 
 
 def widths(config):
@@ -139,10 +131,8 @@ def covers(word, row, column):
     return first <= column <= last
 
 
-def shown(total, line, column, config):
+def shown(total, config):
     """The level that a pixel shows of a channel's sum."""
-    if config.dither:
-        total += DITHER[line % 4][column % 4] << (config.colour_shift - 4)
     return min(total >> config.colour_shift, (1 << config.channel_bits) - 1)
 
 
@@ -177,7 +167,7 @@ def draw(frame, initial=None):
                 inside = 0 <= line < frame.height and place < frame.width
                 if inside and covers(word, row, column) and fields["z"] < depth[line][place]:
                     depth[line][place] = fields["z"]
-                    colour[line][place] = [shown(total, line, place, config) for total in sums]
+                    colour[line][place] = [shown(total, config) for total in sums]
     assert background == config.background_depth
     size = (frame.height, frame.width)
     return Raster(

@@ -3,7 +3,7 @@
 from functools import cache
 
 from splatline.contract.presets import PAPER
-from splatline.sim.cosim.player.player import frames
+from splatline.sim.cosim.player import frames
 
 __all__ = ["engine", "mismatches"]
 

@@ -13,7 +13,7 @@ from splatline.host.frame_file import load_frame
 from splatline.plots import figure
 from splatline.sim import golden
 from splatline.sim.cosim.player.jobs import Outcome, Times
-from splatline.sim.cosim.player.player import chains
+from splatline.sim.cosim.player import chains
 
 SMALL = ("--size", "64x48")
 

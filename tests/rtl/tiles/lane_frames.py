@@ -1,11 +1,18 @@
 """Frames for the bench of the window of lanes, drawn in software too; and its ports."""
 
-from test_scatter import random_spans
-from test_window import END, beats_of, draw, image_of, random_depth, random_image, random_shade
-
 from splatline.contract.presets import PAPER
 from splatline.sim.cosim.streams import StreamBench
 from tests.rtl.tiles.tiles import Tiles, pack_tile, tiles_of
+from tests.support.pictures import (
+    END,
+    beats_of,
+    draw,
+    image_of,
+    random_depth,
+    random_image,
+    random_shade,
+    random_spans,
+)
 
 __all__ = ["Bench", "Painter", "random_frame"]
 
