@@ -97,7 +97,7 @@ class Engine(wiring.Component):
         m.submodules.colour = colour = ColourUnit(config)
         kinds = {"tiles": (Tiler, TileWindow), "blocks": (BlockTiler, BlockWindow)}
         tiler_of, window_of = kinds[config.window]
-        m.submodules.decoder = tiler = tiler_of(config)
+        m.submodules.tiler = tiler = tiler_of(config)
         m.submodules.window = window = window_of(config)
 
         connect(m, flipped(self.tables), tables.i)

@@ -32,7 +32,7 @@ def with_stalls(rng, config):
 
 
 def over_an_initial_raster(rng, config):
-    """Sparse, half and wholly full initial rasters, which take the banks from the elements."""
+    """Sparse, half and wholly full initial rasters, which take the lanes from the elements."""
     for seed, rates in enumerate(RATES):
         for width, height, share in ((40, 30, 0.5), (37, 60, 0.02), (130, 10, 1.0)):
             yield Job(
@@ -152,24 +152,3 @@ def test_every_preset_takes_the_cycles_that_are_counted(config):
     outcomes = play([Job(frame=frame) for frame in frames], built=engine(config))
     counted = [count_cycles(frame, after_reset=index == 0) for index, frame in enumerate(frames)]
     assert counted == [outcome.cycles for outcome in outcomes]
-
-
-@pytest.mark.parametrize("config", OTHERS, ids=lambda config: config.name)
-def test_what_a_drawn_word_costs(config):
-    """Hidden elements take one cycle however colours are stored; drawn ones one more for planes."""
-    start = [advance_word(20, config)]
-
-    def job(step):
-        words = [
-            word([(0, 0)] * 4, 96 + 8 * (n % 4), 200 + step * n, config=config) for n in range(200)
-        ]
-        return Job(frame=frame_of(start + words, 128, 40, config=config))
-
-    # The first waits for the memories to be cleared.
-    outcomes = play([job(1), job(1), job(-1)], built=engine(config))
-    _, hidden, drawn = (outcome.cycles for outcome in outcomes)
-    assert 200 < hidden < 200 + 300  # four lines are flushed at the end
-    if config.colour_planes == 1:
-        assert drawn == hidden
-    else:
-        assert 180 <= drawn - hidden <= 200

@@ -7,7 +7,7 @@ import pytest
 
 from splatline.contract.presets import PAPER, SWIFT
 from splatline.contract.raster import Raster
-from splatline.contract.variants import ALL_OF_EIGHT, VARIANTS
+from splatline.contract.variants import NARROW_BLOCKS, VARIANTS
 from splatline.host.encode.sort_by_line import advance_word
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.sim import golden
@@ -16,7 +16,6 @@ from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cycles.cycles import count_cycles
 from tests.rtl import test_presets
-from tests.rtl.shapes.test_shaped_engine import mixed
 from tests.support.engines import mismatches
 from tests.support.faults import rewrite
 from tests.support.random_frames import frame_of, nonsense, random_raster, shapes, word
@@ -25,11 +24,10 @@ FULL = test_presets.FULL
 PLAYED = [
     config
     for config in VARIANTS
-    if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all"
-    or config.name in ("largest", "banks16", "banks16-word4")
+    if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all" or config.name in ("largest", "depth16")
 ]
-"""The largest, which differs from ``paper`` in most, and those of sixteen banks: a build each.
-All of them on demand."""
+"""The largest, which differs from ``paper`` in most, and the one with the widest pixels: a build
+each. All of them on demand."""
 
 
 def at_the_right_border(rng, config):
@@ -116,7 +114,7 @@ def test_draws_blocks_at_borders_and_behind_a_slow_raster():
     assert [(name, count) for name, count in wrong if count] == []
 
 
-def of_words_of_eight(rng, config):
+def in_narrow_blocks(rng, config):
     """Frames no wider than the engine takes; the first two are timed."""
     widest = config.max_width
     for width, advance in ((widest, 0.05), (min(61, widest - 3), 0.5)):
@@ -131,15 +129,12 @@ def of_words_of_eight(rng, config):
             seed=seed,
         )
     yield held_up(config)
-    if config.shapes != "none":
-        yield Job(frame=mixed(rng, config))
 
 
 def held_up(config):
     """A block, marks that go before it, and a beat to load that wants its row, all at once.
 
-    In a window of 32 lines, if it is one of rows of lanes. None of the three may wait for another
-    that waits for it.
+    In a window of 32 lines. None of the three may wait for another that waits for it.
     """
     block = [word([(0, 7)] * 4, 8, z, mode=0, config=config) for z in (100, 90)]
     raster = Raster.background(config.max_width, 117, config)
@@ -150,10 +145,9 @@ def held_up(config):
     return Job(frame=frame, initial=raster)
 
 
-@pytest.mark.parametrize("config", ALL_OF_EIGHT, ids=lambda config: config.name)
-def test_words_of_eight_with_all_that_may_be_combined_with_them(config):
-    """Pictures, initial rasters and cycles, in one run of each engine."""
-    jobs = list(of_words_of_eight(np.random.default_rng(29), config))
+def test_blocks_of_32_lines_in_a_narrow_image():
+    """Pictures, initial rasters and cycles, in one run."""
+    jobs = list(in_narrow_blocks(np.random.default_rng(29), NARROW_BLOCKS))
     outcomes = play(jobs)
     wrong = map(mismatches, jobs, outcomes)
     assert [(number, count) for number, count in enumerate(wrong) if count] == []

@@ -1,4 +1,4 @@
-"""Small pictures {(line, column): (depth, colour)}, as elements and beats, for benches of windows."""
+"""Small pictures {(line, column): (depth, colour)} as elements and beats, for window benches."""
 
 from splatline.rtl.layouts import RasterLayout
 from splatline.sim.cosim.blocks import pack, unpack

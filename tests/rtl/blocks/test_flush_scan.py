@@ -1,4 +1,4 @@
-"""The flush scan over beats: each that was written is asked for once, in order, and nothing else is."""
+"""The flush scan over beats asks for each written beat once, in order, and for nothing else."""
 
 import random
 

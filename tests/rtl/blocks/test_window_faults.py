@@ -12,8 +12,8 @@ from splatline.flow.verilog import generate
 from splatline.host.encode.sort_by_line import advance_word
 from splatline.rtl.blocks.window import BlockWindow
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cosim.player import frames
+from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl import test_presets, test_variants

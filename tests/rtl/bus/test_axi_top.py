@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.presets import PAPER, RGB24, SWIFT
 from splatline.contract.raster_beats import from_beats
 from splatline.contract.register_map import raster_stream_bytes, register_map
 from splatline.host.device.engine import Engine
@@ -42,12 +42,12 @@ def device(simulation):
 
 @pytest.fixture(scope="module")
 def wide_simulation():
-    yield from simulated(PRESETS["wide"])
+    yield from simulated(SWIFT)
 
 
 @pytest.fixture
 def wide_device(wide_simulation):
-    """An engine with a window of banks, whose beats have two words."""
+    """An engine with a window of blocks, whose beats have two words."""
     yield from after_reset(wide_simulation)
 
 
@@ -70,17 +70,16 @@ def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
     [
         # The driver knows no preset like the first.
         (PAPER.replace(pixels_per_word=8, coefficient_bits=12, colour_shift=15), 32, 3),
-        (SWIFT, 64, 2),
+        (RGB24, 32, 2),
     ],
-    ids=["lanes", "swift"],
+    ids=["lanes", "rgb24"],
 )
 def test_an_engine_with_wider_beats_and_materials(config, beat_bytes, words):
-    """Beats of 32 and 64 bytes, and materials of three and two words."""
+    """Beats of 32 bytes, and materials of three and two words."""
     assert raster_stream_bytes(config) == beat_bytes
     frame = clean(config, 1, 30)
     start = random_raster(np.random.default_rng(1), WIDTH, HEIGHT, 0.02, config)
-    # Icarus builds faster, but is slow with banks.
-    quickest = "icarus" if config.lanes and simulator.available("icarus") else "verilator"
+    quickest = "icarus" if simulator.available("icarus") else "verilator"
     with SimulatedDevice(config, built=build_axi(config, quickest)) as device:
         engine = Engine(device)
         assert engine.config == config
@@ -109,17 +108,18 @@ def test_bad_streams(device, name, stall):
     axi_cases.STREAMS[name](device)
 
 
-def test_a_frame_from_an_initial_raster_on_a_window_of_banks(wide_device):
+def test_a_frame_from_an_initial_raster_on_a_window_of_blocks(wide_device):
     wide_device.command("stall", 0.3, 6)
     engine = Engine(wide_device)
-    frame = clean(PRESETS["wide"], 1, 120)
-    start = random_raster(np.random.default_rng(2), WIDTH, HEIGHT, 0.3, PRESETS["wide"])
-    assert engine.config == PRESETS["wide"]
+    frame = clean(SWIFT, 1, 120)
+    start = random_raster(np.random.default_rng(2), WIDTH, HEIGHT, 0.3, SWIFT)
+    assert engine.config == SWIFT
+    assert raster_stream_bytes(SWIFT) == 128
     assert draw_scene(engine, frame, start).mismatches(golden.render(frame, start)) == 0
 
 
 @pytest.mark.parametrize("name", axi_cases.STREAMS)
-def test_bad_streams_on_a_window_of_banks(wide_device, name):
+def test_bad_streams_on_a_window_of_blocks(wide_device, name):
     wide_device.command("stall", 0.3, 7)
     axi_cases.STREAMS[name](wide_device)
 

@@ -130,16 +130,15 @@ def test_every_picture_is_golden_s_under_stalls_on_every_link(link):
     check(jobs_of(np.random.default_rng(1)), built=stalled_chain(link))
 
 
-LANES = SMALL.replace(pixels_per_word=4, window_lines=16)
-BANKS = LANES.replace(lanes=False, raster_words=2)
+TILES = SMALL.replace(pixels_per_word=4, window_lines=16)
+BLOCKS = SMALL.replace(window="blocks", pixels_per_word=8, raster_words=2, window_lines=16)
 
 
-@pytest.mark.parametrize(("config", "most"), [(LANES, 4), (BANKS, 1)], ids=["lanes", "banks"])
+@pytest.mark.parametrize(("config", "most"), [(TILES, 4), (BLOCKS, 1)], ids=["tiles", "blocks"])
 def test_frames_follow_each_other_without_a_gap(config, most):
-    """An engine with banks takes a frame's first code word in the cycle behind the end word.
+    """An engine takes a frame's first code word so many cycles behind the end word.
 
-    One with lanes up to three cycles later, as an element waits until the end token has left the
-    tiler.
+    With tiles an element waits until the end token has left the tiler.
     """
     rng = np.random.default_rng(2)
     frames = [shapes(rng, 300, 50, 48, largest=3, config=config) for _ in range(5)]
@@ -156,16 +155,16 @@ def test_frames_follow_each_other_without_a_gap(config, most):
 @pytest.mark.parametrize(
     ("config", "most", "link"),
     # Of the other two the same was measured; each takes a build.
-    [(LANES, 5, "merge"), (BANKS, 1, "load")],
-    ids=["lanes", "banks"],
+    [(TILES, 5, "merge"), (BLOCKS, 1, "load")],
+    ids=["tiles", "blocks"],
 )
 def test_frames_follow_each_other_in_a_chain_without_a_gap(config, most, link):
     """An engine takes a frame's first code word so many cycles behind its end word: as measured.
 
-    With banks it is the next one; with lanes an element waits until the end token has left the
-    tiler. All engines of ``merge`` keep to that. Of ``load`` the last one does, which has the most
-    to load: those before it are ahead, and wait until it has begun the frame at hand. No engine
-    waits until the picture has left.
+    With tiles an element waits until the end token has left the tiler. All engines of ``merge``
+    keep to that. Of ``load`` the last one does, which has the most to load: those before it are
+    ahead, and wait until it has begun the frame at hand. No engine waits until the picture has
+    left.
     """
     rng = np.random.default_rng(2)
     frames = [shapes(rng, 900, 50, 48, largest=3, config=config) for _ in range(5)]
@@ -225,22 +224,19 @@ def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
 
 @pytest.mark.parametrize("link", LINKS)
 def test_engines_whose_beats_have_two_words(link):
-    """Joined as others are, and cut in two where they are loaded.
-
-    Of four pixels; beats of sixteen are merged in ``test_merger``.
-    """
+    """Joined as others are, and loaded as a whole."""
     rng = np.random.default_rng(12)
     jobs = [
         ChainJob.dealt(
-            shapes(rng, 150, 50, 40, config=BANKS),
+            shapes(rng, 150, 50, 40, config=BLOCKS),
             engines=2,
             rates=rates,
             seed=seed,
-            initial=random_raster(rng, 50, 40, 0.2, config=BANKS) if seed % 2 else None,
+            initial=random_raster(rng, 50, 40, 0.2, config=BLOCKS) if seed % 2 else None,
         )
         for seed, rates in enumerate(RATES)
     ]
     jobs += [
-        without_new_tables(rng, rates, seed, BANKS, engines=2) for seed, rates in enumerate(RATES)
+        without_new_tables(rng, rates, seed, BLOCKS, engines=2) for seed, rates in enumerate(RATES)
     ]
     check(jobs, link=link)

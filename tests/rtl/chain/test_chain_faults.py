@@ -15,8 +15,7 @@ from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.player.chains import ChainJob, play_chain
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
-from tests.rtl.chain import test_chain
-from tests.rtl.chain import test_merger
+from tests.rtl.chain import test_chain, test_merger
 from tests.support.faults import fault, rewrite
 from tests.support.random_frames import frame_of, shapes
 

@@ -12,11 +12,11 @@ from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
 from splatline.rtl.window.loader import Loader
 from splatline.sim.cosim.simulator import SimulationError
+from tests.rtl.front import test_colour
 from tests.rtl.tiles import test_dirty_bits as test_marks
 from tests.rtl.tiles import test_flush_scan as test_walker
 from tests.rtl.tiles import test_lane, test_tiler
 from tests.rtl.tiles import test_window as test_lane_window
-from tests.rtl.front import test_colour
 from tests.support.bench_config import run_bench as run_preset
 from tests.support.faults import LANE_WRITES, fault, rewrite
 

@@ -5,7 +5,6 @@ import re
 
 import cocotb
 import pytest
-from test_window import BACKGROUND, END, RASTER, beats_of, random_image
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.tiles.window import TileWindow
@@ -13,6 +12,7 @@ from splatline.sim.cosim import blocks
 from splatline.sim.cosim.blocks import pack, unpack
 from tests.rtl.tiles.lane_frames import Bench, Painter, random_frame
 from tests.support.bench_config import run_bench
+from tests.support.pictures import BACKGROUND, END, RASTER, beats_of, random_image
 
 
 @cocotb.test()

@@ -1,49 +1,40 @@
 """The loader: which words of an initial raster reach the window, and what it says of the rest."""
 
-import itertools
 import random
 from pathlib import Path
 
 import cocotb
 import pytest
 
-from splatline.contract.presets import PAPER, WIDE
+from splatline.contract.presets import PAPER, SWIFT
 from splatline.flow.verilog import convert
 from splatline.rtl.layouts import LoadLayout
 from splatline.rtl.window.loader import Loader
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.blocks import pack, run_bench
+from splatline.sim.cosim.blocks import pack
 from splatline.sim.cosim.streams import StreamBench
+from tests.support.bench_config import CONFIG, run_bench
 
 LAST_LINE, LAST_WORD = 99, 9
-LINES = PAPER.window_lines
-
-
-def two_words():
-    """Whether the loader in the simulator is one of beats of two words."""
-    return hasattr(cocotb.top, "held")
-
-
-def layout():
-    return LoadLayout(WIDE if two_words() else PAPER)
+LINES = CONFIG.window_lines
+LAYOUT = LoadLayout(CONFIG)
 
 
 def beat(line, word):
-    count = 8 if two_words() else 4
+    """A beat of the initial raster; ``word`` counts in beats."""
+    count = CONFIG.raster_pixels
     pixels = {"depth": [line % 511] * count, "colour": [word] * count}
-    return pack(layout(), pixels=pixels, line=line, word=word)
+    return pack(LAYOUT, pixels=pixels, line=line, word=CONFIG.raster_words * word)
 
 
 def end():
-    return pack(layout(), end=1)
+    return pack(LAYOUT, end=1)
 
 
 def setup(dut, enable=1, active=1):
     dut.enable.value, dut.active.value = enable, active
-    dut.last_line.value, dut.last_word.value = LAST_LINE, LAST_WORD
+    dut.last_line.value, dut.last_word.value = LAST_LINE, CONFIG.raster_words * LAST_WORD
     dut.oldest.value, dut.restart.value = 0, 0
-    if two_words():
-        dut.held.value = 0
 
 
 def told(dut):
@@ -57,12 +48,9 @@ async def words_enter_with_their_lines(dut):
     """The window slides past random beats: each within it goes in, nonsense goes nowhere.
 
     As the window does, it lets no line leave that may still receive a word; and at no time is a
-    line said to be complete of which a word is still to go in, or is held on its way.
+    line said to be complete of which a word is still to go in.
     """
-    rates_of_bench = [(1.0, 1.0), (0.5, 0.6), (1.0, 0.2)]
-    for seed, (rates, holds) in enumerate(
-        itertools.product(rates_of_bench, (0, 1) if two_words() else (0,))
-    ):
+    for seed, rates in enumerate([(1.0, 1.0), (0.5, 0.6), (1.0, 0.2)]):
         rng = random.Random(seed)
         places = [(rng.randrange(120), rng.randrange(14)) for _ in range(400)]
         places.sort(key=lambda place: place[0])
@@ -72,21 +60,15 @@ async def words_enter_with_their_lines(dut):
         setup(dut)
         await bench.reset()
         inside = [p for p in places if p[0] <= LAST_LINE and p[1] <= LAST_WORD]
-        oldest, limit, held = 0, 0, 0
+        oldest = limit = 0
         for _ in range(6000):
-            seen, taken = {}, len(sink.received)
-            written = taken - held
+            seen, written = {}, len(sink.received)
             complete = inside[written][0] if written < len(inside) else 1000
 
-            def drive(oldest=oldest, held=held):
+            def drive(oldest=oldest):
                 dut.oldest.value = oldest
-                if two_words():
-                    dut.held.value = held
 
             await bench.step(drive, lambda seen=seen: seen.update(told(dut)))
-            # What is held is written in the cycle in which the next is taken, or before.
-            went_on = len(sink.received) > taken
-            held = int(holds and (went_on or (held and rng.random() < 0.5)))
             if seen["finished"]:
                 assert written == len(inside)
                 assert seen["front"] == oldest
@@ -160,9 +142,9 @@ async def nothing_is_read_outside_a_frame_or_unasked(dut):
         assert int(dut.finished.value) == (not enable)
 
 
-@pytest.mark.parametrize("config", [PAPER, WIDE], ids=lambda config: config.name)
+@pytest.mark.parametrize("config", [PAPER, SWIFT], ids=lambda config: config.name)
 def test_loader_offers_words_as_their_lines_enter(block_simulator, config):
-    run_bench(Loader(config), __file__, simulator_name=block_simulator)
+    run_bench(config, Loader, __file__, simulator_name=block_simulator)
 
 
 def test_a_simulator_that_is_compiled_in_parts_runs_the_same(monkeypatch):
