@@ -80,7 +80,8 @@ COUNTERS = {
 def raster_stream_bytes(config: EngineConfig) -> int:
     """Return the bytes of a raster beat on its stream: the next power of two, at least 8.
 
-    So a beat is whole 64-bit limbs, as ``contract.raster_beats`` has them, and a width that vendors' DMA takes.
+    So a beat is whole 64-bit limbs, as ``contract.raster_beats`` has them, and a width that
+    vendors' DMA takes.
     """
     return max(8, 1 << (-(-config.raster_end.end // 8) - 1).bit_length())
 

@@ -1,25 +1,24 @@
 """What travels on each stream of the engine: one layout for both ends of a link.
 
-The layouts of the outer ports follow the bit positions of :mod:`splatline.contract.config`; the inner
-ones are the engine's own.
+The layouts of the outer ports follow the bit positions of :mod:`splatline.contract.config`; the
+inner ones are the engine's own.
 """
 
 from amaranth.hdl import signed
 from amaranth.lib import data
 
-from splatline.contract.config import BLOCK, EngineConfig
+from splatline.contract.config import EngineConfig
 
 __all__ = [
-    "ClearedLayout",
     "CodeWordLayout",
     "ElementLayout",
     "GeometryLayout",
     "LoadLayout",
+    "PixelLayout",
     "PixelsLayout",
     "PlaceLayout",
     "RasterLayout",
     "TableWriteLayout",
-    "TileLayout",
     "WordLayout",
 ]
 
@@ -49,6 +48,13 @@ class TableWriteLayout(data.StructLayout):
         super().__init__({"data": config.table_data.width, "address": config.table_address.width})
 
 
+class PixelLayout(data.StructLayout):
+    """A pixel of the window's memory."""
+
+    def __init__(self, config: EngineConfig):
+        super().__init__({"depth": config.depth_bits, "colour": config.colour_bits})
+
+
 class PixelsLayout(data.StructLayout):
     """Neighbouring pixels, the leftmost first."""
 
@@ -73,13 +79,6 @@ class PlaceLayout(data.StructLayout):
 
     def __init__(self, config: EngineConfig):
         super().__init__({"word": config.word_bits, "line": config.line_bits})
-
-
-class ClearedLayout(data.StructLayout):
-    """A line of a window of rows of lanes, by its place there, of which a beat is cleared."""
-
-    def __init__(self, config: EngineConfig):
-        super().__init__({"valid": 1, "place": config.slot_bits})
 
 
 class RasterLayout(data.StructLayout):
@@ -143,61 +142,3 @@ class GeometryLayout(data.StructLayout):
 
     def __init__(self, config: EngineConfig):
         super().__init__(_geometry(config))
-
-
-class TileLayout(data.StructLayout):
-    """Pixels of an element, four lines by a word's columns, as the window's lanes need them.
-
-    ``mask[q][p]``: the pixel on the line with residue q modulo 4 and in the column with residue p
-    modulo a word's pixels is drawn. ``group[q]``: the line's place in the window but for its two
-    lowest bits. ``words``: the words that the tile's columns lie in, the second one more than the
-    first; ``next[p]``: column p lies in the
-    second. ``meets``: it has a pixel in common with the tile before it, which was taken in the
-    cycle before this one came.
-
-    ``end``: no tile, but the end of the frame. No later tile touches a line above ``top``; that
-    holds even while none is offered. The colour comes beside the tile (:class:`ColourUnit`).
-    """
-
-    def __init__(self, config: EngineConfig):
-        super().__init__(
-            {
-                "mask": data.ArrayLayout(config.pixels_per_word, 4),
-                "group": data.ArrayLayout(config.group_bits, 4),
-                "words": data.ArrayLayout(config.word_bits, 2),
-                "next": config.pixels_per_word,
-                "meets": 1,
-                "z": config.z.width,
-                "top": signed(config.line_bits + 2),
-                "end": 1,
-            }
-        )
-
-
-class BlockLayout(data.StructLayout):
-    """Pixels of an element, its whole block, as a window of rows of lanes needs them.
-
-    ``mask[q][p]``: the pixel on the line with residue q modulo 8 and in the column with residue p
-    is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
-    the window but for its three lowest bits. ``words``: the two words that the block's columns lie
-    in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one;
-    ``rows[q]``: of any. ``mode``: of the first four lines alone. ``end`` and ``top`` as in
-    :class:`TileLayout`.
-    """
-
-    def __init__(self, config: EngineConfig):
-        row = config.pixels_per_word
-        super().__init__(
-            {
-                "mask": data.ArrayLayout(row, BLOCK),
-                "odd": data.ArrayLayout(row, BLOCK),
-                "touch": data.ArrayLayout(2, BLOCK),
-                "rows": BLOCK,
-                "group": data.ArrayLayout(config.group_bits, BLOCK),
-                "words": data.ArrayLayout(config.word_bits, 2),
-                "z": config.z.width,
-                "mode": config.mode.width,
-                "top": signed(config.line_bits + 2),
-                "end": 1,
-            }
-        )

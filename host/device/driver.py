@@ -1,7 +1,7 @@
 """The driver of an engine on its buses: registers by name, tables, frames as beats.
 
-:class:`splatline.host.device.engine.Engine` draws pictures with it. It does not know whether the device is
-a board or a simulation.
+:class:`splatline.host.device.engine.Engine` draws pictures with it. It does not know whether the
+device is a board or a simulation.
 """
 
 from __future__ import annotations

@@ -75,7 +75,8 @@ def in_perspective(
     Q(w) <= (R / z)^2 (1 + n'.w)^2, with Q the conic's form: again a quadratic in w. Its determinant
     is that of Q less (R / z)^2 |n'|^2, since Q is |n'|^2 across n'.
 
-    A disc that reaches as far as the eye's plane, R >= z, has no ellipse; see ``host.encode.large_splats``.
+    A disc that reaches as far as the eye's plane, R >= z, has no ellipse; see
+    ``host.encode.large_splats``.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def encode_fractions(
     at: int,
     to: Any,
 ) -> int:
-    """Write a splat's fractions; see :mod:`splatline.host.encode.write_words` for ``at`` and ``to``.
+    """Write a splat's fractions; :mod:`splatline.host.encode.write_words` has ``at`` and ``to``.
 
     Each has the depth that the disc's plane has at the mean place of its pixels. All are about as
     large, so that none has pixels far from that place while others are small.

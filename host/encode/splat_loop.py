@@ -154,7 +154,8 @@ def encode_splats(
     to
         Where words go; see :mod:`splatline.host.encode.write_words`.
     skip_hidden, bound, coarse
-        Whether to look splats up in a pyramid, and what it knows; see ``host.visibility.occlusion``.
+        Whether to look splats up in a pyramid, and what it knows; see
+        ``host.visibility.occlusion``.
     turns, stops, counts, elements, hidden
         Set, from ``starts`` on; see ``Encoded``.
     """

@@ -32,10 +32,11 @@ def stretch_bits(config: EngineConfig) -> int:
 class BlockDirtyBits(wiring.Component):
     """Marks beats as written, and hands out a stretch of a line's marks at a time.
 
-    As :class:`TileDirtyBits`, but for eight residues of lines, with a mark a beat (a pair of words), a
-    memory a mark, so that nothing is read to be written, and an address a residue, so that marks
-    are taken of one while a block is drawn into others. They are read by an address of their own,
-    which hangs on nothing that is known late: the way from there to what is taken is long.
+    As :class:`TileDirtyBits`, but for eight residues of lines, with a mark a beat (a pair of
+    words), a memory a mark, so that nothing is read to be written, and an address a residue, so
+    that marks are taken of one while a block is drawn into others. They are read by an address of
+    their own, which hangs on nothing that is known late: the way from there to what is taken is
+    long.
 
     **Latency**: 1 cycle from a touch to the mark, 0 from ``take`` to ``taken``. **Throughput**: a
     block, and a stretch or a beat of the initial raster in another residue's line, a cycle.

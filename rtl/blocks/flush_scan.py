@@ -20,8 +20,8 @@ class BlockFlushScan(wiring.Component):
     Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
     first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
     above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written into
-    leaves in one cycle, and all at once if none was written.
+    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written
+    into leaves in one cycle, and all at once if none was written.
 
     Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
     asked for: ``line`` is ``oldest``, or lies below it. A stretch that nothing has reached for long

@@ -5,8 +5,7 @@ from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
-from splatline.rtl.layouts import WordLayout
-from splatline.rtl.tiles.lane import PixelLayout
+from splatline.rtl.layouts import PixelLayout, WordLayout
 
 __all__ = ["HALVES", "BeatWordsLayout", "LaneRow", "RowRequestLayout", "row_address_bits"]
 

@@ -5,8 +5,10 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
-from splatline.rtl.layouts import BlockLayout, ClearedLayout, GeometryLayout
+from splatline.rtl.layouts import GeometryLayout
 from splatline.rtl.shapes.rows import ShapeRows
+
+from .layouts import BlockLayout, ClearedLayout
 
 __all__ = ["BlockTiler"]
 

@@ -5,13 +5,13 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.rtl.layouts import BlockLayout, ClearedLayout, PlaceLayout, RasterLayout
-from splatline.rtl.tiles.lane import PixelLayout
+from splatline.rtl.layouts import PixelLayout, PlaceLayout, RasterLayout
 from splatline.rtl.window.loader import Loader
 
 from .dirty_bits import residue_bits
 from .flush_scan import BlockFlushScan
 from .lane_row import HALVES, BeatWordsLayout, LaneRow, RowRequestLayout, row_address_bits
+from .layouts import BlockLayout, ClearedLayout
 from .readout import BlockReadout
 
 __all__ = ["BlockWindow"]
@@ -25,11 +25,11 @@ class BlockWindow(wiring.Component):
     even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`).
     Stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
     half), *read*, *catch*, and *test* (the lanes write over what is behind), or *emit* in its place
-    (what was flushed waits for ``raster`` in a queue, see :class:`BlockReadout`). A block and a beat
-    that is flushed go together if their rows differ; if not, the block goes first, or the beat (see
-    ``lagging``). In place of that beat one of the initial raster goes, into a row that the block
-    leaves free, or alone (see ``pressing``). Where ``raster`` takes nothing, beats are flushed
-    until the queue is half full, and blocks go on as long as their lines are in the window.
+    (what was flushed waits for ``raster`` in a queue, see :class:`BlockReadout`). A block and a
+    beat that is flushed go together if their rows differ; if not, the block goes first, or the beat
+    (see ``lagging``). In place of that beat one of the initial raster goes, into a row that the
+    block leaves free, or alone (see ``pressing``). Where ``raster`` takes nothing, beats are
+    flushed until the queue is half full, and blocks go on as long as their lines are in the window.
 
     Blocks follow each other whatever pixels they have in common: each is told what the two before
     it have. After reset the lanes are cleared, which takes as many cycles as one of their memories

@@ -20,8 +20,8 @@ class TileFlushScan(wiring.Component):
     Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
     first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
     above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written into
-    leaves in one cycle, and all at once if none was written. Of others the marks are taken a
+    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written
+    into leaves in one cycle, and all at once if none was written. Of others the marks are taken a
     stretch at a time, in cycles in which nothing is written (``taking``), and each marked pair of
     words is asked for. A stretch that nothing has reached for long is passed over (``_reached``).
 

@@ -5,15 +5,9 @@ from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
+from splatline.rtl.layouts import PixelLayout
 
-__all__ = ["Lane", "LaneRequestLayout", "PixelLayout", "lane_address_bits"]
-
-
-class PixelLayout(data.StructLayout):
-    """A pixel of the window's memory."""
-
-    def __init__(self, config: EngineConfig):
-        super().__init__({"depth": config.depth_bits, "colour": config.colour_bits})
+__all__ = ["Lane", "LaneRequestLayout", "lane_address_bits"]
 
 
 def lane_address_bits(config: EngineConfig) -> int:

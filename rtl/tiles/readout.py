@@ -5,9 +5,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
-from splatline.rtl.layouts import PlaceLayout, RasterLayout
-
-from .lane import PixelLayout
+from splatline.rtl.layouts import PixelLayout, PlaceLayout, RasterLayout
 
 __all__ = ["TileReadout"]
 

@@ -5,9 +5,11 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.rtl.layouts import GeometryLayout, TileLayout
+from splatline.rtl.layouts import GeometryLayout
 from splatline.rtl.lib.mux import number_of, pick
 from splatline.rtl.shapes.rows import ShapeRows
+
+from .layouts import TileLayout
 
 __all__ = ["Tiler"]
 

@@ -5,11 +5,12 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import EngineConfig
-from splatline.rtl.layouts import PlaceLayout, RasterLayout, TileLayout
+from splatline.rtl.layouts import PixelLayout, PlaceLayout, RasterLayout
 from splatline.rtl.window.loader import Loader
 
 from .flush_scan import TileFlushScan
-from .lane import Lane, PixelLayout, lane_address_bits
+from .lane import Lane, lane_address_bits
+from .layouts import TileLayout
 from .readout import TileReadout
 
 __all__ = ["TileWindow"]
@@ -34,10 +35,10 @@ class TileWindow(wiring.Component):
     the lanes are cleared, which takes as many cycles as a lane has pixels.
 
     **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
-    for that, for a cycle for each stretch of 32 words whose marks are taken (see :class:`TileFlushScan`),
-    and for words that go first; a word in two cycles of the initial raster, and a word a cycle of
-    ``raster``, of those that were written, but for what the flush scan takes, for tiles that go first
-    and for each other.
+    for that, for a cycle for each stretch of 32 words whose marks are taken (see
+    :class:`TileFlushScan`), and for words that go first; a word in two cycles of the initial
+    raster, and a word a cycle of ``raster``, of those that were written, but for what the flush
+    scan takes, for tiles that go first and for each other.
 
     Members
     -------

@@ -78,7 +78,8 @@ class Machine(NamedTuple):
     rom
         The engine has a shape ROM.
     pair_lsb
-        Place of the bit by which ``sim.golden.compact_words.slots`` tells that the next word is of the same one.
+        Place of the bit by which ``sim.golden.compact_words.slots`` tells that the next word is of
+        the same one.
     """
 
     x_lsb: int

@@ -282,7 +282,7 @@ def _reach(tile: Any, machine: Machine) -> int:
 
 @nb.njit(cache=True)
 def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
-    """Move the flush scan on: by a word, a stretch, a line that has left, or over all not written."""
+    """Move the flush scan on: by a word, a stretch, a line, or over all lines not written."""
     walk, dirty_bits = lanes.walk, lanes.dirty_bits
     oldest = walk[OLDEST]
     place = oldest % len(dirty_bits)

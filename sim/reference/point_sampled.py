@@ -57,7 +57,8 @@ class Steps:
         A splat that covers no pixel's centre draws the pixel that holds its own; about a pixel
         corner the nearest pixel in the ellipse's metric and its half turn.
     normal_levels
-        The shape is the paper's ellipse of n', quantised to the levels of ``host.encode.shape_table``.
+        The shape is the paper's ellipse of n', quantised to the levels of
+        ``host.encode.shape_table``.
     intensity_bits
         The shade comes from the table of quantised normals, with the viewer on the image's axis and
         so many bits of D and S; None: Phong's model at the disc's centre.

@@ -1,4 +1,4 @@
-"""The loops behind :mod:`splatline.sim.reference.point_sampled`: where splats lie, and which pixels they give.
+"""The loops behind :mod:`splatline.sim.reference.point_sampled`: which pixels splats give.
 
 A pixel of a splat stands for the place ``scale (column + 0.5) + across`` of the true footprint (and
 likewise for lines), so that a footprint is moved and scaled without being changed.

@@ -2,7 +2,8 @@
 
 A case is data: a scene, perhaps a plain scene whose picture it must repeat, and bounds. ``measure``
 draws both and compares them with each other and with the exact reference. The tests and the table
-in ``docs/bench/stability.md`` are made from the same cases (:mod:`splatline.sim.stress.clouds_moved`).
+in ``docs/bench/stability.md`` are made from the same cases
+(:mod:`splatline.sim.stress.clouds_moved`).
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ from amaranth.hdl import Cat, Const, Mux, Signal
 
 from splatline.contract.presets import SWIFT
 from splatline.rtl.blocks.lane_row import HALVES, LaneRow, RowRequestLayout, row_address_bits
-from splatline.rtl.tiles.lane import PixelLayout
+from splatline.rtl.layouts import PixelLayout
 from tests.formal.properties import OneWord, Properties, any_constant
 from tests.formal.prove import Fault, Proof
 

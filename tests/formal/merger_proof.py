@@ -7,8 +7,8 @@ from amaranth.lib.memory import Memory
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.chain.merger import ROOM, Merger
+from splatline.rtl.layouts import PixelLayout
 from splatline.rtl.lib.fifo import Fifo
-from splatline.rtl.tiles.lane import PixelLayout
 from tests.formal.properties import OneWord, Properties, any_constant, parts
 from tests.formal.prove import Fault, Proof
 

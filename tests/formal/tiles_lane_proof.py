@@ -3,7 +3,8 @@
 from amaranth.hdl import Cat, Mux, Signal
 
 from splatline.contract.presets import PAPER
-from splatline.rtl.tiles.lane import Lane, LaneRequestLayout, PixelLayout, lane_address_bits
+from splatline.rtl.layouts import PixelLayout
+from splatline.rtl.tiles.lane import Lane, LaneRequestLayout, lane_address_bits
 from tests.formal.properties import OneWord, Properties, any_constant
 from tests.formal.prove import Fault, Proof
 

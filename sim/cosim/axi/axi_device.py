@@ -1,8 +1,8 @@
 """A device that is a simulation: the engine's Verilog on its buses, in a process of its own.
 
-It has the interface of a board (:class:`splatline.host.device.device.Device`), so what is written for one
-runs on the other. Each command goes to :mod:`splatline.sim.cosim.axi.axi_bench` inside the simulator
-and comes back answered.
+It has the interface of a board (:class:`splatline.host.device.device.Device`), so what is written
+for one runs on the other. Each command goes to :mod:`splatline.sim.cosim.axi.axi_bench` inside the
+simulator and comes back answered.
 """
 
 from __future__ import annotations

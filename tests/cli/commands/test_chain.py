@@ -12,8 +12,8 @@ from splatline.host.encode.partition_methods import METHODS
 from splatline.host.frame_file import load_frame
 from splatline.plots import figure
 from splatline.sim import golden
-from splatline.sim.cosim.player.jobs import Outcome, Times
 from splatline.sim.cosim.player import chains
+from splatline.sim.cosim.player.jobs import Outcome, Times
 
 SMALL = ("--size", "64x48")
 

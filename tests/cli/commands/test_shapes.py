@@ -34,7 +34,7 @@ def test_the_rom_of_every_size_sends_fewer_bits(run, folder, cloud):
 
 
 def test_the_rom_s_verilog_is_asked_for_a_scene(run, folder, verilog):
-    """Its simulation is golden's here; ``tests/rtl/shapes/test_shaped_engine.py`` has the Verilog's."""
+    """Golden stands for its simulation; ``tests/rtl/shapes`` has the Verilog's."""
     result = run("render", "--scene", "knot", "--size", "48x32", "--shapes", "rom",
                  "--engine", "rtl", "-o", "knot.png", "--stats", "knot.json")  # fmt: skip
     assert result.exit_code == 0, result.stderr

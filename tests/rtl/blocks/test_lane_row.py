@@ -13,7 +13,7 @@ from splatline.rtl.blocks.lane_row import (
     RowRequestLayout,
     row_address_bits,
 )
-from splatline.rtl.tiles.lane import PixelLayout
+from splatline.rtl.layouts import PixelLayout
 from splatline.sim.cosim.blocks import pack, unpack
 from splatline.sim.cosim.streams import StreamBench
 from tests.support.bench_config import CONFIG, run_bench

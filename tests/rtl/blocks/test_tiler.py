@@ -7,8 +7,8 @@ import numpy as np
 
 from splatline.contract.config import BLOCK
 from splatline.contract.presets import SWIFT
+from splatline.rtl.blocks.layouts import BlockLayout
 from splatline.rtl.blocks.tiler import BlockTiler
-from splatline.rtl.layouts import BlockLayout
 from splatline.sim.cosim.blocks import unpack
 from splatline.sim.cosim.streams import StreamBench
 from tests.rtl.tiles.tiles import LOWEST

@@ -5,7 +5,8 @@ import random
 import cocotb
 
 from splatline.contract.presets import PAPER
-from splatline.rtl.tiles.lane import Lane, LaneRequestLayout, PixelLayout, lane_address_bits
+from splatline.rtl.layouts import PixelLayout
+from splatline.rtl.tiles.lane import Lane, LaneRequestLayout, lane_address_bits
 from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
 

@@ -7,7 +7,7 @@ import cocotb
 import numpy as np
 
 from splatline.contract.presets import PAPER
-from splatline.rtl.layouts import TileLayout
+from splatline.rtl.tiles.layouts import TileLayout
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.streams import StreamBench

@@ -2,7 +2,7 @@
 
 import itertools
 
-from splatline.rtl.layouts import TileLayout
+from splatline.rtl.tiles.layouts import TileLayout
 from tests.support.bench_config import CONFIG
 
 __all__ = ["LOWEST", "ROOM", "Tiles", "overlap", "pack_tile", "tiles_of", "unpack_tile"]

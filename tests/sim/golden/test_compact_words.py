@@ -32,7 +32,7 @@ def test_every_small_entry_is_the_table_s():
 
 @pytest.mark.parametrize("size", range(9, SIZES))
 def test_the_four_parts_of_a_large_shape_are_what_the_host_sends(size):
-    """Against the fractions of ``host.encode.paper_shapes``: four above the middle, four turned below."""
+    """Against ``host.encode.paper_shapes``: four rows above the middle, four turned below."""
     rng = np.random.default_rng(size)
     for level_x, level_y in rng.integers(0, 64, (60, 2)):
         expected = [set() for _ in range(4)]
