@@ -3,7 +3,7 @@
 PYTHON ?= python3
 SCENE ?= terrain
 SCANS ?=
-PRESET ?= paper
+PRESET ?= rgb24
 PROOFS ?=
 
 VENV := .venv
@@ -26,7 +26,7 @@ help:
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=bank: some)'
-	@echo 'make lint       style and types: ruff, mypy'
+	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
 	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'
 	@echo 'make clean      remove build/ and caches; distclean: .venv as well'
@@ -89,6 +89,7 @@ lint: setup
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	MYPYPATH=build/types $(VENV)/bin/mypy
+	$(VENV)/bin/lint-imports
 
 verilog: setup
 	@mkdir -p build

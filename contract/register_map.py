@@ -128,7 +128,7 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
         ]
         if number:
             stream = raster_stream_bytes(config)
-            fields.append(_constant("BEAT_BYTES", 7, stream, "bytes of a beat of both rasters"))
+            fields.append(_constant("BEAT_BYTES", 8, stream, "bytes of a beat of both rasters"))
         yield f"CONFIG_{number}", "the engine's parameters, see `EngineConfig`", fields, None
 
 

@@ -409,7 +409,7 @@ PROOFS = [
         Fault("a turn ahead unnoticed", FrameOverlap, r"self\.wraps &", "0 &"),
         Fault("frames meet", FrameOverlap, r"turns\[1:\], self\.closing", "turns[1:], 0"),
         Fault("over too early", FrameOverlap, r"self\.clean \| self", "1 | self"),
-        Fault("a frame closed twice", TileWindow, r" & ~walker\.closing", ""),
+        Fault("a frame closed twice", TileWindow, r" & ~flush_scan\.closing", ""),
         Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
     ),
     plan(
@@ -417,7 +417,7 @@ PROOFS = [
         "the same, until every fault that is known of shows",
         0,
         18,
-        Fault("drawn while marks are taken", TileWindow, r"swept\s+& ~walker\.taking", "swept"),
+        Fault("drawn while marks are taken", TileWindow, r"swept\s+& ~flush_scan\.taking", "swept"),
         Fault("a tile goes where a word does", TileWindow, r"& ~\(first & meeting\)", ""),
         long=True,
     ),
@@ -439,10 +439,16 @@ PROOFS = [
         Fault("front a line too far", Loader, r"oldest, loaded\)", "oldest, loaded + 1)"),
         Fault("a line drawn into too early", Loader, r"\(config\.window_lines > BLOCK\)", "1"),
         Fault(
-            "loaded where a word is cleared", TileWindow, r"& ~stopped(\s+& ~walker\.taking)", r"\1"
+            "loaded where a word is cleared",
+            TileWindow,
+            r"& ~stopped(\s+& ~flush_scan\.taking)",
+            r"\1",
         ),
         Fault(
-            "loaded while marks are taken", TileWindow, r"(& ~stopped\s+)& ~walker\.taking", r"\1"
+            "loaded while marks are taken",
+            TileWindow,
+            r"(& ~stopped\s+)& ~flush_scan\.taking",
+            r"\1",
         ),
         Fault(
             "loaded in a tile's row",
@@ -450,7 +456,9 @@ PROOFS = [
             r"& ~\(offered & wanted\.bit_select\(loader.*\)\)",
             "",
         ),
-        Fault("a load marked in a tile's place", TileWindow, r"If\(walker\.lone\[i\]\)", "If(0)"),
+        Fault(
+            "a load marked in a tile's place", TileWindow, r"If\(flush_scan\.lone\[i\]\)", "If(0)"
+        ),
         Fault("a tile in a load's", TileWindow, r"lone\.eq\(.*\)", "lone.eq(-1)"),
         Fault(
             "another pair marked",

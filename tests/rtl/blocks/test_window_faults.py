@@ -90,7 +90,7 @@ IN_THE_WINDOW = {
     "where the frame before was": (r"-2 \* config\.window_lines", "flush_scan.front", FILMS),
     "nothing is said to be cleared": (r"(?<=cleared\.valid\.eq\()flushing", "0", FEW),
     "another is said to be cleared": (
-        r"walker\.flush\.payload\.line\[: config\.slot_bits\]",
+        r"flush_scan\.flush\.payload\.line\[: config\.slot_bits\]",
         "flush_scan.line",
         FEW,
     ),

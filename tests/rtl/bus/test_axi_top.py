@@ -5,7 +5,7 @@ import pytest
 
 from splatline.contract.presets import PAPER, RGB24, SWIFT
 from splatline.contract.raster_beats import from_beats
-from splatline.contract.register_map import raster_stream_bytes, register_map
+from splatline.contract.register_map import VERSION, raster_stream_bytes, register_map
 from splatline.host.device.engine import Engine
 from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
@@ -165,7 +165,8 @@ def test_reads_and_writes_at_once(device):
     writes = [(column if n % 2 else line, value.to_bytes(4, "little"))
               for n, value in enumerate(values)]  # fmt: skip
     read, written = device.command("together", reads, writes)
-    assert read == [(0x53504C54, 0), (0x100, 0)] * 20
+    version = VERSION[0] << 8 | VERSION[1]
+    assert read == [(0x53504C54, 0), (version, 0)] * 20
     assert written == [0] * 40
     assert (device.read32(line), device.read32(column)) == tuple(values[-2:])
 

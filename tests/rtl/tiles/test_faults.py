@@ -84,13 +84,13 @@ REWRITTEN = {
     "no conflict": (TileWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     "drawn while marks are taken": (
         TileWindow,
-        r"~swept\s+& ~walker\.taking",
+        r"~swept\s+& ~flush_scan\.taking",
         "~swept",
         "with_stalls",
     ),
     "loaded while marks are taken": (
         TileWindow,
-        r"~stopped\s+& ~walker\.taking",
+        r"~stopped\s+& ~flush_scan\.taking",
         "~stopped",
         "words_right_behind_what_leaves",
     ),
@@ -126,7 +126,7 @@ REWRITTEN = {
     ),
     "marked in the line of a load that waits": (
         TileWindow,
-        r"If\(walker\.lone\[i\]\)",
+        r"If\(flush_scan\.lone\[i\]\)",
         "If(serving & line[i])",
         "with_stalls",
     ),
