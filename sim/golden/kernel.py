@@ -1,13 +1,13 @@
-"""The compiled part of the golden renderer: code words in, depths and colours out.
+"""The compiled loops of the golden renderer: code words in, depths and colours out.
 
-A pixel of the canvas holds the code word that drew it, whole. The word carries its own depth, in
-its highest bits, so the depth test is one comparison of words; and what a pixel looks like is
-worked out once at the end, for the word that stayed. A pixel that nothing was drawn into holds a
-control word with the depth that it started from: no element is a control word.
+A pixel of the canvas holds the whole code word that drew it. The highest bits of a code word are
+its depth, so the depth test is one comparison of code words. Colours are computed once a pixel, at
+the end, from the code word that was nearest. A pixel that nothing was drawn into holds a control
+word with the depth that it started from; no element is a control word.
 
-The canvas has the eight lines that an element can reach, and moves down the image with the engine's
-line. The image is cut into bands of lines, which do not depend on each other and are drawn side by
-side; elements that touch both sides of a cut are drawn for both.
+The canvas has the eight lines that an element can reach. It moves down the image with the engine's
+line. The image is cut into bands of lines, which are independent and are drawn in parallel.
+Elements that touch both sides of a cut are drawn once for each band.
 """
 
 from __future__ import annotations
@@ -30,10 +30,11 @@ BELOW = BLOCK - 1 - ABOVE
 """Lines of the block below the current one."""
 
 LANES = 4
-"""Pixels that are tested at a time, in one register of the processor."""
+"""Pixels that are tested together, in one vector register of the processor."""
 
-# The scans have the same place in every configuration, so that the compiler may know it. A lane of
-# six bits holds a row; in each, one number of three bits and room for a carry.
+# The rows have the same bit positions in every configuration, so these are compile-time constants.
+# A row takes six bits: first and last column, three bits each. With one of the two masked out, each
+# group of six bits holds a number of three bits and room for a carry.
 ROW_BITS = PAPER.first(1).lsb - PAPER.first(0).lsb
 FIRSTS_LSB = np.uint64(PAPER.first(0).lsb)
 LASTS_LSB = np.uint64(PAPER.last(0).lsb)
@@ -48,14 +49,14 @@ HALF = np.uint64(BLOCK // 2 - 1)
 ONE = np.uint64(1)
 MODE = np.uint64(1 << PAPER.mode.lsb)
 UNTOUCHED = MODE | COLUMNS << FIRSTS_LSB
-"""A control word (four rows from column 7 to column 0), for the lowest bits of untouched pixels."""
+"""The lowest bits of an untouched pixel: a control word, with four rows from column 7 to 0."""
 
 
 class Layout(NamedTuple):
-    """The configuration as the compiled code needs it, flat: numba's parallel loops ask for that.
+    """The bit positions of a configuration's fields, for the compiled loops.
 
-    For each field its lowest bit and its mask, in unsigned integers of 64 bits; and the widths of
-    the colour.
+    Each field has its lowest bit and its mask, as unsigned integers of 64 bits. The tuple is flat,
+    as numba's parallel loops require.
     """
 
     diffuse_lsb: np.uint64
@@ -74,14 +75,14 @@ class Layout(NamedTuple):
 
 
 def layout_of(config: EngineConfig) -> Layout:
-    """Return a configuration's layout."""
-    places: dict[str, Any] = {}
+    """Return the layout of a configuration's code words."""
+    positions: dict[str, Any] = {}
     for name in ("diffuse", "specular", "material", "x", "z"):
         field = getattr(config, name)
-        places[f"{name}_lsb"] = np.uint64(field.lsb)
-        places[f"{name}_mask"] = np.uint64(field.mask)
+        positions[f"{name}_lsb"] = np.uint64(field.lsb)
+        positions[f"{name}_mask"] = np.uint64(field.mask)
     return Layout(
-        **places,
+        **positions,
         end_lsb=np.uint64(config.control_end.lsb),
         colour_shift=config.colour_shift,
         channel_max=config.channel_max,
@@ -90,24 +91,24 @@ def layout_of(config: EngineConfig) -> Layout:
 
 @nb.njit(cache=True)
 def index_lines(words: Any, lines: int, layout: Layout) -> Any:
-    """Find the words of each line of the engine.
+    """Find the code words of each line of the image.
 
     Parameters
     ----------
     words
         Code words: shape (n,), uint64.
     lines
-        How many lines to tell apart: 0 .. ``lines - 1``.
+        Number of lines: 0 .. ``lines - 1``.
     layout
-        The fields' places.
+        Bit positions of the fields.
 
     Returns
     -------
     starts
-        Shape (lines + 1,), int64: the elements met while the engine's line is y are among
-        ``words[starts[y] : starts[y + 1]]``, with control words between.
+        Shape (lines + 1,), int64. The elements whose line is y are among
+        ``words[starts[y] : starts[y + 1]]``, with control words between them.
     ended
-        Whether there is an end word.
+        Whether there is an end-of-frame word.
     """
     starts = np.zeros(lines + 1, np.int64)
     y: Any = 0
@@ -117,7 +118,7 @@ def index_lines(words: Any, lines: int, layout: Layout) -> Any:
         if word >> layout.end_lsb & ONE:
             starts[y + 1 :] = index
             return starts, True
-        # Held at ``lines``, y cannot overflow whatever the stream adds to it.
+        # Limited to ``lines``, so that y cannot overflow whatever the stream adds to it.
         below = min(y + np.int64(_field(word, layout.x_lsb, layout.x_mask)), lines)
         starts[y + 1 : below + 1] = index
         y = below
@@ -144,22 +145,22 @@ def draw_bands(
     starts
         From ``index_lines``, for ``height + 4`` lines.
     cuts
-        Shape (bands + 1,), int64: lines of the image, growing from 0 to its height.
+        First line of each band, and the image's height: shape (bands + 1,), int64, rising from 0.
     ambient
         I0 of each channel: shape (3,), int64.
     coefficients
         kd and ks of each material and channel: shape (materials, 2, 3), int64.
     layout
-        The fields' places.
+        Bit positions of the fields.
     depth
-        Shape (height, width), uint16: what is there before; receives the picture.
+        Shape (height, width), uint16: the initial depth, which the picture's depth replaces.
     colour
-        Shape (height, width, 3), uint8; likewise.
+        Shape (height, width, 3), uint8: likewise.
     """
     width = depth.shape[1]
     for band in nb.prange(len(cuts) - 1):
         begin, end = cuts[band], cuts[band + 1]
-        # Blocks may reach over the right border, and the last pixels tested a little further.
+        # A block may reach beyond the right border, and the vector of pixels tested beyond it.
         canvas = np.zeros((BLOCK, width + 2 * BLOCK), np.uint64)
         for y in range(begin - BELOW, end + ABOVE):
             if y + BELOW < end:
@@ -181,7 +182,7 @@ def _open_line(canvas: Any, line: int, layout: Layout, depth: Any) -> None:
 
 @nb.njit(cache=True)
 def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout: Layout) -> None:
-    """Draw the elements of one of the engine's lines into the canvas."""
+    """Draw the elements of one line into the canvas."""
     pixels = canvas.reshape(-1)
     stride = canvas.shape[1]
     below_z = (ONE << layout.z_lsb) - ONE
@@ -190,7 +191,7 @@ def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout:
         x = np.int64(_field(word, layout.x_lsb, layout.x_mask))
         if x >= width:
             continue
-        # Less than another word only if the depth is: all other bits are ones.
+        # All bits below the depth are ones: the key is less than a code word only if its depth is.
         key = word | below_z
         symmetric = word & MODE == 0
         shape, raised, shifted = _middle(word) if symmetric else (word, 0, 0)
@@ -205,7 +206,7 @@ def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout:
             count = last - first + 1
             start = (y - ABOVE + row) % BLOCK * stride + x + first
             _draw_row(pixels, start, count, key, word)
-            # The row turned by 180 degrees; the one in the middle of the shape is its own.
+            # The row's half rotation. The middle row of a raised shape is its own half rotation.
             if symmetric and not (raised and row == ROWS - 1):
                 below = (y + BELOW - raised - row) % BLOCK * stride
                 _draw_row(pixels, below + x + BLOCK - 1 + shifted - last, count, key, word)
@@ -229,9 +230,9 @@ def _middle(word: int) -> Any:
 
 @nb.njit(cache=True, inline="always")
 def _draw_row(pixels: Any, start: int, count: int, key: int, word: int) -> None:
-    """Draw ``count`` pixels of a line; what is nearer stays, and of two as near the first."""
+    """Draw ``count`` pixels of a line: the nearest stays, and of equal depths the first drawn."""
     for offset in range(0, count, LANES):
-        # Pixels past the row are written back as they were: that keeps branches out.
+        # Pixels past the row are written back unchanged, which avoids branches.
         for lane in range(LANES):
             old = pixels[start + offset + lane]
             passes = (key < old) & (offset + lane < count)
@@ -248,10 +249,11 @@ def _close_line(
     depth: Any,
     colour: Any,
 ) -> None:
-    """Turn the words that a line's pixels hold into depths and colours.
+    """Compute depth and colour of a line's pixels from the code words that they hold.
 
     Int64 holds every sum: I0 < 2^(c + i + 1) and each product < 2^(c + i), with c <= 12 bits of a
-    coefficient and i <= 9 of an intensity. So a sum is less than 4 * 2^(c + i) < 2^23.
+    coefficient and i <= 9 bits of an intensity. A sum is therefore less than
+    4 * 2^(c + i) <= 2^23.
     """
     pixels = canvas[line % BLOCK]
     for column in range(depth.shape[1]):
@@ -271,19 +273,21 @@ def _close_line(
 
 @nb.njit(cache=True, inline="always")
 def _field(word: int, lsb: int, mask: int) -> Any:
+    """Return the value of a field."""
     return word >> lsb & mask
 
 
 @nb.njit(cache=True, inline="always")
 def _is_control(word: int) -> Any:
+    """Return whether a code word is a control word."""
     return (word & MODE != 0) & (_filled_rows(word) == 0)
 
 
 @nb.njit(cache=True, inline="always")
 def _filled_rows(word: int) -> Any:
-    """Return a bit a row, at ``CARRY_LSB + ROW_BITS * row``: the row is not empty.
+    """Return a bit for each row, at ``CARRY_LSB + ROW_BITS * row``, set if the row is not empty.
 
-    All four rows in one subtraction: its carry stays where first <= last.
+    One subtraction handles all four rows. A row's carry bit stays set where first <= last.
     """
     firsts = word >> FIRSTS_LSB & COLUMNS
     lasts = word >> LASTS_LSB & COLUMNS
@@ -292,7 +296,7 @@ def _filled_rows(word: int) -> Any:
 
 @intrinsic
 def _lowest_bit(typing: Any, number: Any) -> Any:
-    """Return the place of a number's lowest bit that is set, by the processor's instruction."""
+    """Return the position of the lowest set bit of a number, by the processor's instruction."""
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.cttz(arguments[0], context.get_constant(nb.types.boolean, True))

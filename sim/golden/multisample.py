@@ -1,4 +1,4 @@
-"""The mean of several rasters: a picture of several samples a pixel."""
+"""Multisampling: the mean of several rasters, one for each sample of a pixel."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = ["Average", "Drawn", "average", "mismatches"]
 
 @dataclass(frozen=True)
 class Average:
-    """Rasters of one size and configuration, each of another sample of every pixel.
+    """A picture of several samples a pixel: one raster for each sample.
 
     Parameters
     ----------
     rasters
-        At least one.
+        At least one raster; all of one size and configuration.
     """
 
     rasters: tuple[Raster, ...]
@@ -64,16 +64,16 @@ class Average:
 
 
 Drawn: TypeAlias = Raster | Average
-"""What was drawn, of one sample a pixel or of several."""
+"""A drawn picture, of one sample a pixel or of several."""
 
 
 def average(rasters: Sequence[Raster]) -> Drawn:
-    """Return the picture of some samples a pixel: a single raster as it is."""
+    """Return the mean of the samples' rasters; a single raster is returned as it is."""
     return rasters[0] if len(rasters) == 1 else Average(tuple(rasters))
 
 
 def mismatches(one: Drawn, other: Drawn) -> int:
-    """Count the pixels of which any sample's depth or colour differs from another picture's.
+    """Count the pixels at which two pictures differ, in depth or colour of any sample.
 
     Raises
     ------
@@ -85,5 +85,5 @@ def mismatches(one: Drawn, other: Drawn) -> int:
 
 
 def _rasters(picture: Drawn) -> tuple[Raster, ...]:
-    """Return a picture's samples."""
+    """Return the rasters of a picture's samples."""
     return picture.rasters if isinstance(picture, Average) else (picture,)

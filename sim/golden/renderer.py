@@ -1,8 +1,7 @@
-"""The golden renderer: ``docs/contract.md`` as a program, and the judge of the hardware.
+"""The golden renderer: ``docs/contract.md`` as a program, against which the hardware is tested.
 
-It is written from the contract and ``contract/config.py`` alone and shares nothing else with the
-hardware. What draws is in ``golden_draw.py``; here the frame is checked and its tables are turned
-into arrays.
+It is written from the contract and shares only ``contract/`` with the hardware. This module checks
+the frame and converts its tables to arrays. The loops that draw are in ``kernel.py``.
 """
 
 from __future__ import annotations
@@ -27,8 +26,7 @@ from .kernel import ABOVE, draw_bands, index_lines, layout_of
 __all__ = ["block_rows", "decode", "render", "render_parts"]
 
 WORD_WORK = 4
-"""How much more work a code word is than a pixel of the image, about."""
-
+"""Work of a code word, in units of a pixel's work: a rough figure, to cut bands of equal work."""
 
 CODEWORD = np.dtype(
     [
@@ -46,7 +44,7 @@ CODEWORD = np.dtype(
         ("end", np.bool_),
     ]
 )
-"""A code word, taken apart."""
+"""The fields of a decoded code word."""
 
 
 def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = None) -> Raster:
@@ -59,11 +57,11 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
         end-of-frame word are not part of the frame and are ignored. Compact words are expanded
         first (:mod:`splatline.sim.golden.compact_words`).
     initial
-        The raster to start from, as the engine before in a chain has left it; nothing but
-        background if not given. It is not changed.
+        Raster to start from, such as the picture of the previous engine of a chain; background
+        if not given. It is not changed.
     bands
-        Bands of lines to draw in parallel, at least 1; as many as numba has threads if not given.
-        The picture is the same with any number.
+        Number of bands of lines that are drawn in parallel, at least 1; by default the number of
+        numba's threads. The picture does not depend on it.
 
     Returns
     -------
@@ -95,7 +93,7 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
     if not ended:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
 
-    raster = _start(frame, initial)
+    raster = _initial_raster(frame, initial)
     tables = frame.tables
     draw_bands(
         words,
@@ -111,7 +109,7 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
 
 
 def render_parts(parts: Sequence[Frame], initial: Raster | None = None) -> Raster:
-    """Draw parts of a picture one over the other, the first one first: what a chain draws.
+    """Draw the parts of a picture one over the other, in order, as a chain does.
 
     Raises
     ------
@@ -127,23 +125,24 @@ def render_parts(parts: Sequence[Frame], initial: Raster | None = None) -> Raste
 
 
 def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> npt.NDArray[Any]:
-    """Take code words apart.
+    """Decode code words into their fields.
 
     Parameters
     ----------
     codewords
         Shape (n,), uint64.
     config
-        The engine that they are made for.
+        Configuration of the engine that they are made for.
 
     Returns
     -------
     numpy.ndarray
-        Shape (n,), with the named fields of ``docs/contract.md`` as unsigned integers: ``mode``,
-        ``first`` and ``last`` (four rows each, a raised shape's middle one in order),
-        ``diffuse``, ``specular``, ``material``, ``x``, ``z``; and as bool ``raised`` and
-        ``shifted`` (where the middle of a symmetric word lies), ``control`` (a control word) and
-        ``end`` (that ends the frame).
+        Structured array of shape (n,). Its fields are those of ``docs/contract.md`` as unsigned
+        integers: ``mode``, ``first`` and ``last`` (of four rows; the first and last column of a
+        raised shape's middle row are in ascending order), ``diffuse``, ``specular``, ``material``,
+        ``x`` and ``z``. Four more are bool: ``raised`` and ``shifted`` (the centre of a symmetric
+        word lies half a line up, half a pixel to the right), ``control`` (a control word) and
+        ``end`` (the end-of-frame word).
     """
     words = np.asarray(codewords, np.uint64)
     fields = np.empty(words.shape, CODEWORD)
@@ -172,7 +171,7 @@ def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> n
 def block_rows(
     fields: npt.NDArray[Any],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return the pixels of elements' blocks, row by row.
+    """Return the columns that elements cover on each row of their blocks.
 
     Parameters
     ----------
@@ -182,14 +181,15 @@ def block_rows(
     Returns
     -------
     first, last
-        Columns, inclusive: shape (n, 8). A row that is empty has its first behind its last.
+        First and last column, inclusive: shape (n, 8). An empty row has first > last.
     """
     first, last = fields["first"].astype(np.int64), fields["last"].astype(np.int64)
     raised = fields["raised"][:, np.newaxis]
     right = BLOCK - 1 + fields["shifted"].astype(np.int64)[:, np.newaxis]
-    turned = (first <= last) & (fields["mode"] == 0)[:, np.newaxis]
-    turned[:, -1:] &= ~raised  # it is in the middle, and its own half turn
-    lower_first, lower_last = np.where(turned, right - last, 1), np.where(turned, right - first, 0)
+    rotated = (first <= last) & (fields["mode"] == 0)[:, np.newaxis]
+    rotated[:, -1:] &= ~raised  # the middle row is its own half rotation
+    lower_first = np.where(rotated, right - last, 1)
+    lower_last = np.where(rotated, right - first, 0)
 
     def block(upper: npt.NDArray[np.int64], lower: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
         below = lower[:, ::-1]
@@ -199,7 +199,7 @@ def block_rows(
     return block(first, lower_first), block(last, lower_last)
 
 
-def _start(frame: Frame, initial: Raster | None) -> Raster:
+def _initial_raster(frame: Frame, initial: Raster | None) -> Raster:
     """Return the raster that a frame starts from, in new arrays."""
     if initial is None:
         return Raster.background(frame.width, frame.height, frame.config)
@@ -209,9 +209,9 @@ def _start(frame: Frame, initial: Raster | None) -> Raster:
 def _cut(
     starts: npt.NDArray[np.int64], width: int, height: int, bands: int
 ) -> npt.NDArray[np.int64]:
-    """Cut an image into bands of about the same work; return the lines of the cuts, 0 and the last.
+    """Return the first line of each band, and the height; bands have about the same work.
 
-    The work is that of the words and that of the pixels.
+    The work of a band is the number of its code words, weighted, plus the number of its pixels.
     """
     lines = np.arange(height + 1)
     work = WORD_WORK * starts[: height + 1] + width * lines
@@ -220,6 +220,7 @@ def _cut(
 
 
 def _check_image(frame: Frame) -> None:
+    """Raise ``InputError`` if the image does not fit the engine."""
     config = frame.config
     fits = 1 <= frame.width <= config.max_width and 1 <= frame.height <= config.max_height
     if not fits:
@@ -230,6 +231,7 @@ def _check_image(frame: Frame) -> None:
 
 
 def _check_initial(initial: Raster, frame: Frame) -> None:
+    """Raise ``ValueError`` unless the initial raster is one that the frame can start from."""
     config = frame.config
     if initial.config != config:
         raise ValueError("the initial raster has another configuration than the frame")

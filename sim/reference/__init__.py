@@ -1,4 +1,4 @@
-"""Exact and point-sampled renderers, and what measures a picture against them.
+"""Exact and point-sampled renderers, and measures of a picture's error against them.
 
 It imports ``contract`` and ``host``. Start with ``reference``.
 """
@@ -10,8 +10,8 @@ from typing import Any
 
 _HOMES = {
     "Reference": "reference",
-    "bound_disc": "reference",
-    "bound_part": "reference",
+    "bound_disc": "reference_kernel",
+    "bound_part": "reference_kernel",
     "render": "reference",
 }
 

@@ -1,4 +1,4 @@
-"""The error budget: from one exact sample a pixel to the engine's picture, a step at a time."""
+"""The error budget: error after each approximation, from exact samples to the engine's picture."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ from .reference import Reference
 __all__ = ["LADDERS", "Step", "blurred_psnr", "ladder", "measure", "walk"]
 
 LADDERS = ("paper", "exact")
-"""The qualities that a ladder leads to."""
+"""The qualities that have an error budget."""
 
 BLUR = 1.5
-"""Standard deviation in pixels of the blur of ``blurred_psnr``: as in SSIM."""
+"""Standard deviation in pixels of the blur of ``blurred_psnr``, the same as in SSIM."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """A rung: everything up to it is approximated as the engine does.
+    """One step of an error budget.
 
     Parameters
     ----------
     name
-        What is approximated from here on.
+        Name of the approximation that this step adds.
     steps
-        All approximations so far.
+        All approximations up to this step.
     """
 
     name: str
@@ -49,20 +49,20 @@ class Step:
 
 
 def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
-    """Return the rungs from one exact sample a pixel to what an engine draws.
+    """Return the steps from one exact sample a pixel to an engine's picture.
 
     Parameters
     ----------
     quality
-        One of ``LADDERS``: ``paper`` has one depth a splat, whole places and diameters and the
-        shape table; ``exact`` one depth a fraction, and footprints as they are.
+        One of ``LADDERS``. ``paper`` has one depth a splat, whole positions and diameters and the
+        shape table; ``exact`` has one depth a fraction and exact footprints.
     config
-        The engine: bits of depth, intensity and colour, materials.
+        The engine's configuration: bits of depth, intensity and colour, number of materials.
 
     Returns
     -------
     list of Step
-        Each differs from the one before it in what its name says, and in nothing else.
+        Each step adds to the one before it the approximation that its name states.
     """
     if quality not in LADDERS:
         raise ValueError(f"no ladder leads to {quality!r}; there are: {', '.join(LADDERS)}")
@@ -99,12 +99,12 @@ def walk(
     exact: Reference,
     background: tuple[float, float, float],
 ) -> Iterator[dict[str, Any]]:
-    """Draw each rung and measure its error.
+    """Draw each step and measure its error.
 
     Yields
     ------
     dict
-        ``step``, its name, and what ``metrics.compare`` measures.
+        ``step``, its name, and the measures of ``measure``.
     """
     for rung in rungs:
         picture = render(cloud, view, radii, lighting, rung.steps, background=background)
@@ -114,12 +114,12 @@ def walk(
 def measure(
     picture: Picture, exact: Reference, background: tuple[float, float, float]
 ) -> dict[str, float | None]:
-    """Measure the error of a picture that is no engine's.
+    """Measure the error of a point-sampled picture.
 
     Returns
     -------
     dict
-        What ``metrics.compare`` measures, and ``psnr_blurred_db``.
+        The measures of ``metrics.compare``, and ``psnr_blurred_db``.
     """
     low, high = picture.depth_range
     found = metrics.compare(
@@ -132,10 +132,10 @@ def measure(
 
 
 def blurred_psnr(rgb: npt.NDArray[np.float64], exact: npt.NDArray[np.float64]) -> float | None:
-    """Return the PSNR in dB of what is left of the error seen from afar; None without error.
+    """Return the PSNR in dB of the blurred error, or None if there is no error.
 
-    The error is blurred by a Gaussian of ``BLUR`` pixels. Noise from pixel to pixel
-    counts for little then, and a colour that is wrong over an area for as much as before.
+    The error is blurred by a Gaussian of ``BLUR`` pixels. This attenuates noise from pixel to
+    pixel, while a wrong colour over an area counts in full.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def blurred_psnr(rgb: npt.NDArray[np.float64], exact: npt.NDArray[np.float64]) -
 
 
 class _AsRaster:
-    """A picture where a raster is expected: depth is the share of the range that codes span."""
+    """Adapter that gives a picture a raster's interface; depth is a share of the depth range."""
 
     def __init__(self, picture: Picture) -> None:
         low, high = picture.depth_range
@@ -159,11 +159,11 @@ class _AsRaster:
         self._rgb = picture.rgb
 
     def to_rgb(self, background: tuple[float, float, float]) -> npt.NDArray[np.float64]:
-        """Return the picture, drawn with that background already."""
+        """Return the picture, which was drawn with the same background."""
         return self._rgb
 
 
 class _Unit:
-    """A depth of 1 is the largest that draws."""
+    """Configuration whose largest drawn depth is 1."""
 
     background_depth = 2

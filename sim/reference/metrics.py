@@ -1,4 +1,4 @@
-"""How far an engine's picture is from the exact one."""
+"""Measures of an engine's error: PSNR, SSIM, holes, silhouette and depth."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SILHOUETTE = 0.5
 """Coverage above which a pixel of the reference counts as foreground."""
 
 SSIM_WINDOW = 11
-"""Pixels that the weights of SSIM span; a smaller image has none."""
+"""Width of SSIM's window in pixels; a smaller image has no SSIM."""
 
 
 def compare(
@@ -35,32 +35,32 @@ def compare(
     Parameters
     ----------
     raster
-        The engine's picture. Of several samples a pixel, "drawn" means at least half of them.
+        The engine's picture. With several samples a pixel, a pixel counts as drawn if at least half
+        of its samples are.
     reference
         The exact picture of the same cloud and view, drawn with the same background.
     background
         RGB in 0..1 of the pixels that nothing was drawn into.
     depth_range
-        Distances along the view that depth 0 and the depth before the background's stand for:
+        Distances along the view of depth 0 and of the largest depth below the background's:
         ``frame.counts["depth_range"]``. Without it there is no depth error.
 
     Returns
     -------
     dict
-        Plain floats, None where a value is infinite or not defined:
+        Plain floats; None if a value is infinite or undefined:
 
         - ``psnr_db``: peak signal to noise ratio over all pixels and channels, in dB; None where
           the pictures are equal. The peak is 1.
-        - ``psnr_foreground_db``: the same over the pixels whose coverage is above a half.
+        - ``psnr_foreground_db``: PSNR over the pixels whose coverage is above a half.
         - ``ssim``: structural similarity, the mean over the channels, with the Gaussian weights of
           Wang, Bovik, Sheikh and Simoncelli, *Image quality assessment*, IEEE Trans. Image
           Processing 13 (2004); None where a side has fewer than 11 pixels.
-        - ``hole_fraction``: of the pixels that the reference covers wholly, the share that the
-          engine left background.
-        - ``silhouette_iou``: intersection over union of the pixels that the engine drew and of
-          those whose coverage is above a half.
+        - ``hole_fraction``: share of background among the pixels that the reference covers fully.
+        - ``silhouette_iou``: intersection over union of two sets of pixels: those that the engine
+          drew, and those whose coverage is above a half.
         - ``depth_rmse``: root mean square error of depth, as a share of the depth range, over the
-          pixels that the reference covers wholly and the engine drew. One step of a 9-bit depth is
+          pixels that the reference covers fully and the engine drew. One step of a 9-bit depth is
           1/510 = 0.00196.
 
     Raises
@@ -87,7 +87,7 @@ def compare(
 
 
 def _psnr(picture: _Floats, exact: _Floats) -> float | None:
-    """Return the PSNR for a peak of 1, or None without pixels or without error."""
+    """Return the PSNR for a peak of 1; None if there are no pixels or no error."""
     if not picture.size:
         return None
     error = float(np.mean((picture - exact) ** 2))
@@ -95,6 +95,7 @@ def _psnr(picture: _Floats, exact: _Floats) -> float | None:
 
 
 def _ssim(picture: _Floats, exact: _Floats) -> float | None:
+    """Return the structural similarity, or None if the image is smaller than the window."""
     if min(picture.shape[:2]) < SSIM_WINDOW:
         return None
     from skimage.metrics import structural_similarity  # half a second to import
@@ -112,7 +113,7 @@ def _ssim(picture: _Floats, exact: _Floats) -> float | None:
 
 
 def _share(part: _Mask, whole: _Mask) -> float | None:
-    """Return how much of ``whole`` is in ``part``, or None if there is nothing of it."""
+    """Return the number of pixels of ``part`` over that of ``whole``, or None if that is 0."""
     total = np.count_nonzero(whole)
     return float(np.count_nonzero(part) / total) if total else None
 
@@ -123,6 +124,7 @@ def _depth_rmse(
     where: _Mask,
     depth_range: tuple[float, float] | list[float] | None,
 ) -> float | None:
+    """Return the RMS error of depth as a share of the depth range, over the pixels of a mask."""
     largest = raster.config.background_depth - 1
     if depth_range is None or largest == 0 or not where.any():
         return None

@@ -1,9 +1,9 @@
-"""One sample a pixel in float64, with any of the engine's approximations switched on by itself.
+"""Point-sampled renderer in float64, in which each of the engine's approximations is optional.
 
-With all of them off the picture is the reference's at one sample a pixel. Footprints are true
-perspective discs, moved and scaled as a whole where place and size are rounded; with quantised
-normals they are the paper's ellipses (equation 1). Nothing is shared with the host's encoder but
-the definitions of its quantisations: levels of n', the shading table and the palette.
+Without any of them, the picture is the reference's at one sample a pixel. Footprints are true
+discs in perspective. Rounding of position and size moves and scales a footprint as a whole. With
+quantised normals, footprints are the paper's ellipses (equation 1). The renderer shares only the
+definitions of quantisation with the host's encoder: quantised normals, shading table and palette.
 """
 
 from __future__ import annotations
@@ -21,53 +21,53 @@ from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import find_materials
 from splatline.host.shading.shade import SHADE_LEVELS, shade_tables
 from splatline.host.visibility.view import View
-from splatline.sim import reference
 
 from .point_sampled_kernel import DEPTHS, PLACES, SIZES, SPLAT, draw_bands, place_splats
+from .reference import face_eye, shade
 
 __all__ = ["Picture", "Steps", "render"]
 
 _Floats = npt.NDArray[np.float64]
 
 GRAZING = -1e-6
-"""Normals that lean further from the eye are shaded as if they just did not."""
+"""Largest z of a normal for shading; normals that face further away are clamped to it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Steps:
-    """Which approximations are made; by default none.
+    """The approximations of a picture; by default there are none.
 
     Parameters
     ----------
     depth
-        Where depth is taken: at every ``pixel`` of the sloped disc, at the mean place of each
-        ``fraction``, cut as the host's ``exact`` cuts them, or at the centre of the ``splat``.
+        Where depth is sampled: at every ``pixel`` of the sloped disc, at the mean position of each
+        ``fraction`` of the host's quality ``exact``, or at the centre of the ``splat``.
     depth_bits
-        Bits of a stored depth, the largest value being the background's; None: as it is.
+        Bits of a stored depth, whose largest value is the background's; None: not quantised.
     reciprocal
-        Depth codes are even steps of 1 / z, not of z.
+        Depth codes are even steps of 1 / z instead of z.
     place
-        Centres as they are (``true``), or rounded to a ``quarter`` or a ``whole`` of a pixel; whole
-        places are corners of the pixel grid.
+        Positions of centres: exact (``true``), or rounded to a ``quarter`` or a ``whole`` of a
+        pixel. Whole positions are corners of the pixel grid.
     size
-        Diameters as they are (``true``), or rounded to a ``half`` or a ``whole`` of a pixel.
+        Diameters: exact (``true``), or rounded to a ``half`` or a ``whole`` of a pixel.
     size_up
-        Sizes are rounded up, not to nearest.
+        Diameters are rounded up instead of to nearest.
     never_empty
-        A splat that covers no pixel's centre draws the pixel that holds its own; about a pixel
-        corner the nearest pixel in the ellipse's metric and its half turn.
+        A splat that covers no pixel's centre draws the pixel that contains the splat's centre. If
+        the splat's centre is a pixel corner, it draws the pixel nearest in the ellipse's metric and
+        the half rotation of that pixel.
     normal_levels
-        The shape is the paper's ellipse of n', quantised to the levels of
-        ``host.encode.shape_table``.
+        Shapes are the paper's ellipses of n', quantised as in ``host.encode.shape_table``.
     intensity_bits
-        The shade comes from the table of quantised normals, with the viewer on the image's axis and
-        so many bits of D and S; None: Phong's model at the disc's centre.
+        Bits of the intensities D and S in the table of quantised normals, whose viewer is on the
+        image's axis; None: Phong's model at the disc's centre.
     shade_levels
         Levels of n'x and of n'y in that table.
     materials
-        Most colours of the palette; None: each point's own.
+        Largest number of colours in the palette; None: each point has its own colour.
     channel_bits
-        Bits of a stored colour channel; None: as it is.
+        Bits of a stored colour channel; None: not quantised.
     """
 
     depth: Literal["pixel", "fraction", "splat"] = "pixel"
@@ -86,19 +86,19 @@ class Steps:
 
 @dataclass(frozen=True)
 class Picture:
-    """What came out.
+    """A point-sampled picture.
 
     Parameters
     ----------
     rgb
         Shape (height, width, 3), float64, 0..1, background included.
     depth
-        Shape (height, width), float64: distance along the view in the cloud's unit, as its code
-        gives it back; NaN where nothing was drawn.
+        Distance along the view in the cloud's unit, decoded from the depth code; NaN where nothing
+        was drawn. Shape (height, width), float64.
     seen
-        Shape (height, width), int64: the point that a pixel shows, -1 where nothing was drawn.
+        Index of the point that a pixel shows, or -1: shape (height, width), int64.
     depth_range
-        Distances that the codes span.
+        Nearest and furthest distance of the depth codes.
     """
 
     rgb: _Floats
@@ -122,22 +122,22 @@ def render(
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
     depth_range: tuple[float, float] | None = None,
 ) -> Picture:
-    """Draw a cloud of discs, one sample a pixel, at the pixels' centres.
+    """Draw a cloud of discs with one sample at each pixel's centre.
 
-    Of equally deep splats the first in the cloud is seen.
+    Of splats with equal depth the first in the cloud is seen.
 
     Parameters
     ----------
     cloud, view, radii, lighting, background
-        As the reference takes them.
+        As for :func:`splatline.sim.reference.render`.
     steps
         The approximations.
     depth_range
-        Distances that depth codes span; by default those of the centres that may be seen.
+        Nearest and furthest distance of the depth codes; by default those of the visible centres.
     """
     radii = np.ascontiguousarray(radii, np.float64)
     centres = (cloud.positions - view.eye) @ view.axes.T
-    normals, facing = reference._face_eye(cloud, view, centres)
+    normals, facing = face_eye(cloud, view, centres)
 
     discs = (centres, normals, facing, radii)
     camera = (view.focal, view.near, view.width, view.height, *view.middle)
@@ -148,7 +148,7 @@ def render(
     if depth_range is None:
         depths = centres[splats["left"] <= splats["right"], 2]
         depth_range = (float(depths.min()), float(depths.max())) if len(depths) else (0.0, 0.0)
-    # Depths are compared as codes, which grow with distance.
+    # Depths are compared as codes, which rise with distance.
     low, high = depth_range
     if steps.reciprocal:
         low, high = 1.0 / low, 1.0 / high
@@ -164,7 +164,7 @@ def render(
         depth = coding[2] + depth / largest * coding[3]
         depth = 1.0 / depth if steps.reciprocal else depth
     colours = _colours(cloud, normals, centres, lighting, steps)
-    rgb = _levels(colours[seen], steps) if len(cloud) else np.zeros((*seen.shape, 3))
+    rgb = _quantise_colour(colours[seen], steps) if len(cloud) else np.zeros((*seen.shape, 3))
     rgb = np.where(seen[..., np.newaxis] >= 0, rgb, np.asarray(background, np.float64))
     return Picture(rgb, depth, seen, depth_range)
 
@@ -172,13 +172,13 @@ def render(
 def _colours(
     cloud: Cloud, normals: _Floats, centres: _Floats, lighting: Lighting, steps: Steps
 ) -> _Floats:
-    """Return the colour that each splat shows, before it is rounded: shape (n, 3)."""
+    """Return the colour of each splat before quantisation: shape (n, 3)."""
     base = cloud.colours
     if steps.materials is not None:
         found = find_materials(cloud, steps.materials)
         base = found.palette[found.index]
     if steps.intensity_bits is None:
-        return reference._shade(base, normals, centres, lighting)
+        return shade(base, normals, centres, lighting)
     level = np.empty((2, len(normals)), np.int64)
     _shade_levels(normals, steps.shade_levels, level)
     diffuse, specular = (
@@ -193,15 +193,15 @@ def _colours(
 
 @numba.njit(cache=True)
 def _shade_levels(normals: Any, levels: int, level: Any) -> None:
-    """Set each normal's levels of n'x and n'y."""
+    """Fill in each normal's levels of n'x and n'y."""
     for i in range(len(normals)):
         towards = min(normals[i, 2], GRAZING)
         level[0, i] = quantise(normals[i, 0], towards, levels)
         level[1, i] = quantise(normals[i, 1], towards, levels)
 
 
-def _levels(rgb: _Floats, steps: Steps) -> _Floats:
-    """Return a picture in the engine's levels of colour."""
+def _quantise_colour(rgb: _Floats, steps: Steps) -> _Floats:
+    """Return a picture with its colours rounded to the levels of a stored channel."""
     if steps.channel_bits is None:
         return rgb
     largest = (1 << steps.channel_bits) - 1

@@ -1,7 +1,7 @@
-"""The loops behind :mod:`splatline.sim.reference.point_sampled`: which pixels splats give.
+"""The compiled loops of :mod:`splatline.sim.reference.point_sampled`: footprints and depth test.
 
-A pixel of a splat stands for the place ``scale (column + 0.5) + across`` of the true footprint (and
-likewise for lines), so that a footprint is moved and scaled without being changed.
+Rounding moves and scales a footprint as a whole. A splat therefore maps a pixel's column to the
+position ``scale (column + 0.5) + across`` of the true footprint, and likewise its line.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from splatline.contract.config import BLOCK, ROWS
 from splatline.host.encode.large_splats import STEEP, cut, fraction_size
 from splatline.host.encode.shape_table import LEVELS, quantise
 
-from .reference import bound_disc, bound_part
+from .reference_kernel import bound_disc, bound_part
 
 __all__ = ["DEPTHS", "PLACES", "SIZES", "SPLAT", "draw_bands", "place_splats"]
 
 PLACES = {"true": 0, "quarter": 4, "whole": 1}
-"""Places a pixel; 0: any."""
+"""Positions of a centre per pixel; 0: not rounded."""
 
 SIZES = {"true": 0, "half": 2, "whole": 1}
-"""Diameters a pixel; 0: any."""
+"""Diameters per pixel; 0: not rounded."""
 
 DEPTHS = {"pixel": 0, "fraction": 1, "splat": 2}
 PER_PIXEL, PER_FRACTION = DEPTHS["pixel"], DEPTHS["fraction"]
 
 DISC, ELLIPSE, PIXEL, PAIR = range(4)
-"""Footprints: a disc in perspective; the paper's ellipse; one pixel; a pixel and its half turn."""
+"""Footprints: disc in perspective, the paper's ellipse, one pixel, pixel and its half rotation."""
 
 SPLAT = np.dtype(
     [
         ("kind", np.int64),
-        ("left", np.int64),  # pixels that it may cover, inclusive, within the image
+        ("left", np.int64),  # bounding box in pixels, inclusive, within the image
         ("right", np.int64),
         ("top", np.int64),
         ("bottom", np.int64),
@@ -44,41 +44,46 @@ SPLAT = np.dtype(
         ("down", np.float64),
         ("column", np.float64),  # true centre on the image
         ("line", np.float64),
-        ("slope_x", np.float64),  # n'; of a pair its columns on the upper and the lower line
+        (
+            "slope_x",
+            np.float64,
+        ),  # n'; of a PAIR the column on the upper (x) and on the lower (y) line
         ("slope_y", np.float64),
         ("square", np.float64),  # true radius in pixels, squared
     ]
 )
 
 BAND = 16
-"""Lines that are drawn together."""
+"""Lines of the image in a band."""
 
 SLACK = 1e-6
-"""Pixels by which footprints' bounds are widened, for rounding."""
+"""Pixels by which bounding boxes are widened, to allow for rounding."""
 
 STEEPEST = -1e-6
-"""Greatest product of a normal with its ray (z = 1) that slopes are computed for."""
+"""Largest product of a normal with its ray (z = 1) for slopes; larger ones are clamped to it."""
 
 FAR = 1e9
-"""Pixels; no image is as large."""
+"""A position in pixels beyond any image."""
 
 
 @numba.njit(cache=True, parallel=True, error_model="numpy")
 def place_splats(discs: Any, camera: Any, rounding: Any, slopes: Any, splats: Any) -> None:
-    """Fill in ``splats``; those that are not drawn get left > right.
+    """Fill in ``splats``; a splat that is not drawn gets left > right.
 
     Parameters
     ----------
     discs
-        Centres and normals in camera axes, shape (n, 3), which of them face the eye, and radii.
+        Centres and normals in camera axes, shape (n, 3), which discs face the eye, and radii.
     camera
-        Focal length in pixels, near distance, width, height, and the middle's column and line.
+        Focal length in pixels, near distance, width, height, and column and line of the image's
+        middle.
     rounding
-        Places a pixel, diameters a pixel, whether sizes are rounded up, whether no splat is empty.
+        Positions per pixel, diameters per pixel, whether diameters are rounded up, and whether
+        empty splats get a pixel.
     slopes
-        What the levels of n' stand for; empty: normals are not quantised.
+        Slope of each level of n'; empty: normals are not quantised.
     splats
-        Shape (n,), structured, see ``SPLAT``.
+        Shape (n,), of type ``SPLAT``.
     """
     for i in numba.prange(len(splats)):
         _place(i, discs, camera, rounding, slopes, splats[i])
@@ -86,6 +91,7 @@ def place_splats(discs: Any, camera: Any, rounding: Any, slopes: Any, splats: An
 
 @numba.njit(error_model="numpy")
 def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: Any) -> None:
+    """Fill in one splat."""
     centres, normals, facing, radii = discs
     focal, near, width, height, middle_x, middle_y = camera
     places, sizes, _, never_empty = rounding
@@ -104,7 +110,7 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
         along = normal[0] * centre[0] + normal[1] * centre[1] + normal[2] * centre[2]
         towards = min(along / centre[2], STEEPEST)
         splat.slope_x, splat.slope_y = normal[0] / towards, normal[1] / towards
-    elif places or sizes or never_empty or len(slopes):  # its centre is nowhere on the image
+    elif places or sizes or never_empty or len(slopes):  # the centre is before the near plane
         return
     if len(slopes):
         splat.kind = ELLIPSE
@@ -135,7 +141,7 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
 
 @numba.njit(error_model="numpy")
 def _round_splat(radius: float, rounding: Any, splat: Any) -> float:
-    """Round a splat's place and size; return its diameter then."""
+    """Round a splat's position and size; return the rounded diameter."""
     places, sizes, size_up, _ = rounding
     diameter = 2.0 * radius
     splat.square = radius * radius
@@ -147,7 +153,7 @@ def _round_splat(radius: float, rounding: Any, splat: Any) -> float:
     if places:
         column = math.floor(places * column + 0.5) / places
         line = math.floor(places * line + 0.5) / places
-    # Both are 0 where nothing is rounded.
+    # Both are 0 if nothing is rounded.
     splat.across = splat.column - column * splat.scale
     splat.down = splat.line - line * splat.scale
     return diameter
@@ -155,15 +161,15 @@ def _round_splat(radius: float, rounding: Any, splat: Any) -> float:
 
 @numba.njit(error_model="numpy")
 def _pixels(low: float, high: float, scale: float, shift: float) -> tuple[int, int]:
-    """Return the first and last pixel whose centre stands for a place between two."""
+    """Return the first and last pixel whose centre maps to a position between two bounds."""
     first, last = (low - shift) / scale - 0.5 - SLACK, (high - shift) / scale - 0.5 + SLACK
     return math.ceil(min(max(first, -FAR), FAR)), math.floor(min(max(last, -FAR), FAR))
 
 
 @numba.njit(error_model="numpy")
 def _is_empty(splat: Any, centre: Any, normal: Any, radius: float, camera: Any) -> bool:
-    """Return whether a footprint covers no pixel's centre, in the image or out of it."""
-    # A footprint that is larger than this is taken to cover one, even if it is seen edge on.
+    """Return whether a footprint covers no pixel's centre, inside or outside the image."""
+    # A larger footprint is assumed to cover one, even if it is seen edge on.
     if splat.bottom - splat.top > 4 * BLOCK or splat.right - splat.left > 4 * BLOCK:
         return False
     for line in range(splat.top, splat.bottom + 1):
@@ -175,7 +181,7 @@ def _is_empty(splat: Any, centre: Any, normal: Any, radius: float, camera: Any) 
 
 @numba.njit(error_model="numpy")
 def _draw_least(places: int, size: float, splat: Any) -> None:
-    """Make a splat the least that is drawn."""
+    """Give an empty splat the least footprint: one pixel, or a pixel and its half rotation."""
     if places != 1 or size <= 1.0:
         splat.kind = PIXEL
         splat.left = splat.right = math.floor(splat.column)
@@ -183,7 +189,7 @@ def _draw_least(places: int, size: float, splat: Any) -> None:
         return
     splat.kind = PAIR
     column, line = math.floor(splat.column + 0.5), math.floor(splat.line + 0.5)
-    # Half a pixel above the corner the metric is least here.
+    # The column of least distance in the ellipse's metric, on the line above the corner.
     x, y = splat.slope_x, splat.slope_y
     aside = math.floor(0.5 * x * y / (1.0 + x * x))
     upper, lower = column + aside, column - 1 - aside
@@ -196,7 +202,7 @@ def _draw_least(places: int, size: float, splat: Any) -> None:
 def _meet(
     line: int, column: int, splat: Any, centre: Any, normal: Any, radius: float, camera: Any
 ) -> float:
-    """Return the depth at which a pixel's ray meets a splat within its box; inf if it does not."""
+    """Return the depth at which a pixel's ray hits a splat, or inf; the pixel is in its box."""
     if splat.kind == PIXEL:
         return centre[2]
     x = (column + 0.5) * splat.scale + splat.across
@@ -215,7 +221,7 @@ def _meet(
 
 @numba.njit(error_model="numpy")
 def _meet_disc(x: float, y: float, centre: Any, normal: Any, radius: float, camera: Any) -> float:
-    """Return the depth at which the ray through a place of the image meets a disc; or inf."""
+    """Return the depth at which the ray through a position of the image hits a disc, or inf."""
     t = _plane_depth(x, y, centre, normal, camera)
     focal, near, _, _, middle_x, middle_y = camera
     if not near <= t < np.inf:
@@ -228,7 +234,7 @@ def _meet_disc(x: float, y: float, centre: Any, normal: Any, radius: float, came
 
 @numba.njit(error_model="numpy")
 def _plane_depth(x: float, y: float, centre: Any, normal: Any, camera: Any) -> float:
-    """Return the depth of a disc's plane at a place of the image."""
+    """Return the depth of a disc's plane at a position of the image."""
     focal, _, _, _, middle_x, middle_y = camera
     pull = normal[0] * centre[0] + normal[1] * centre[1] + normal[2] * centre[2]
     a, b = (x - middle_x) / focal, (y - middle_y) / focal
@@ -262,16 +268,16 @@ def draw_bands(
     Parameters
     ----------
     splats, discs, camera
-        As ``place_splats`` has them.
+        As for ``place_splats``.
     coding
-        Largest code of a depth (0: not rounded), whether codes are steps of 1 / z, the value of
-        code 0 and the span of the codes.
+        Largest depth code (0: not quantised), whether codes are steps of 1 / z, the value of code 0
+        and the span of the codes.
     depth
-        One of ``DEPTHS``.
+        A value of ``DEPTHS``.
     codes
-        Shape (height, width), float64, inf where there is nothing yet.
+        Depth codes so far, inf where nothing is drawn: shape (height, width), float64; updated.
     seen
-        Shape (height, width), int64: the splat that is seen.
+        Index of the splat that is seen: shape (height, width), int64; updated.
     """
     starts, members = _sort_into_bands(splats, -(-len(seen) // BAND))
     _draw_bands(starts, members, splats, discs, camera, coding, depth, codes, seen)
@@ -289,6 +295,7 @@ def _draw_bands(
     codes: Any,
     seen: Any,
 ) -> None:
+    """Draw the bands in parallel."""
     centres, normals, _, radii = discs
     for band in numba.prange(len(starts) - 1):
         lines = (BAND * band, min(BAND * band + BAND, len(seen)))
@@ -303,7 +310,7 @@ def _draw_bands(
 
 @numba.njit(error_model="numpy")
 def _code(z: float, coding: Any) -> float:
-    """Return the code of a depth, or the depth itself where it is not rounded."""
+    """Return the code of a depth, or the depth itself if it is not quantised."""
     largest, reciprocal, low, span = coding
     if largest == 0:
         return z
@@ -323,7 +330,7 @@ def _draw(
     codes: Any,
     seen: Any,
 ) -> None:
-    """Draw a splat's pixels, each at its own depth or all at the centre's."""
+    """Draw a splat's pixels, each at its own depth or all at the centre's depth."""
     centre, normal, radius = disc
     code = _code(centre[2], coding)
     for line in range(max(splat.top, lines[0]), min(splat.bottom + 1, lines[1])):
@@ -341,7 +348,7 @@ def _draw(
 def _draw_fractions(
     i: int, splat: Any, disc: Any, camera: Any, coding: Any, lines: Any, codes: Any, seen: Any
 ) -> None:
-    """Draw a splat's pixels by the host's fractions, each at its pixels' mean depth."""
+    """Draw a splat by the host's fractions, each at the depth of its pixels' mean position."""
     centre = disc[0]
     top, bottom = splat.top, min(splat.bottom, codes.shape[0] - 1)
     left, right = _columns(top, bottom, splat, disc, camera)
@@ -363,7 +370,7 @@ def _draw_fractions(
 
 @numba.njit(error_model="numpy")
 def _columns(top: int, bottom: int, splat: Any, disc: Any, camera: Any) -> tuple[int, int]:
-    """Return the first and last column that a splat covers on some lines; first > last if none."""
+    """Return the first and last column of a splat between two lines; first > last if none."""
     centre, normal, radius = disc
     first, last = splat.right + 1, splat.left - 1
     for line in range(top, bottom + 1):
@@ -385,7 +392,7 @@ def _draw_fraction(
     codes: Any,
     seen: Any,
 ) -> None:
-    """Draw what a splat covers of a block: first and last line, first and last column."""
+    """Draw a splat's pixels inside a block, given by its first and last line and column."""
     centre, normal, radius = disc
     pixels, across, down = 0, 0.0, 0.0
     for line in range(block[0], block[1] + 1):
