@@ -1,4 +1,4 @@
-"""Running one component's Verilog under cocotb."""
+"""Simulation of a single component's Verilog with cocotb tests."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ def run_bench(
     Parameters
     ----------
     component
-        What to test; its top module is called ``dut``.
+        Component under test; its top module is called ``dut``.
     bench
         Python file with cocotb tests.
     simulator_name
         One of ``simulator.SIMULATORS``.
     test
-        One test's name; all if not given.
+        Name of one test; all tests if not given.
     edit
-        Changes the Verilog first, to show that the tests notice a fault.
+        Function that plants a fault in the Verilog, which the tests must then notice.
 
     Raises
     ------
@@ -61,19 +61,19 @@ def pack(layout: data.Layout, **values: Any) -> int:
 
 
 def unpack(layout: data.Layout, bits: int) -> Any:
-    """Take an integer apart: structs as namespaces, arrays as lists, else numbers."""
+    """Return the values of a layout's bits: namespaces for structs, lists for arrays, numbers."""
     return _codec(layout)[1](bits)
 
 
 _CODECS: dict[int, tuple[Callable[[Any], int], Callable[[int], Any], data.Layout]] = {}
-"""Of each layout met, by its identity; it is kept, lest another one gets that."""
+"""Packers and unpackers by the layout's ``id``; the layout is kept, so that its id stays unique."""
 
 
 def _codec(layout: data.Layout) -> tuple[Callable[[Any], int], Callable[[int], Any], data.Layout]:
-    """Return what packs and what unpacks a layout.
+    """Return the functions that pack and unpack a layout.
 
-    As Amaranth's ``const`` and ``from_bits``, which look every field up again: with those benches
-    take longer to make their stimuli than to simulate them.
+    They replace Amaranth's ``const`` and ``from_bits``, which look up every field in every call and
+    take longer than the simulation.
     """
     if id(layout) not in _CODECS:
         _CODECS[id(layout)] = _packer(layout), _unpacker(layout), layout
@@ -81,7 +81,7 @@ def _codec(layout: data.Layout) -> tuple[Callable[[Any], int], Callable[[int], A
 
 
 def _packer(shape: Any) -> Callable[[Any], int]:
-    """Return what makes bits of a number, or of a layout's numbers: a dict or a list of them."""
+    """Return a function from a number, or a dict or list of a layout's numbers, to its bits."""
     if not isinstance(shape, data.Layout):
         mask = (1 << Shape.cast(shape).width) - 1
         return lambda value: int(value) & mask
@@ -98,7 +98,7 @@ def _packer(shape: Any) -> Callable[[Any], int]:
 
 
 def _unpacker(shape: Any) -> Callable[[int], Any]:
-    """Return what reads a number, or a layout's numbers, from the lowest bits."""
+    """Return a function from bits to a number, or to a layout's numbers."""
     if not isinstance(shape, data.Layout):
         cast = Shape.cast(shape)
         mask, sign = (1 << cast.width) - 1, 1 << cast.width - 1 if cast.signed else 0

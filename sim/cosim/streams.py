@@ -1,4 +1,4 @@
-"""Sources and sinks for Amaranth streams in cocotb, all stalling at random and apart."""
+"""Sources and sinks for Amaranth streams in cocotb, each with random stalls of its own."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["Sink", "Source", "StreamBench", "StreamRuleError"]
 
 
 class StreamRuleError(AssertionError):
-    """A port broke a rule of valid/ready streams, or a bench ran out of cycles."""
+    """A breach of the rules of valid/ready streams, or a bench that ran out of cycles."""
 
 
 @dataclass
 class Source:
-    """Offers payloads one after the other; once offered, a payload stays until it is taken."""
+    """Source that offers payloads in order; an offered payload stays until it is taken."""
 
     name: str
     payloads: Sequence[int]
@@ -30,7 +30,7 @@ class Source:
 
 @dataclass
 class Sink:
-    """Takes what a port offers, and checks that it offers by the rules."""
+    """Sink that takes a port's payloads and checks that the port keeps to the stream rules."""
 
     name: str
     rate: float
@@ -39,17 +39,18 @@ class Sink:
 
 
 class StreamBench:
-    """Runs a component's streams and plain ports, cycle by cycle.
+    """Driver of a component's streams and plain ports, cycle by cycle.
 
-    Everything is driven at the falling edge and sampled once it has settled, before the rising
-    edge: the order of events within an edge, on which simulators differ, never matters.
+    Inputs are driven at the falling edge. Outputs are sampled after they have settled, before the
+    rising edge. The order of events within an edge, on which simulators differ, has no influence.
 
     Parameters
     ----------
     dut
-        The simulator's top module, with ports ``clk``, ``rst`` and streams as Amaranth names them.
+        Top module of the simulation, with ports ``clk``, ``rst`` and streams as Amaranth names
+        them.
     seed
-        Of the random stalls.
+        Seed of the random stalls.
     """
 
     def __init__(self, dut: Any, seed: int) -> None:
@@ -77,7 +78,7 @@ class StreamBench:
         self.cycles += 2
 
     def source(self, name: str, payloads: Iterable[int], rate: float = 1.0) -> Source:
-        """Add a source on a stream; ``rate`` is the share of cycles in which it is willing."""
+        """Add a source on a stream; ``rate`` is the share of cycles in which it may offer."""
         self.sources.append(Source(name, list(payloads), rate))
         return self.sources[-1]
 
@@ -119,12 +120,12 @@ class StreamBench:
         observe: Callable[[], None] | None = None,
         after: int = 8,
     ) -> int:
-        """Run until ``done``, then ``after`` cycles more for what must not follow.
+        """Run until ``done``, then ``after`` more cycles to catch outputs that must not follow.
 
         Returns
         -------
         int
-            Cycles until ``done``.
+            Number of cycles until ``done``.
 
         Raises
         ------
@@ -150,10 +151,10 @@ class StreamBench:
 
     def _offer(self, source: Source) -> None:
         if not source.offering:
-            willing = source.sent < len(source.payloads) and self.random.random() < source.rate
-            source.offering = willing
-            self._port(source.name, "valid").value = willing
-            if willing:
+            offers = source.sent < len(source.payloads) and self.random.random() < source.rate
+            source.offering = offers
+            self._port(source.name, "valid").value = offers
+            if offers:
                 self._port(source.name, "payload").value = source.payloads[source.sent]
 
     def _take(self, sink: Sink) -> None:

@@ -1,4 +1,4 @@
-"""Inputs that are meant to break the renderer.
+"""The stress suite: inputs that are numerically hard for the renderer.
 
 It imports ``contract``, ``host`` and ``sim``. Start with ``case``.
 """

@@ -1,9 +1,9 @@
-"""Stress cases: a hard input, the picture it must give, and what is measured of it.
+"""Stress cases: a hard input, its bounds, and the measurement of its picture.
 
-A case is data: a scene, perhaps a plain scene whose picture it must repeat, and bounds. ``measure``
-draws both and compares them with each other and with the exact reference. The tests and the table
-in ``docs/bench/stability.md`` are made from the same cases
-(:mod:`splatline.sim.stress.clouds_moved`).
+A case is data: a scene, its bounds, and optionally a base, which is a plain scene whose picture the
+case must reproduce. ``measure`` draws both scenes and compares them with each other and with the
+exact reference. The tests and the tables of ``docs/bench/stability.md`` use the same cases
+(:mod:`splatline.sim.stress.themes`).
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ from .word_checks import contested, faults, sorted_elements
 __all__ = ["REACH", "SOUND", "Bounds", "Case", "Outcome", "Scene", "Theme", "draw", "measure"]
 
 SAMPLES = 3
-"""Of the reference, a side of a pixel: an odd number has the pixel's centre among them."""
+"""Samples of the reference along a side of a pixel; with an odd number one is at the centre."""
 
 REACH = {"paper": 2, "fast": 2, "exact": 1}
-"""Pixels by which a footprint may reach beyond the truth. ``exact``: the pixel that holds a splat
-too small to cover a centre, and what the first order of the projection leaves out. The others round
-a centre to a whole pixel (half a pixel) and a diameter up (half a pixel more) on top of that."""
+"""Pixels by which a footprint may reach beyond the reference's. In ``exact`` the causes are the
+pixel drawn for a splat that covers no centre, and the first-order projection. The other qualities
+also round the centre to a whole pixel (half a pixel) and the diameter up (half a pixel more)."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What is drawn: the arguments of ``host.make_frame``."""
+    """The arguments of ``host.make_frame``."""
 
     cloud: Cloud
     view: View
@@ -56,31 +56,31 @@ class Scene:
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a case must keep to; None is not asked for.
+    """The bounds of a case; None means no bound.
 
     Parameters
     ----------
     same_words
-        The code words are those of the base, every bit.
+        The code words equal the base's, bit for bit.
     same_elements
-        The code words are those of the base, in any order within a line. The picture then differs
-        where several elements have the nearest depth, and nowhere else.
+        The code words equal the base's, in any order within a line. The picture may then differ
+        only at pixels where several elements have the nearest depth.
     changed
-        Largest share of the pixels that differ from the base's picture, in depth or colour.
+        Largest share of pixels that differ from the base's picture, in depth or colour.
     loss
-        Most dB of PSNR against the reference that the base's picture has and this one lacks.
+        Largest loss of PSNR against the reference, compared with the base's picture, in dB.
     psnr
         Least PSNR against the reference in dB.
     holes
-        Largest share of wholly covered pixels that are left background.
+        Largest share of background among the pixels that the reference covers fully.
     stray
-        Largest share of the drawn pixels that are further than ``REACH`` from all the reference
-        covers.
+        Largest share of drawn pixels that are further than ``REACH`` from the reference's
+        coverage.
     refused
-        The input must be refused with ``InputError``: nothing of it is in view. None: it may be,
-        since no disc covers a pixel's centre.
+        True: the input must be refused with ``InputError``, as nothing is in view. None: it may be
+        refused, as no disc covers a pixel's centre.
     compared
-        With the reference.
+        Whether the picture is compared with the reference.
     """
 
     same_words: bool = False
@@ -95,26 +95,26 @@ class Bounds:
 
 
 SOUND = Bounds(holes=None, stray=None)
-"""The stream is sound, whatever it shows: no word outside the image, none at the background's
-depth, not more than the image can need."""
+"""Bounds that only require a sound stream: no code word outside the image, none at the background's
+depth, and no more code words than the image can need."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A hard input, by name.
+    """A hard input with its bounds.
 
     Parameters
     ----------
     name
-        Unique within its theme.
+        Name, unique within its theme.
     make
-        Returns the scene.
+        Function that returns the scene.
     base
-        Returns the plain scene whose picture it must give again, if there is one.
+        Function that returns the plain scene whose picture the case must reproduce, if any.
     bounds
-        What holds.
+        Bounds of the case.
     rough
-        What holds in ``paper`` and ``fast`` instead, if their rounding allows less.
+        Bounds for ``paper`` and ``fast``, if their rounding needs wider ones.
     """
 
     name: str
@@ -124,13 +124,13 @@ class Case:
     rough: Bounds | None = None
 
     def bounds_of(self, quality: str) -> Bounds:
-        """Return what holds in a quality."""
+        """Return the bounds for a quality."""
         return self.bounds if self.rough is None or quality == "exact" else self.rough
 
 
 @dataclass(frozen=True)
 class Theme:
-    """Cases that belong together, and what is expected of them and why."""
+    """Related cases, with the expected outcome and the reason for it."""
 
     title: str
     expected: str
@@ -139,7 +139,7 @@ class Theme:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a case in one quality; None where it does not apply.
+    """The measurements of a case in one quality; None if one does not apply.
 
     Parameters
     ----------
@@ -154,11 +154,11 @@ class Outcome:
     refused
         The host found nothing to draw.
     drawn
-        Pixels.
+        Number of drawn pixels.
     words
-        Length of the stream.
+        Number of code words.
     problems
-        What is not as expected, one line each.
+        Violated bounds and other faults, one line each.
     """
 
     changed: float | None = None
@@ -173,7 +173,7 @@ class Outcome:
 
 
 def draw(scene: Scene, quality: str) -> tuple[Frame, Raster]:
-    """Return a scene's frame and picture; whatever numpy would warn of is an error."""
+    """Return a scene's frame and picture; a floating-point warning of numpy is an error."""
     with np.errstate(all="raise"):
         frame = make_frame(
             scene.cloud,
@@ -187,7 +187,7 @@ def draw(scene: Scene, quality: str) -> tuple[Frame, Raster]:
 
 
 def measure(case: Case, quality: str) -> Outcome:
-    """Draw a case, compare it, and list what is not as expected.
+    """Draw a case, compare it with base and reference, and check its bounds.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def measure(case: Case, quality: str) -> Outcome:
     except InputError as error:
         refused = (f"refused: {error}",) if bounds.refused is False else ()
         return Outcome(refused=True, problems=refused)
-    except Exception as error:  # whatever it is, it is what came of the case
+    except Exception as error:  # any error is a result of the case
         return Outcome(problems=(f"raised {type(error).__name__}: {error}",))
     problems = faults(frame, scene.cloud, scene.view, scene.radii, quality)
     if bounds.refused:
@@ -255,16 +255,17 @@ def _plain(base: Callable[[], Scene], quality: str) -> tuple[Frame, Raster, floa
 
 
 def _truth(scene: Scene) -> reference.Reference:
+    """Return a scene's reference picture."""
     return reference.render(scene.cloud, scene.view, scene.radii, scene.lighting, samples=SAMPLES)
 
 
 def _stray_share(
     picture: Raster, covered: npt.NDArray[np.bool_], scene: Scene, reach: int
 ) -> float | None:
-    """Return how much of what is drawn lies further than ``reach`` pixels from all that should.
+    """Return the share of drawn pixels that are further than ``reach`` from the allowed pixels.
 
-    That is what the reference covers, and the pixel of every point: a disc between the samples, or
-    edge on, is still drawn as one pixel.
+    Allowed are the pixels that the reference covers, and the pixel of every point, since a disc
+    that lies between the samples or is seen edge on is still drawn as one pixel.
     """
     from scipy.ndimage import maximum_filter
 
@@ -275,15 +276,16 @@ def _stray_share(
     centres = (scene.cloud.positions - view.eye) @ view.axes.T
     centres = centres[centres[:, 2] >= view.near]
     with np.errstate(over="ignore"):  # beyond any image, however far
-        place = centres[:, :2] / centres[:, 2:] * view.focal + view.middle
-    place = place[((place >= 0.0) & (place < [view.width, view.height])).all(axis=1)]
+        point = centres[:, :2] / centres[:, 2:] * view.focal + view.middle
+    point = point[((point >= 0.0) & (point < [view.width, view.height])).all(axis=1)]
     allowed = covered.copy()
-    allowed[place[:, 1].astype(np.int64), place[:, 0].astype(np.int64)] = True
+    allowed[point[:, 1].astype(np.int64), point[:, 0].astype(np.int64)] = True
     near: npt.NDArray[Any] = maximum_filter(allowed, 2 * reach + 1)
     return float(np.count_nonzero(drawn & ~near) / np.count_nonzero(drawn))
 
 
 def _psnr(picture: Raster, base: Raster) -> float | None:
+    """Return the PSNR between two pictures in dB, or None if they are equal."""
     error = float(np.mean((picture.to_rgb() - base.to_rgb()) ** 2))
     return -10.0 * math.log10(error) if error > 0.0 else None
 
@@ -296,7 +298,7 @@ def _hold(
     most: float | None = None,
     least: float | None = None,
 ) -> None:
-    """Note a value that is out of its bound; None is a perfect one (or there is nothing)."""
+    """Add a problem if a value violates its bound; None is a perfect value or no value."""
     if value is None:
         return
     if most is not None and not value <= most:

@@ -1,4 +1,4 @@
-"""The stress cases of clouds: moved, scaled, degenerate, of other types, with hard normals."""
+"""Stress cases of clouds: moved, scaled, degenerate, of other data types, with hard normals."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from .small_clouds import (
 __all__ = ["degenerate_cases", "dtype_cases", "normal_cases", "transform_cases"]
 
 ROUNDING = Bounds(changed=1e-3, loss=0.35)
-"""For an input that differs from the base by rounding alone. A coordinate off by 1e-8 of the cloud
-moves its splat by about 1e-6 pixels. With some 10^5 borders and depth steps to cross in a picture,
-0.1 pixels change in the mean; 0.1 % of the pixels leaves room for a handful of ties. If each of
-them were as wrong as can be, the mean square error would grow by 0.001, which at 19 dB is
-0.35 dB."""
+"""Bounds of an input that differs from its base by rounding alone. A coordinate error of 1e-8 of
+the cloud's size moves a splat by about 1e-6 pixels. With some 10^5 borders and depth steps in a
+picture, 0.1 pixels change in the mean. The bound of 0.1 % of the pixels allows for a few ties. If
+each of these pixels had the largest possible error, the mean square error would grow by 0.001,
+which is 0.35 dB at 19 dB."""
 
 SAME = Bounds(same_words=True, changed=0.0, loss=0.0)
 
 
 def transform_cases() -> list[Case]:
-    """Return clouds in other units and far from zero."""
+    """Return cases of clouds in other units and far from zero."""
     cases = []
     for name, cloud in CLOUDS.items():
         base = partial(fitted, cloud())
@@ -67,7 +67,7 @@ def transform_cases() -> list[Case]:
 
 
 def degenerate_cases() -> list[Case]:
-    """Return clouds that lack a dimension, or all of them."""
+    """Return cases of clouds without extent in one dimension or more."""
     rng = np.random.default_rng(5)
     along = rng.uniform(-1.0, 1.0, (400, 1))
     depth = Bounds()
@@ -109,7 +109,7 @@ def degenerate_cases() -> list[Case]:
         ("a lattice, its planes facing the eye", frontal, Columns(grid / 9.0 - 0.5), depth),
     ]
     made = [Case(name, partial(make, cloud), bounds=bounds) for name, make, cloud, bounds in cases]
-    # The discs of two points are as wide as they are apart: far from the first order.
+    # The discs of two points are as wide as the points' distance, too wide for the first order.
     return [
         dataclasses.replace(case, rough=SOUND) if case.name.startswith("two points") else case
         for case in made
@@ -117,7 +117,7 @@ def degenerate_cases() -> list[Case]:
 
 
 def normal_cases() -> list[Case]:
-    """Return normals that are not of unit length, or none at all, or all but edge on."""
+    """Return cases of normals that are not of unit length, missing, or almost edge on."""
     ball = sphere()
     base = partial(fitted, ball)
     normals = np.asarray(ball.normals)
@@ -131,8 +131,8 @@ def normal_cases() -> list[Case]:
     mixed = normals * 10.0 ** np.random.default_rng(6).uniform(-30, 30, (len(normals), 1))
     there = partial(fitted, dataclasses.replace(ball, normals=mixed))
     cases.append(Case("each normal of another length, 1e-30..1e30", there, base, ROUNDING))
-    # Estimated normals lie a few degrees off and have no sign: another picture, as good to see.
-    # (Points at the back are drawn, behind the front, so that the depth range is another.)
+    # Estimated normals are off by a few degrees and have no sign, so the picture differs while its
+    # error is about the same. Points at the back are drawn as well, which changes the depth range.
     near = Bounds(loss=0.5)
     for name, value in (("0", 0.0), ("NaN", np.nan), ("inf", np.inf)):
         broken = normals.copy()
@@ -147,7 +147,7 @@ def normal_cases() -> list[Case]:
     there = partial(fitted, dataclasses.replace(ball, normals=broken))
     cases.append(Case("one component NaN in every tenth", there, base, near))
     cases += [
-        # The levels of a slant end at 88.6 degrees: beyond, the way of a long ellipse is lost.
+        # Quantised normals end at 88.6 degrees; beyond, the direction of a long ellipse is lost.
         Case(
             f"all normals {grade:g} short of edge on",
             partial(_grazing, grade),
@@ -164,7 +164,7 @@ def normal_cases() -> list[Case]:
 
 
 def dtype_cases() -> list[Case]:
-    """Return files of every type: the same values are the same picture."""
+    """Return cases of files of every data type; equal values give equal pictures."""
     ball = on_grid(sphere(), 2.0**-6)  # 64ths from -1 to 1, exact in every type below
     base = partial(fitted, ball)
     cases = []
@@ -182,10 +182,10 @@ def dtype_cases() -> list[Case]:
         ("i8", 2**50, 0),
         ("u8", 2**40, 2**63),
     ):
-        # Unsigned differences would wrap: the type must be left before anything is taken off.
+        # Differences of unsigned integers would wrap, so the reader must convert them first.
         values = whole.astype("i8") * factor
-        places = (values.astype("u8") + np.uint64(offset)) if offset else values
-        columns = dataclasses.replace(ball, positions=places.astype(dtype))
+        positions = (values.astype("u8") + np.uint64(offset)) if offset else values
+        columns = dataclasses.replace(ball, positions=positions.astype(dtype))
         case = Case(f"positions {np.dtype(dtype)}", partial(fitted, columns), base, SAME)
         cases.append(case)
     colours = np.asarray(ball.colours)
@@ -203,7 +203,7 @@ def dtype_cases() -> list[Case]:
 
 
 def _lost_cases(ball: Columns) -> list[Case]:
-    """Return files whose type does not hold the cloud: what they do hold is drawn."""
+    """Return cases of files whose data type rounds the cloud; the rounded cloud is drawn."""
     cases = []
     hills = terrain()
     for shift in (1e3, 1e5, 1e8):
@@ -215,7 +215,7 @@ def _lost_cases(ball: Columns) -> list[Case]:
                 f"float32 at {shift:g}, against float64 of the same values",
                 partial(fitted, single),
                 partial(fitted, held),
-                # At 1e8 the type's step is 8: all points are at one place, and one disc is drawn.
+                # At 1e8 the step of float32 is 8: all points coincide, and one disc is drawn.
                 dataclasses.replace(SAME),
             )
         )

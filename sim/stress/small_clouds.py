@@ -1,4 +1,4 @@
-"""Small clouds that stress cases start from, and what is done to them."""
+"""Small clouds for stress cases, and transformations of clouds and scenes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 SIZE = (96, 80)
-"""Image of most cases: not square, and no multiple of the sixteen lines of the window."""
+"""Image size of most cases; it is not square."""
 
 COLOURS = np.array([[250, 40, 30], [30, 200, 60], [40, 60, 240], [240, 220, 40]], np.uint8)
 
@@ -40,7 +40,7 @@ _Floats = npt.NDArray[np.float64]
 
 
 def sphere(count: int = 2500) -> Columns:
-    """Return points on the unit sphere, as if read from a file."""
+    """Return the columns of a file with points on the unit sphere."""
     rng = np.random.default_rng(1)
     normals = rng.normal(size=(count, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -48,7 +48,7 @@ def sphere(count: int = 2500) -> Columns:
 
 
 def torus(count: int = 2500) -> Columns:
-    """Return points on a torus of radii 1 and 0.4: it hides parts of itself."""
+    """Return points on a torus of radii 1 and 0.4, which hides parts of itself."""
     rng = np.random.default_rng(2)
     around, about = rng.uniform(0.0, 2.0 * np.pi, (2, count))
     normals = np.stack(
@@ -60,10 +60,10 @@ def torus(count: int = 2500) -> Columns:
 
 
 def terrain(side: int = 50) -> Columns:
-    """Return a patch of hills about two units wide, on a shaken grid."""
+    """Return a patch of hills about two units wide, on a jittered grid."""
     rng = np.random.default_rng(3)
-    place = (np.stack(np.meshgrid(*[np.arange(side)] * 2), axis=-1).reshape(-1, 2) + 0.5) / side
-    x, z = (2.0 * place - 1.0 + rng.uniform(-0.3, 0.3, place.shape) / side).T
+    grid = (np.stack(np.meshgrid(*[np.arange(side)] * 2), axis=-1).reshape(-1, 2) + 0.5) / side
+    x, z = (2.0 * grid - 1.0 + rng.uniform(-0.3, 0.3, grid.shape) / side).T
     height = 0.2 * np.sin(3.0 * x + 1.0) * np.cos(4.0 * z)
     slope_x = 0.6 * np.cos(3.0 * x + 1.0) * np.cos(4.0 * z)
     slope_z = -0.8 * np.sin(3.0 * x + 1.0) * np.sin(4.0 * z)
@@ -85,31 +85,31 @@ def disc(count: int = 1500) -> Columns:
 
 
 def _painted(positions: _Floats) -> npt.NDArray[np.uint8]:
-    """Return one of four colours a point, in patches."""
+    """Return a colour for each point, one of four, constant within a patch of space."""
     patch = np.floor(2.0 * positions + 0.3).astype(np.int64) @ np.array([1, 3, 2])
     return COLOURS[patch % len(COLOURS)]
 
 
 def shifted(columns: Columns, offset: tuple[float, float, float]) -> Columns:
-    """Return a cloud moved, in float64 as a file of that type would hold it."""
+    """Return a cloud moved by an offset, with float64 coordinates."""
     return dataclasses.replace(columns, positions=columns.positions + np.asarray(offset))
 
 
 def scaled(columns: Columns, factor: float) -> Columns:
-    """Return a cloud in another unit."""
+    """Return a cloud with its positions multiplied by a factor."""
     return dataclasses.replace(columns, positions=columns.positions * factor)
 
 
 def on_grid(columns: Columns, step: float = 2.0**-10) -> Columns:
     """Return a cloud whose coordinates are multiples of a power of two.
 
-    Sums and products of a few such numbers lose nothing, in whatever order they are taken.
+    Sums and products of a few such numbers are exact in any order.
     """
     return dataclasses.replace(columns, positions=np.rint(columns.positions / step) * step)
 
 
 def fitted(columns: Columns, **view: Any) -> Scene:
-    """Return a cloud as the command draws it: fitted to the image, discs of its own spacing."""
+    """Return a scene as the command draws it: view fitted to the cloud, discs by its spacing."""
     cloud = assemble_cloud(columns, "stress")
     return Scene(cloud, fit_view(cloud, **{"size": SIZE, **view}), splat_radii(cloud))
 
@@ -117,7 +117,7 @@ def fitted(columns: Columns, **view: Any) -> Scene:
 def frontal(
     columns: Columns, distance: float = 4.0, *, focal: float = 100.0, near: float = 1e-3
 ) -> Scene:
-    """Return a cloud seen along -z from a distance, with a camera that rounds nothing."""
+    """Return a scene seen along -z from a distance, with camera axes that are exact in float64."""
     cloud = assemble_cloud(columns, "stress")
     axes = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     view = View(np.array([0.0, 0.0, distance]), axes, focal, *SIZE, near)
@@ -125,7 +125,7 @@ def frontal(
 
 
 def scene_scaled(scene: Scene, factor: float) -> Scene:
-    """Return a scene with cloud, camera and discs in another unit."""
+    """Return a scene with cloud, camera and discs multiplied by a factor."""
     cloud: Cloud = dataclasses.replace(
         scene.cloud,
         positions=scene.cloud.positions * factor,

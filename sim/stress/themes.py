@@ -1,4 +1,4 @@
-"""The stress suite: every theme, what is expected of it and why."""
+"""The themes of the stress suite, each with the expected outcome and the reason for it."""
 
 from __future__ import annotations
 

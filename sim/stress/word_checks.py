@@ -1,4 +1,4 @@
-"""What every stream of code words must keep to, whatever the input was."""
+"""Checks that every stream of code words must pass, whatever the input was."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ _Ints = npt.NDArray[np.int64]
 
 
 class Fragments(NamedTuple):
-    """Every pixel of every element inside the image: one row a pixel, in stream order."""
+    """The pixels of all elements inside the image, one entry a pixel, in stream order.
+
+    ``word`` is the index of the code word.
+    """
 
     word: _Ints
     line: _Ints
@@ -36,7 +39,7 @@ class Fragments(NamedTuple):
 
 
 def elements_of(frame: Frame) -> tuple[npt.NDArray[Any], _Ints, _Ints]:
-    """Return the decoded words of elements, the engine's line of each, and their places."""
+    """Return the decoded elements of a frame, the line of each, and their indices as code words."""
     fields = decode(frame.codewords, frame.config)
     step = np.where(fields["control"] & ~fields["end"], fields["x"], 0).astype(np.int64)
     line = np.cumsum(step)
@@ -45,17 +48,17 @@ def elements_of(frame: Frame) -> tuple[npt.NDArray[Any], _Ints, _Ints]:
 
 
 def fragments(frame: Frame) -> Fragments:
-    """Return the pixels of a frame's elements: the contract, spelled out in numpy.
+    """Return the pixels of a frame's elements, by a plain numpy version of the contract.
 
-    It is slow and holds every pixel, but shares nothing with the golden renderer's loops, and it
-    keeps what that throws away: which words meet at a pixel.
+    It is slow and needs memory for every pixel. It shares no code with the golden renderer's loops,
+    and it keeps all elements that cover a pixel, not only the nearest.
     """
     fields, line, at = elements_of(frame)
     parts = []
     firsts, lasts = block_rows(fields)
     for row in range(BLOCK):
         first, last = firsts[:, row], lasts[:, row]
-        for column in range(BLOCK + 1):  # half a pixel off, it may reach one further
+        for column in range(BLOCK + 1):  # a block shifted by half a pixel has nine columns
             x = fields["x"].astype(np.int64) + column
             y = line - ROWS + row
             inside = (first <= column) & (column <= last)
@@ -68,7 +71,7 @@ def fragments(frame: Frame) -> Fragments:
 
 
 def sorted_elements(frame: Frame) -> npt.NDArray[np.uint64]:
-    """Return the lines and words of a frame's elements, sorted: the frame without its order."""
+    """Return lines and code words of a frame's elements, sorted, so that their order is lost."""
     _, line, at = elements_of(frame)
     words = frame.codewords[at]
     order = np.lexsort([words, line])
@@ -76,9 +79,9 @@ def sorted_elements(frame: Frame) -> npt.NDArray[np.uint64]:
 
 
 def contested(frame: Frame) -> npt.NDArray[np.bool_]:
-    """Return the pixels whose nearest depth belongs to several elements: shape (height, width).
+    """Return which pixels have their nearest depth from several elements: shape (height, width).
 
-    The order of the elements decides these, and no others.
+    Only at these pixels does the picture depend on the order of the elements.
     """
     part = fragments(frame)
     pixel = part.line * frame.width + part.column
@@ -89,19 +92,19 @@ def contested(frame: Frame) -> npt.NDArray[np.bool_]:
 
 
 def most_words(cloud: Cloud, view: View, radii: npt.NDArray[np.float64], quality: str) -> int:
-    """Return more code words than a cloud can need, control words included.
+    """Return an upper bound of a cloud's code words, control words included.
 
-    A splat's image lies in a circle of radius R focal / z times sqrt(1 + a^2 + b^2), a and b its
-    centre's x / z and y / z: that is how far a slanted disc at the border is drawn out. Two pixels
-    more make up for whole places and diameters. It takes a word for every four lines and eight
-    columns that the circle and the image share, and one more a direction where it is cut; in
-    ``exact`` for half as many lines or columns.
+    A splat's image lies in a circle of radius R focal / z sqrt(1 + a^2 + b^2), with a and b the
+    centre's x / z and y / z; the root is the elongation of a slanted disc towards the border. Two
+    pixels more allow for rounding of positions and diameters. The splat takes one code word for
+    every four lines and eight columns that the circle and the image share, and one more in each
+    direction. In ``exact`` a code word covers half as many lines or columns.
     """
     centres = (cloud.positions - view.eye) @ view.axes.T
     centres = np.ascontiguousarray(centres)
     front = centres[:, 2] >= 0.5 * view.near
     z = centres[front, 2]
-    # Beyond any image it does not matter how far.
+    # Overflow is harmless: the values are limited to more than any image.
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         away = np.linalg.norm(centres[front], axis=1) / z
         across = np.minimum(2.0 * radii[front] * view.focal / z * away, 1e6) + 4.0
@@ -121,7 +124,7 @@ def most_words(cloud: Cloud, view: View, radii: npt.NDArray[np.float64], quality
 def faults(
     frame: Frame, cloud: Cloud, view: View, radii: npt.NDArray[np.float64], quality: str
 ) -> list[str]:
-    """Return what is wrong with a frame by itself, one line each; none if it is sound."""
+    """Return the faults of a frame, one line each; an empty list if the frame is sound."""
     config = frame.config
     found = []
     whole = decode(frame.codewords, config)
@@ -133,7 +136,8 @@ def faults(
     idle = ~np.isin(at, fragments(frame).word)
     if (idle & (fields["mode"] == 1)).any():
         found.append("a fraction draws nothing inside the image")
-    # A symmetric word's block may reach into the image with a corner that its shape leaves empty.
+    # A symmetric word may draw nothing although its block overlaps the image: the shape may leave
+    # that corner of the block empty.
     outside = (fields["x"] >= frame.width) | (line - ROWS >= frame.height)
     if (idle & outside).any():
         found.append("a word's block lies outside the image")

@@ -1,4 +1,4 @@
-"""Whole frames through the Verilog on its buses, by the driver.
+"""Simulation of whole frames on the AXI top, through the host's driver.
 
 It imports ``contract``, ``flow``, ``host.device`` and ``sim``. Start with ``axi_device``.
 """

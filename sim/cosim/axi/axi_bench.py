@@ -1,8 +1,9 @@
-"""The cocotb side of the engine on its buses: runs inside the simulator and does what it is told.
+"""The cocotb side of a simulated AXI top: executes commands inside the simulator.
 
-The buses are driven by cocotbext-axi, whose masters and slaves others wrote. Commands come over the
-socket that ``SPLATLINE_SOCKET`` names, as tuples of a method's name and its arguments; simulated
-time stands still between them. The other end is :mod:`splatline.sim.cosim.axi.axi_device`.
+The buses are driven by cocotbext-axi, whose bus models are independent of this project. Commands
+come over the socket that ``SPLATLINE_SOCKET`` names, as tuples of a method's name and its
+arguments. Simulated time stands still between commands. The other end of the socket is
+:mod:`splatline.sim.cosim.axi.axi_device`.
 """
 
 from __future__ import annotations
@@ -31,15 +32,17 @@ from cocotbext.axi import (  # type: ignore[import-untyped]
 __all__ = ["AxiBench", "serve"]
 
 PERIOD_NS = 10
+"""Clock period."""
+
 TICK = 16
-"""Cycles between two looks at whether a frame has come."""
+"""Cycles between two polls for a received packet."""
 
 CHANNELS = (
     ("s_axi_ctrl_b", ("bresp",)),
     ("s_axi_ctrl_r", ("rdata", "rresp")),
     ("m_axis_raster_t", ("tdata", "tkeep", "tlast")),
 )
-"""What the engine offers on its buses: the prefix of valid and ready, and what must stay."""
+"""The engine's output channels: prefix of valid and ready, and payload that must stay stable."""
 
 INPUTS = (
     *(f"s_axi_ctrl_{name}" for name in ("awaddr", "awprot", "awvalid", "wdata", "wstrb", "wvalid")),
@@ -60,7 +63,7 @@ OUTPUTS = (
 
 @cocotb.test()
 async def serve(dut: Any) -> None:
-    """Do what comes over the socket until it closes."""
+    """Execute the commands from the socket until it closes."""
     with socket.socket(socket.AF_UNIX) as end:
         end.connect(os.environ["SPLATLINE_SOCKET"])
         line: Connection[Any, Any] = Connection(end.detach())
@@ -77,7 +80,7 @@ async def serve(dut: Any) -> None:
 
 
 class AxiBench:
-    """The buses of an ``AxiTop``, and a watch on their rules."""
+    """Bus models around an ``AxiTop``, with monitors of the bus rules."""
 
     def __init__(self, dut: Any) -> None:
         self.dut = dut
@@ -89,9 +92,9 @@ class AxiBench:
         }
         self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_raster"), *common)
         for source in self.sources.values():
-            # The sources begin with X on data that is not valid, as a bus may. A lane compares by
-            # an adder, and to a simulator with X a sum with one unknown bit is all unknown: its
-            # sweep after reset would leave out what hardware clears.
+            # The sources start with X on data that is not valid. A lane compares depths with an
+            # adder, and in a simulator with X a sum with one unknown bit is entirely unknown. The
+            # clearing after reset would then miss memory words that the hardware clears.
             source.bus.tdata.value = 0
         self.breaches: list[str] = []
         self.raster = [0, 0]
@@ -110,18 +113,21 @@ class AxiBench:
         await ClockCycles(self.dut.aclk, 2)
 
     async def read(self, offset: int) -> tuple[int, int]:
-        """Read a register: its value and the bus's answer."""
+        """Return a register's value and the bus's response code."""
         done = await self.master.read(offset, 4)
         return int.from_bytes(done.data, "little"), int(done.resp)
 
     async def write(self, offset: int, data: bytes) -> int:
-        """Write bytes at an offset; return the bus's answer."""
+        """Write bytes at an offset; return the bus's response code."""
         return int((await self.master.write(offset, data)).resp)
 
     async def together(
         self, reads: list[int], writes: list[tuple[int, bytes]]
     ) -> tuple[list[tuple[int, int]], list[int]]:
-        """Read and write at once, each in its order; return what :meth:`read` and the rest did."""
+        """Issue reads and writes concurrently, each in order.
+
+        Returns the results of :meth:`read` for each read, and of :meth:`write` for each write.
+        """
         reading = [self.master.init_read(offset, 4) for offset in reads]
         writing = [self.master.init_write(offset, data) for offset, data in writes]
         for event in (*reading, *writing):
@@ -132,12 +138,12 @@ class AxiBench:
         )
 
     async def send(self, name: str, data: bytes, keep: bytes | None) -> None:
-        """Queue a packet on a stream: its bytes and, for each, whether it is kept."""
+        """Queue a packet on a stream; ``keep`` has TKEEP of each byte."""
         frame = AxiStreamFrame(data, tkeep=None if keep is None else list(keep))
         self.sources[name].send_nowait(frame)
 
     async def receive(self, cycles: int) -> bytes | None:
-        """Wait for a packet of the raster; None if none has come after so many cycles."""
+        """Wait for a packet of the raster; return None after so many cycles without one."""
         waited = 0
         while self.sink.empty() and waited < cycles:
             await ClockCycles(self.dut.aclk, TICK)
@@ -145,23 +151,23 @@ class AxiBench:
         return None if self.sink.empty() else bytes(self.sink.recv_nowait(compact=False).tdata)
 
     async def wait(self, cycles: int) -> None:
-        """Let time go by."""
+        """Wait for some cycles."""
         await ClockCycles(self.dut.aclk, cycles)
 
     async def irq(self) -> int:
-        """Return the interrupt."""
+        """Return the level of the interrupt."""
         return int(self.dut.irq.value)
 
     async def pause(self, name: str, pause: bool) -> None:
-        """Hold a stream back, or let it go on: ``codewords``, ``initial`` or ``raster``."""
+        """Pause or resume a stream: ``codewords``, ``initial`` or ``raster``."""
         (self.sink if name == "raster" else self.sources[name]).pause = pause
 
     async def forget(self, name: str) -> None:
-        """Forget what a source has not sent, as when its DMA is reset."""
+        """Discard a source's unsent data, as a reset of its DMA does."""
         self.sources[name].assert_reset()
 
     async def stall(self, rate: float, seed: int) -> None:
-        """Hold every channel back at random in that share of the cycles."""
+        """Stall every channel at random, in this share of the cycles."""
         write, read = self.master.write_if, self.master.read_if
         channels = (
             *(write.aw_channel, write.w_channel, write.b_channel, read.ar_channel, read.r_channel),
@@ -178,26 +184,26 @@ class AxiBench:
         return self.breaches
 
     async def raster_cycles(self) -> tuple[int, int]:
-        """Return in how many cycles since the last call a beat was taken, and waited."""
+        """Return since the last call the cycles with a beat taken, and with a beat waiting."""
         counted, self.raster = self.raster, [0, 0]
         return counted[0], counted[1]
 
     async def watch_engine(self) -> None:
-        """Begin to count what :meth:`engine_cycles` returns."""
+        """Start the counters of :meth:`engine_cycles`."""
         self.engine = [0, 0]
         self.engine_watch = cocotb.start_soon(self._watch_engine())
 
     async def engine_cycles(self) -> tuple[int, int]:
-        """Return in how many cycles a frame was open, and a code word waited for the engine."""
+        """Return the cycles in which a frame was open, and in which a code word had to wait."""
         assert self.engine_watch is not None
         self.engine_watch.cancel()
         return self.engine[0], self.engine[1]
 
     async def turn_over(self, cycles: int) -> list[str]:
-        """Turn all inputs over in the middle of each cycle, and back; return which outputs moved.
+        """Invert all inputs in the middle of each cycle; return the outputs that changed.
 
-        A bus forbids a path from a slave's inputs to its outputs where the master may have one the
-        other way.
+        The inputs are restored before the next clock edge. AXI forbids combinational paths from
+        inputs to outputs, so no output may change.
         """
         inputs = [getattr(self.dut, name) for name in INPUTS]
         outputs = [getattr(self.dut, name) for name in OUTPUTS]
@@ -216,7 +222,7 @@ class AxiBench:
         return [outputs[n]._name for n in sorted(moved)]
 
     async def _watch(self, prefix: str, names: list[str]) -> None:
-        """Note where something that is offered changes or goes before it is taken."""
+        """Record breaches: an offered payload that changes or vanishes before it is taken."""
         valid, ready = getattr(self.dut, f"{prefix}valid"), getattr(self.dut, f"{prefix}ready")
         payload = [getattr(self.dut, name) for name in names]
         waiting: list[int] | None = None
@@ -233,9 +239,9 @@ class AxiBench:
                 self.raster[waiting is not None] += 1
 
     async def _watch_engine(self) -> None:
-        """Count at the ports of the engine itself, inside of the registers of the buses.
+        """Count cycles at the ports of the engine, inside the bus registers.
 
-        A frame is open from its first code word to its end beat, the cycles of both included.
+        A frame is open from its first code word to its end beat, both included.
         """
         inside = self.dut.engine
         ready, valid, beat = inside.raster__ready, inside.raster__valid, inside.raster__payload
@@ -251,6 +257,6 @@ class AxiBench:
 
 
 def _pauses(rate: float, seed: str) -> Iterator[bool]:
-    """Yield whether to pause, cycle by cycle."""
+    """Yield for each cycle whether to pause."""
     numbers = random.Random(seed)
     return (numbers.random() < rate for _ in itertools.count())

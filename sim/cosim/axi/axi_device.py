@@ -1,8 +1,8 @@
-"""A device that is a simulation: the engine's Verilog on its buses, in a process of its own.
+"""A simulated device: the Verilog of the AXI top, in a simulator process of its own.
 
-It has the interface of a board (:class:`splatline.host.device.device.Device`), so what is written
-for one runs on the other. Each command goes to :mod:`splatline.sim.cosim.axi.axi_bench` inside the
-simulator and comes back answered.
+It has the interface of a board (:class:`splatline.host.device.device.Device`), so the driver works
+with both. Each command is executed by :mod:`splatline.sim.cosim.axi.axi_bench` inside the
+simulator, which sends back the result.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from splatline.sim.cosim.simulator import Build, SimulationError
 __all__ = ["SimulatedDevice", "build_axi"]
 
 START_SECONDS = 120.0
-"""How long a simulator may take to start: a machine may have much else to do."""
+"""Longest time that a simulator may take to start, on a busy machine."""
 
 VISIBLE = [
     ("splatline.engine", name)
@@ -43,13 +43,13 @@ VISIBLE = [
         *("raster__valid", "raster__ready", "raster__payload"),
     )
 ]
-"""What the bench reads inside: where code words enter the engine, and where beats leave it."""
+"""Internal signals that the bench reads: the engine's streams of code words and raster beats."""
 
 _SERVE = "import sys; from splatline.sim.cosim.axi.axi_device import serve; serve(sys.argv[1])"
 
 
 def build_axi(config: EngineConfig = PAPER, simulator_name: str = "verilator") -> Build:
-    """Build the simulator of an engine on its buses, or find it built."""
+    """Build the simulator of an AXI top, or return its cached build."""
     from splatline.flow.verilog import convert
     from splatline.rtl.bus.axi_top import AxiTop
 
@@ -60,27 +60,27 @@ def build_axi(config: EngineConfig = PAPER, simulator_name: str = "verilator") -
 
 
 class SimulatedDevice:
-    """A simulator with an engine on its buses; use it in a ``with``, or call :meth:`close`.
+    """A simulator of an AXI top; use it in a ``with``, or call :meth:`close`.
 
     Parameters
     ----------
     config
         The engine's configuration.
     stall
-        Share of the cycles, 0..1 without 1, in which each channel of each bus is held back.
+        Share of the cycles, 0..1 without 1, in which each channel of each bus stalls.
     seed
-        Of the stalls.
+        Seed of the random stalls.
     limit
         Cycles after which :meth:`receive` gives up.
     built
-        What to run instead of the configuration's own build, such as a broken one.
+        Build to use instead of the configuration's own, such as one with a planted fault.
 
     Raises
     ------
     InputError
         If the simulator or cocotbext-axi is not installed.
     SimulationError
-        If it cannot be built or started; from every method, if it stops.
+        If it cannot be built or started; raised by every method if the simulator stops.
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class SimulatedDevice:
         return np.frombuffer(data, "<u8").reshape(-1, raster_stream_bytes(self.config) // 8)
 
     def command(self, name: str, *arguments: object) -> Any:
-        """Have a method of ``AxiBench`` called in the simulator, and return what it returned."""
+        """Call a method of ``AxiBench`` in the simulator; return its result."""
         try:
             self._line.send((name, *arguments))
             while not self._line.poll(1.0):
@@ -149,7 +149,7 @@ class SimulatedDevice:
                     raise EOFError
             return self._line.recv()
         except (EOFError, OSError) as error:
-            _end(self._process)  # so that its log is whole
+            _end(self._process)  # its log is then complete
             raise SimulationError(f"the simulator stopped\n{self._tail()}") from error
 
     def close(self) -> None:
@@ -170,7 +170,7 @@ class SimulatedDevice:
     def _start(
         self, stack: contextlib.ExitStack, scratch: Path, built: Build
     ) -> tuple[subprocess.Popen[bytes], Connection[Any, Any]]:
-        """Start the simulator, and wait until it has called."""
+        """Start the simulator; return its process and the connection to it."""
         address = scratch / "socket"
         job = {
             "folder": str(built.folder),
@@ -204,7 +204,7 @@ class SimulatedDevice:
         return process, line
 
     def _tail(self) -> str:
-        """Return what the simulator said last."""
+        """Return the end of the simulator's log."""
         return self._log.read_text(errors="replace")[-4000:]
 
 
@@ -212,7 +212,7 @@ _RESPONSES = {2: "SLVERR", 3: "DECERR"}
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Wait for a process whose line was closed; end it if it does not."""
+    """Wait for a process whose connection was closed; terminate it if it does not end."""
     try:
         process.wait(10.0)
     except subprocess.TimeoutExpired:
@@ -221,7 +221,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def serve(job: str) -> None:
-    """Run the simulator: what the process of a :class:`SimulatedDevice` does."""
+    """Run the simulator, in the process that a :class:`SimulatedDevice` starts."""
     told = json.loads(job)
     simulator.run(
         Build(Path(told["folder"]), told["top"], told["simulator"], reused=True),

@@ -1,4 +1,4 @@
-"""A whole frame through the engine on its buses: the driver's way, in a simulation."""
+"""Simulation of a whole frame on the AXI top, through the host's driver."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from .axi_device import SimulatedDevice, build_axi
 __all__ = ["simulate_on_buses"]
 
 CYCLES_A_WORD = 64
-"""Far above what a code word or a line of the image takes, stalls left out."""
+"""Cycle limit for a code word or a pixel without stalls, far above the real number."""
 
 
 def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Outcome:
-    """Draw one frame with the generated Verilog on AXI, through the driver.
+    """Draw one frame with the Verilog of the AXI top, through the driver.
 
     Parameters
     ----------
     frame
-        What to draw.
+        Frame to draw.
     stall
-        Share of the cycles, 0..1 without 1, in which each channel of each bus is held back.
+        Share of the cycles, 0..1 without 1, in which each channel of each bus stalls.
     seed
-        Of the random stalls.
+        Seed of the random stalls.
 
     Raises
     ------

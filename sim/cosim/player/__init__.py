@@ -1,4 +1,4 @@
-"""Whole frames through the Verilog: a player in Verilog, and its control.
+"""Simulation of whole frames: a player in Verilog that feeds the engine, and its control.
 
 It imports ``contract``, ``flow`` and ``sim``. Start with ``frames``.
 """

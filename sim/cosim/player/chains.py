@@ -1,4 +1,4 @@
-"""Whole frames through the Verilog of a chain of engines: a stream of code words for each."""
+"""Simulation of whole frames in the Verilog of a chain, one stream of code words an engine."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["ChainJob", "build_chain", "play_chain", "simulate_parts"]
 
 @dataclass(frozen=True, kw_only=True)
 class ChainJob(Playing):
-    """Frames to play to a chain one behind the other; :class:`.jobs.Playing` says how.
+    """Frames to play to a chain in succession, with the options of :class:`.jobs.Playing`.
 
     Parameters
     ----------
     frames
-        The parts of each frame: shape (frames, engines). All parts of a frame have its tables.
+        Parts of each frame, shape (frames, engines). All parts of a frame have the same tables.
     """
 
     frames: Sequence[Sequence[Frame]]
@@ -34,13 +34,13 @@ class ChainJob(Playing):
     def dealt(
         cls, *frames: Frame, engines: int, method: str = DEFAULT_METHOD, **options: object
     ) -> ChainJob:
-        """Return a job of whole frames, each dealt to the engines."""
+        """Return a job of whole frames, each partitioned among the engines."""
         parts = [deal(frame, engines, method) for frame in frames]
         return cls(frames=parts, **options)  # type: ignore[arg-type]
 
     @property
     def parts(self) -> Sequence[Sequence[Frame]]:
-        """What each engine draws of each frame."""
+        """The part of each frame that each engine draws."""
         return self.frames
 
 
@@ -52,7 +52,7 @@ def build_chain(
     queue: int | None = None,
     simulator_name: str = "verilator",
 ) -> Build:
-    """Build the player around a chain's Verilog, or find it built."""
+    """Build the player around a chain's Verilog, or return its cached build."""
     from splatline.flow.chain_verilog import generate_chain
     from splatline.rtl.chain.chain import QUEUE
 
@@ -75,11 +75,12 @@ def play_chain(
     jobs
         At least one; all of one configuration and number of engines.
     link, queue
-        Of the chain.
+        Link of the chain, and length of its fifos.
     simulator_name
         One of ``simulator.SIMULATORS``.
     built
-        A build of ``frame_player`` to use instead of the chain's own, such as a broken one.
+        A build of ``frame_player`` to use instead of the chain's own, such as one with a planted
+        fault.
 
     Raises
     ------
@@ -98,16 +99,16 @@ def play_chain(
 def simulate_parts(
     parts: Sequence[Frame], *, link: str = "merge", stall: float = 0.0, seed: int = 1
 ) -> Outcome:
-    """Draw one frame, dealt to engines, with the generated Verilog of their chain.
+    """Draw one frame, partitioned among the engines, with the generated Verilog of a chain.
 
     Parameters
     ----------
     parts
-        What each engine draws.
+        The part of each engine.
     link
-        Of the chain.
+        Link of the chain.
     stall, seed
-        As of :func:`.frames.simulate_frame`.
+        As for :func:`.frames.simulate_frame`.
 
     Raises
     ------

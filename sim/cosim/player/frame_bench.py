@@ -1,8 +1,8 @@
-"""The cocotb side of whole frames: runs inside the simulator, on ``frame_player.v``.
+"""The cocotb side of the player: controls ``frame_player.v`` inside the simulator.
 
-What to play stands in ``jobs.json`` of the folder that the environment variable
-``SPLATLINE_FOLDER`` names; what came out is written to ``outcomes.json`` beside it. The pictures
-are compared outside, so that nothing here needs the golden renderer.
+The environment variable ``SPLATLINE_FOLDER`` names a folder. Its ``jobs.json`` describes the jobs;
+the outcomes are written to ``outcomes.json`` beside it. Pictures are compared outside the
+simulator, so this module does not need the golden renderer.
 """
 
 from __future__ import annotations
@@ -19,11 +19,12 @@ from cocotb.triggers import ClockCycles, FallingEdge, First, RisingEdge
 __all__ = ["play_frames"]
 
 PERIOD_NS = 10
+"""Clock period."""
 
 
 @cocotb.test()
 async def play_frames(dut: Any) -> None:
-    """Play every job's frame and write down what happened."""
+    """Play every job and write its outcome."""
     folder = Path(os.environ["SPLATLINE_FOLDER"])
     jobs = json.loads((folder / "jobs.json").read_text())
     Clock(dut.clk, PERIOD_NS, unit="ns").start()
@@ -52,7 +53,7 @@ async def reset(dut: Any) -> None:
 
 
 async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
-    """Set the rates and let the player open its files."""
+    """Set a job's options and start the player, which opens its files."""
     await FallingEdge(dut.clk)
     dut.frame.value = index
     dut.seed.value = job["seed"]
@@ -68,7 +69,7 @@ async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
 
 
 async def watch(dut: Any, job: dict[str, Any]) -> dict[str, Any]:
-    """Wait for the end of the frame, and a little for what must not follow it."""
+    """Wait for the end of a job, then 20 cycles to catch beats that must not follow."""
     tick = min(20_000, job["most_cycles"])
     waited = 0
     while not int(dut.finished.value) and waited < job["most_cycles"]:

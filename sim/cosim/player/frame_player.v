@@ -1,15 +1,17 @@
-// Plays whole frames to an engine, or a chain of them: files in, files out, at the simulator's own speed. Each engine has a
-// file of code words, "<folder>/<frame>.codewords_00" and so on.
+// Plays whole frames to an engine or a chain, from files to files, at the simulator's own speed. Each engine has a file
+// of code words, "<folder>/<frame>.codewords_00" and so on.
 //
-// cocotb sets the rates and the seed, pulses `start`, disturbs, and waits for `finished`.
+// cocotb sets the rates and the seed, pulses `start`, optionally resets, and waits for `finished`.
 //
-// `tables_first` table writes go before the first code word, and as many more before each of the first `table_frames`
-// frames: they are offered once the frame before is open, and its own code words once the first of them is. All else is
-// offered as fast as it is taken (with `initial_waits` a frame's initial raster only once the picture before is out), the code words of further frames too, of which there are `frames` in all. `cycles`
-// counts from the first code word taken to the last end beat, both included. "<folder>/<frame>.events" tells when what
-// began and ended: lines of a name, an engine's number and a cycle, counted from `start`.
+// There are `frames` frames. Each of the first `table_frames` has `tables_first` table writes. Those of the first frame
+// come before its first code word. Those of a later frame are offered once the frame before is open; the code words of
+// the later frame follow once the first of them is offered. With `initial_waits`, the initial raster of a frame is
+// offered only once the picture before has left. All other streams are offered as fast as they are taken.
 //
-// The ports come as vectors (module `player_ports`, written by player.py), engine 0 lowest.
+// `cycles` counts from the first code word taken to the last end beat, both included. "<folder>/<frame>.events" records
+// events, one a line: name, number of the engine, and cycle since `start`.
+//
+// Module `player_ports`, which player.py writes, has the streams of code words as vectors, engine 0 lowest.
 `timescale 1ns / 1ps
 module frame_player #(
     parameter ENGINES = 1,
@@ -49,7 +51,7 @@ module frame_player #(
     reg [31:0] ended;
     reg [31:0] initials_ended;
 
-    // Those of a frame wait until the one before has begun: engines between frames would take them at once.
+    // Table writes of a frame wait until the frame before has begun: engines between frames take them at once.
     reg [31:0] begun;
     stream_source #(.WIDTH(TABLE_BITS), .NAME("tables"), .SALT(11)) tables (
         .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(table_rate),
@@ -88,7 +90,7 @@ module frame_player #(
         end
     end
 
-    // Frames that each engine has begun, and the most of them.
+    // `opened`: frames that each engine has begun. `begun`: their maximum over the engines.
     reg [32*ENGINES-1:0] opened;
     wire [ENGINES-1:0] opens;
     integer e;
@@ -110,11 +112,12 @@ module frame_player #(
     generate
         for (n = 0; n < ENGINES; n = n + 1) begin : engine
             wire [63:0] word = codewords[64*n +: 64];
-            // A control word, MODE 1 with four empty rows, and its bit for the end of the frame.
+            // An end word: mode 1, four empty rows, and the bit for the end of the frame.
             wire ends = word[0] && word[25] && word[3:1] > word[6:4] && word[9:7] > word[12:10]
                 && word[15:13] > word[18:16] && word[21:19] > word[24:22];
             reg open;
-            // Where a chain begins the frame that follows before its table writes are offered, it goes without them.
+            // Code words of a frame wait for the first of its table writes; otherwise the engine would begin the frame
+            // without them.
             reg [31:0] ended;
             wire [31:0] following = ended + (codeword_valid[n] && ends);
             wire may = following >= table_frames || tables_taken + (table_valid && following != 0) > tables_first * following;
@@ -189,7 +192,7 @@ module frame_player #(
                     counting <= 0;
                 end
             end
-            // Nothing may come after the end beat, nor before the first code word.
+            // No beat may come after the last end beat, or before the first code word.
             if (beat_valid && (finished || taken == 0)) stray <= stray + 1;
         end
     end

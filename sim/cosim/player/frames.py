@@ -1,4 +1,4 @@
-"""Whole frames through an engine's Verilog: code words in, rasters and cycle counts out."""
+"""Simulation of whole frames in an engine's Verilog: code words in, rasters and cycles out."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ __all__ = ["Job", "build_engine", "play", "simulate_frame"]
 
 @dataclass(frozen=True, kw_only=True)
 class Job(Playing):
-    """A frame to play to an engine, and those right behind it; :class:`.jobs.Playing` says how.
+    """Frames to play to an engine in succession, with the options of :class:`.jobs.Playing`.
 
     Parameters
     ----------
     frame
-        Code words, tables and size.
+        First frame.
     followed_by
-        Frames whose table writes and code words are offered right behind, while those before are
+        Further frames. Their table writes and code words are offered while the frames before are
         still being drawn.
     """
 
@@ -40,7 +40,7 @@ class Job(Playing):
 
     @property
     def parts(self) -> list[list[Frame]]:
-        """Each frame as a whole, for the one engine."""
+        """Each frame as a single part, for the one engine."""
         return [[frame] for frame in self.frames]
 
 
@@ -52,13 +52,13 @@ def simulate_frame(
     Parameters
     ----------
     frame
-        What to draw.
+        Frame to draw.
     initial
-        Raster to start from.
+        Initial raster.
     stall
-        Share of the cycles, 0 to 255/256, in which each port is held back at random.
+        Share of the cycles, 0 to 255/256, in which each port stalls at random.
     seed
-        Of the random stalls.
+        Seed of the random stalls.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def simulate_frame(
 
 
 def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Build:
-    """Build the player around the engine's Verilog, or find it built."""
+    """Build the player around an engine's Verilog, or return its cached build."""
     from splatline.flow.verilog import generate
 
     return wrap(generate(config)[0], config, simulator_name=simulator_name)
@@ -88,7 +88,8 @@ def play(
     simulator_name
         One of ``simulator.SIMULATORS``.
     built
-        A build of ``frame_player`` to use instead of the configuration's own, such as a broken one.
+        A build of ``frame_player`` to use instead of the configuration's own, such as one with a
+        planted fault.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Words of any width in text files, as Verilog reads and writes them."""
+"""Text files of hexadecimal numbers, one a line, as Verilog reads and writes them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["read_hex", "write_hex"]
 
 
 def write_hex(path: Path, words: npt.NDArray[np.uint64], bits: int) -> None:
-    """Write words of any width, one a line; ``words`` has shape (n, limbs), lowest limb first."""
+    """Write numbers of ``bits`` bits; ``words`` has shape (n, limbs), lowest limb first."""
     digits = math.ceil(bits / 4)
     data = np.ascontiguousarray(words[:, ::-1]).astype(">u8").tobytes().hex()
     row = 16 * words.shape[1]
@@ -25,7 +25,7 @@ def write_hex(path: Path, words: npt.NDArray[np.uint64], bits: int) -> None:
 
 
 def read_hex(path: Path, bits: int) -> npt.NDArray[np.uint64]:
-    """Read what a simulator wrote with ``%h``, one word of ``bits`` bits a line."""
+    """Read numbers of ``bits`` bits that a simulator wrote with ``%h``: shape (n, limbs)."""
     digits = math.ceil(bits / 4)
     limbs = math.ceil(bits / 64)
     text = np.frombuffer(path.read_bytes(), np.uint8)

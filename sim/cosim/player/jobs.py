@@ -1,4 +1,4 @@
-"""What the player plays to an engine or a chain, and what comes out: jobs and their outcomes."""
+"""Jobs of the player, which are frames with options, and their outcomes."""
 
 from __future__ import annotations
 
@@ -19,34 +19,38 @@ from splatline.sim import golden
 __all__ = ["STREAMS", "Outcome", "Playing", "Times", "table_writes"]
 
 STREAMS = ("codeword", "table", "initial", "raster")
+"""The streams of the player."""
+
 SLOWEST = 1 / 256
-"""The least share of the cycles in which the player can be told to be willing."""
+"""Lowest rate of a stream."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Playing(ABC):
-    """How frames are played one behind the other, and how the player disturbs them.
+    """Frames that are played in succession, with initial rasters, stalls and resets.
 
     Parameters
     ----------
     initial
-        Raster that the first frame starts from, and those without table writes of their own; or
-        one, or None, for each frame. Each is offered as soon as the one before it was taken.
+        Initial raster of the first frame and of the frames without table writes, or a list with a
+        raster or None for each frame. An initial raster is offered as soon as the one before it was
+        taken.
     initial_waits
-        No: only once the picture before is out, as by a host that draws over its own pictures.
+        An initial raster is offered only after the picture before has left, as by a host that draws
+        over its own pictures.
     rates
-        Share of the cycles in which each stream is willing, 1/256..1 (1 if not named): code words,
-        table writes and the initial raster are offered, the result is taken. Every engine's code
-        words come at the same rate, and each at times of its own.
+        Share of the cycles, 1/256..1, in which a stream may transfer; 1 for a stream that is not
+        named. The engines of a chain get code words at the same rate, with independent gaps.
     seed
-        Of the random gaps.
+        Seed of the random gaps.
     reset_after
-        Cycles after which the hardware is reset and the frames are started anew.
+        Cycles after which the hardware is reset and the frames are started again.
     write_tables
-        ``every``: all tables before every frame; ``first``: before the first alone, so that no
-        frame waits for the one before to leave; ``none``: they are as the job before left them.
+        ``every``: all tables are written before every frame. ``first``: before the first frame
+        alone, so that no frame waits for the one before to leave. ``none``: the tables of the
+        previous job stay.
     most_cycles
-        After so many the job counts as stuck; more than enough if not given.
+        Cycles after which the job counts as stuck; by default more than enough.
     """
 
     initial: Raster | Sequence[Raster | None] | None = None
@@ -60,11 +64,11 @@ class Playing(ABC):
     @property
     @abstractmethod
     def parts(self) -> Sequence[Sequence[Frame]]:
-        """What each engine draws of each frame: shape (frames, engines)."""
+        """The part of each frame that each engine draws: shape (frames, engines)."""
 
     @property
     def frames_with_tables(self) -> int:
-        """How many of the frames have table writes, the first ones."""
+        """Number of frames that have table writes; they come first."""
         written = {"every": len(self.parts), "first": 1, "none": 0}
         if self.write_tables not in written:
             raise ValueError(f"tables are written every, first or none, not {self.write_tables!r}")
@@ -72,7 +76,10 @@ class Playing(ABC):
 
     @property
     def starts(self) -> list[Raster | None]:
-        """What each frame starts from: the load bit stays as it was written last."""
+        """The initial raster of each frame, or None.
+
+        A frame without table writes keeps the load bit of the frame before.
+        """
         frames = len(self.parts)
         if isinstance(self.initial, Sequence):
             if len(self.initial) != frames:
@@ -82,14 +89,14 @@ class Playing(ABC):
         return [None if own and number else self.initial for number in range(frames)]
 
     def pictures(self) -> list[Raster]:
-        """Return what golden makes of each frame."""
+        """Return the golden renderer's picture of each frame."""
         return [
             golden.render_parts(parts, start)
             for parts, start in zip(self.parts, self.starts, strict=True)
         ]
 
     def scaled_rates(self) -> tuple[dict[str, int], float]:
-        """Return the streams' rates as the player takes them, 0..255, and the slowest as it is.
+        """Return the streams' rates as the player's inputs, 0..255, and the lowest rate, 0..1.
 
         Raises
         ------
@@ -108,7 +115,7 @@ class Playing(ABC):
         )
 
     def table_writes(self) -> list[npt.NDArray[np.uint64]]:
-        """Return the table writes of each frame that has any; all its parts have its tables."""
+        """Return the table writes of each frame that has any, from its first part."""
         return [
             table_writes(part.tables, part.width, part.height, start is not None, part.config)
             for (part, *_), start in zip(
@@ -119,14 +126,14 @@ class Playing(ABC):
 
 @dataclass(frozen=True)
 class Times:
-    """When what began and ended in a frame: cycles from the start of its job.
+    """Times of a frame's events, in cycles from the start of its job.
 
     Parameters
     ----------
     opened, closed
-        Of each engine its first code word and its end word.
+        Times of the first code word and of the end word of each engine.
     first_beat, end_beat
-        Of the raster; the same if nothing was drawn.
+        Times of the raster's first beat and end beat; equal if nothing was drawn.
     """
 
     opened: tuple[int, ...]
@@ -137,20 +144,20 @@ class Times:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the Verilog made of a job.
+    """The outcome of a job in the Verilog.
 
     Parameters
     ----------
     rasters
-        The pictures, one a frame.
+        The picture of each frame.
     beats
-        The stream they came in: shape (n, words of 64 bits), uint64.
+        The raster beats of all frames: shape (n, limbs of 64 bits), uint64.
     cycles
-        From the first code word taken to the last end beat, both included.
+        Cycles from the first code word taken to the last end beat, both included.
     seconds
-        Time the simulator took to build and to run, which all jobs of a run share.
+        Seconds to build and to run the simulator, for all jobs of the run together.
     times
-        Of each frame, where the player noted them.
+        Times of each frame's events, if the player recorded them.
     """
 
     rasters: list[Raster]

@@ -1,4 +1,4 @@
-"""Playing jobs to a build of ``frame_player.v``: the files between it and Python."""
+"""Runs of jobs on a build of ``frame_player.v``, and the files that it exchanges with Python."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def play_jobs(
     jobs
         At least one; all of one configuration and number of engines.
     build
-        Returns the player around the Verilog of such a configuration and number of engines.
+        Function that returns the player's build for a configuration and a number of engines.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def play_jobs(
 
 
 def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict[str, Any]:
-    """Write the files that the player reads for a job; return what its bench needs to know."""
+    """Write the files that the player reads for a job; return the job's entry in ``jobs.json``."""
     for engine, parts in enumerate(zip(*job.parts, strict=True)):
         words = np.concatenate([part.codewords for part in parts])
         write_hex(folder / f"{index}.codewords_{engine:02}", words[:, np.newaxis], 64)
@@ -83,8 +83,9 @@ def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict
     if beats:
         write_hex(folder / f"{index}.initial", np.concatenate(beats), config.raster_end.end)
     rates, slowest = job.scaled_rates()
-    # About what a code word takes, and a word of the image with loading and flush, four times over;
-    # of a chain what one engine would take for everything, which is more than it may.
+    # A rough upper bound of the cycles: those of all code words, and of a load and a flush of every
+    # pixel. The limit below is four times this bound. A chain gets the bound of a single engine
+    # that draws everything.
     work = 20_000 + sum(
         4 * len(part.codewords) + 3 * part.width * part.height + 20 * part.height
         for parts in job.parts
@@ -111,7 +112,7 @@ def _read(
     report: dict[str, int] | None,
     seconds: dict[str, float],
 ) -> Outcome:
-    """Read what came of a job; raise if a frame did not end or a port broke the rules."""
+    """Return a job's outcome; raise if a frame did not end or a port broke the stream rules."""
     if report is None or not report["finished"]:
         raise SimulationError(f"frame {index} did not end")
     if report["breaches"]:
@@ -125,7 +126,7 @@ def _read(
 
 
 def _pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]) -> list[Raster]:
-    """Return the pictures of a job's frames; raise if the beats are not theirs."""
+    """Return the pictures of a job's frames; raise if the beats do not fit the frames."""
     limb, shift = divmod(frames[0].config.raster_end.lsb, 64)
     ends = np.flatnonzero(beats[:, limb] >> np.uint64(shift) & np.uint64(1)) + 1
     parts = np.split(beats, ends[:-1])
@@ -141,7 +142,7 @@ def _pictures(index: int, beats: npt.NDArray[np.uint64], frames: Sequence[Frame]
 
 
 def _times(path: Path, parts: Sequence[Sequence[Frame]]) -> list[Times]:
-    """Read when each frame's parts began and ended."""
+    """Return the times of each frame's events, from the file that the player wrote."""
     found: dict[tuple[str, int], list[int]] = {}
     for row in path.read_text().splitlines():
         name, engine, cycle = row.split()

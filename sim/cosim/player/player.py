@@ -1,4 +1,4 @@
-"""The player around an engine's Verilog, or a chain's, ready to be built."""
+"""Build of the player around the Verilog of an engine or a chain."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ def wrap(
     *,
     simulator_name: str = "verilator",
 ) -> Build:
-    """Build the player around Verilog, or find it built.
+    """Build the player around Verilog, or return its cached build.
 
     Parameters
     ----------
     text
-        What was generated, or a changed one.
+        Verilog of the engine or chain, possibly with a planted fault.
     config
-        Configuration of the engine, or of a chain's.
+        Configuration of the engine, or of the chain's engines.
     engines
-        How many the chain has; None: it is an engine by itself.
+        Number of engines of a chain; None: a single engine.
     simulator_name
         One of ``simulator.SIMULATORS``.
     """
@@ -48,12 +48,12 @@ def wrap(
 
 
 def _without_tools(text: str) -> str:
-    """Drop comments, which carry versions: only the circuit decides whether to build anew."""
+    """Return Verilog without comment lines; these hold versions, which must not cause a rebuild."""
     return "\n".join(line for line in text.splitlines() if not line.startswith(("//", "/*")))
 
 
 def _ports(config: EngineConfig, names: list[str]) -> str:
-    """Return the module between the player's vectors and the ports of what it plays to."""
+    """Return the module that connects the player's vectors to the ports of the engine or chain."""
     streams = {
         "tables": ("input", config.table_address.end),
         "initial": ("input", config.raster_end.end),
@@ -68,7 +68,7 @@ def _ports(config: EngineConfig, names: list[str]) -> str:
     links = [".clk(clk), .rst(rst)"]
     for name, (way, bits) in streams.items():
         back = "output" if way == "input" else "input"
-        payload = "initial_beat" if name == "initial" else name  # initial is a word of Verilog
+        payload = "initial_beat" if name == "initial" else name  # a keyword of Verilog
         ports.append(f"{way} [{bits - 1}:0] {payload}, {way} {name}_valid, {back} {name}_ready")
         links.append(
             f".{name}__payload({payload}), .{name}__valid({name}_valid)"

@@ -1,4 +1,4 @@
-// Counts breaches of the stream rules: a valid payload must stay, unchanged, until it is taken.
+// Counts breaches of the stream rule: an offered payload stays valid and unchanged until it is taken.
 module stream_check #(
     parameter WIDTH = 64
 ) (

@@ -1,7 +1,7 @@
-// Offers the words of a file on a valid/ready stream, with random gaps.
+// Offers the numbers of a file on a valid/ready stream, with random gaps.
 //
-// `start` opens "<folder>/<frame>.<NAME>", one hexadecimal word a line; a missing file is an empty one. While `run`
-// is high, each word is offered after a gap that ends with probability (rate + 1) / 256 a cycle; once offered, it
+// `start` opens "<folder>/<frame>.<NAME>", which has one hexadecimal number a line. A missing file counts as empty.
+// While `run` is high, a gap before a payload ends with probability (rate + 1) / 256 in each cycle. An offered payload
 // stays until it is taken.
 module stream_source #(
     parameter WIDTH = 64,
