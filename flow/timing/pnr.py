@@ -44,7 +44,7 @@ OPTIONS = ("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
 TIMED = ("--placer-heap-timingweight", "40")
 """Four times what it is else: the placer cares more for the slowest wires than for the length of
 all. A tenth faster where a block RAM and its comparison are two thirds of the longest way
-(``docs/decisions.md``)."""
+(decision 0055)."""
 
 SHORT = ("--placer", "static")
 """A placer that keeps all wires short. That is faster where rows of lanes have their block RAMs all

@@ -17,7 +17,7 @@ __all__ = ["STEEP", "cut", "encode_fractions", "fraction_size"]
 
 STEEP = 3.0 / 512.0
 """Share of the depth range, from corner to corner, beyond which ``exact`` halves a fraction: its
-pixels have one depth. By measured error against words and cycles; see ``docs/decisions.md``."""
+pixels have one depth. By measured error against words and cycles; see decision 0005."""
 
 
 @nb.njit(inline="always")

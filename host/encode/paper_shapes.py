@@ -30,7 +30,7 @@ def encode_symmetric(
     """Write a splat's words; see :mod:`splatline.host.encode.write_words` for ``at`` and ``to``.
 
     Diameters are rounded up: about a pixel corner a disc of 3 pixels covers no more than one of 2,
-    and rounding to nearest left three to ten times the holes (``docs/decisions.md``).
+    and rounding to nearest left three to ten times the holes (decision 0002).
 
     - Diameters up to 1 pixel: the pixel that holds the centre, one fraction (MODE 1).
     - Up to 8: the shape table's block, its middle at the pixel corner nearest to the centre, one

@@ -16,4 +16,4 @@ AS_PAPER, FAST, EXACT = (list(QUALITIES).index(name) for name in ("paper", "fast
 
 DEFAULT_QUALITY = "exact"
 """Highest PSNR on every scene measured, for as many words as ``fast`` wherever splats are small
-(``docs/decisions.md``)."""
+(decision 0001)."""

@@ -34,7 +34,7 @@ def quantise(part: float, facing: float, levels: int) -> int:
 
     Levels are even steps of n' / (1 + |n'|), which lies in -1..1: so they are fine where shapes and
     shades change most, and no slope is too large. Measured against steps even in angle
-    (``docs/decisions.md``), and free of an arc tangent.
+    (decision 0007), and free of an arc tangent.
     """
     level = int((0.5 - 0.5 * part / (abs(part) - facing)) * levels)
     return min(max(level, 0), levels - 1)

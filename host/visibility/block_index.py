@@ -21,7 +21,7 @@ __all__ = ["BLOCK_POINTS", "Index", "build_index"]
 
 BLOCK_POINTS = 128
 """Points a block: enough that testing blocks costs nothing, few enough that their bounds are tight
-(``docs/decisions.md``)."""
+(decision 0014)."""
 
 CURVE_BITS = 10
 """Bits of each coordinate along the curve: cells of a thousandth of the cloud hold few blocks."""

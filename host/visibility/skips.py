@@ -22,7 +22,7 @@ REASONS = {name: number for number, name in enumerate(SKIPS, start=1)}
 """Their numbers in compiled code; 0 is a point that is kept."""
 
 DEFAULT_SKIPS = frozenset({"outside", "facing_away", "no_pixel"})
-"""What is left out unless asked otherwise (``docs/decisions.md``)."""
+"""What is left out unless asked otherwise (decision 0011)."""
 
 
 def check_skips(skips: Iterable[str]) -> frozenset[str]:
