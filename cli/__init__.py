@@ -1,1 +1,1 @@
-"""The command line: thin, and the one place that knows host, hardware and simulation."""
+"""The command line. It imports all rooms. Start with ``main``."""

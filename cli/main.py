@@ -1,4 +1,4 @@
-"""The program ``splatline``: its commands, and how it ends."""
+"""The program ``splatline``: its commands, error messages and exit codes."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ BAD_INPUT = 2
 """Exit code of bad input and of a wrong command line."""
 
 TOOL_FAILED = 1
-"""Exit code where Yosys, nextpnr or ecppack failed."""
+"""Exit code if Yosys, nextpnr or ecppack failed."""
 
 INTERRUPTED = 130
-"""Exit code of a run stopped with Ctrl-C, as shells have it (128 + SIGINT)."""
+"""Exit code of a run stopped with Ctrl-C, by the convention of shells (128 + SIGINT)."""
 
 TERMINATED = 143
-"""Exit code of a run that was sent SIGTERM."""
+"""Exit code of a run stopped with SIGTERM (128 + SIGTERM)."""
 
 
 class Program(click.Group):
-    """A group of commands that answers every user's error with one line and no traceback."""
+    """Group of commands that reports a user's error in one line, without a traceback."""
 
     def main(  # type: ignore[override]  # click overloads it by standalone_mode
         self,
@@ -51,15 +51,15 @@ class Program(click.Group):
         if not standalone_mode:
             return super().main(args, prog_name, standalone_mode=False, **extra)
         try:
-            with _ends_in_order():
+            with _exits_on_sigterm():
                 code = super().main(args, prog_name, standalone_mode=False, **extra)
         except click.exceptions.NoArgsIsHelpError as error:
             error.show()
             code = BAD_INPUT
-        except ToolFailure as error:  # with the lines of its log: there is nothing else to go by
+        except ToolFailure as error:  # the message keeps its lines, which hold the tool's log
             click.echo(f"splatline: {error.format_message()}", err=True)
             code = error.exit_code
-        except ToolError as error:  # likewise
+        except ToolError as error:  # the same
             click.echo(f"splatline: {error}", err=True)
             code = TOOL_FAILED
         except click.ClickException as error:
@@ -68,14 +68,14 @@ class Program(click.Group):
             code = _complain(str(error))
         except OSError as error:
             code = _complain(_file_trouble(error))
-        except click.Abort:  # what click makes of Ctrl-C
+        except click.Abort:  # click raises it on Ctrl-C
             code = INTERRUPTED
         sys.exit(code)
 
 
 @contextmanager
-def _ends_in_order() -> Iterator[None]:
-    """Have SIGTERM end the run as Ctrl-C does: tools are killed, scratch files removed."""
+def _exits_on_sigterm() -> Iterator[None]:
+    """Exit on SIGTERM as on Ctrl-C, so that tools are killed and scratch files are removed."""
 
     def end(*_: object) -> None:
         sys.exit(TERMINATED)
@@ -88,13 +88,13 @@ def _ends_in_order() -> Iterator[None]:
 
 
 def _complain(message: str) -> int:
-    """Say what was wrong in one line on standard error; return the exit code."""
+    """Print an error message as one line on standard error; return the exit code."""
     click.echo(f"splatline: {' '.join(message.split())}", err=True)
     return BAD_INPUT
 
 
 def _usage(error: click.ClickException) -> str:
-    """Return click's message with the command that would explain more."""
+    """Return click's message, followed by the command that shows the help."""
     message = error.format_message()
     if isinstance(error, click.UsageError) and error.ctx is not None:
         return f"{message.rstrip('.')} (see {error.ctx.command_path} --help)"
@@ -102,7 +102,7 @@ def _usage(error: click.ClickException) -> str:
 
 
 def _file_trouble(error: OSError) -> str:
-    """Return what the system said about which file."""
+    """Return the system's message with the name of the file."""
     reason = error.strerror or str(error) or type(error).__name__
     return reason if error.filename is None else f"{os.fspath(error.filename)}: {reason}"
 

@@ -1,7 +1,7 @@
-"""What a chain takes beside its engines, and how fast that can be clocked.
+"""Measure the resources of a chain's mergers and fifos, and their clock rate.
 
-Prints LUTs, flip-flops and block RAMs of a merger and of a queue on the Virtex-II, and the clock
-rate of a merger between its queues, routed on the ECP5 of ``splatline pnr``. Takes some minutes.
+Prints LUTs, flip-flops and block RAMs of a merger and of a fifo on the Virtex-II. Prints the clock
+rate of a merger with its fifos, routed on the ECP5 of ``splatline pnr``. Takes some minutes.
 
     .venv/bin/python docs/measure_chain.py
 """
@@ -32,7 +32,7 @@ SEEDS = (1, 2, 3, 4)
 
 
 class Link(wiring.Component):
-    """A merger with the queues before it, each stream in pieces as on an engine's pins."""
+    """A merger with the fifos before it; its streams come in pieces, as on the narrow top."""
 
     def __init__(self, config: EngineConfig):
         self.config = config
@@ -65,13 +65,13 @@ class Link(wiring.Component):
 
 
 def route(component: wiring.Component) -> dict[int, float]:
-    """Return the clock rate in MHz by the placer's seed."""
+    """Return the routed clock rate in MHz, by seed of the placer."""
     rates = {}
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "top.v").write_text(convert(component, "top"))
         (folder / "top.lpf").write_text(CONSTRAINTS.read_text())
-        # ABC9 of this Yosys stops without a word on one of the queues' lengths.
+        # ABC9 of this version of Yosys stops without a message for some lengths of the fifos.
         script = f"read_verilog top.v; {SYNTHESIS} -noabc9 -top top -json top.json"
         run_yosys(script, folder)
         for seed in SEEDS:
@@ -83,7 +83,7 @@ def route(component: wiring.Component) -> dict[int, float]:
 
 
 def main() -> None:
-    """Print what there is to know."""
+    """Print resources and clock rates."""
     for name, component in (("merger", Merger(PAPER)), ("queue", Fifo(PAPER, QUEUE))):
         counts = count_component(component)
         print(name, ", ".join(f"{kind} {count:,}" for kind, count in counts.items()), flush=True)

@@ -1,9 +1,10 @@
-"""Measure what elements cost on the wire: shapes in words, compact words, and shorter ones.
+"""Measure the bits that are sent for elements: plain, compact and hypothetical shorter code words.
 
-Run as ``.venv/bin/python docs/measure_compact.py``: the built-in scenes with splats of several
-sizes, ``--quality paper``. Prints a table: bits with shapes in the words, with compact words of 64
-bits, and with such of 57 (size 5, n' 12, D 7, S 7, material 7, x 9, z 9 and one that tells them
-from other words, which then have 65); and pieces of 16 bits, as the pins take them.
+Run as ``.venv/bin/python docs/measure_compact.py``. It encodes the built-in scenes with splats of
+several sizes and the quality ``paper``. It prints a table of bits for three kinds of code words:
+plain ones, compact ones of 64 bits, and compact ones of 57 bits. The latter have size 5, n' 12, D
+7, S 7, material 7, x 9, z 9 and one bit that tells them from other code words, which then have 65.
+The table also has the number of pieces of 16 bits, in which the narrow top takes code words.
 """
 
 import numpy as np
@@ -18,7 +19,7 @@ SHORT, WORD, PIECE = 57, 64, 16
 
 
 def count(frame):
-    """Return how many words of a frame are compact, and how many are others (the contract)."""
+    """Return the numbers of compact and of other code words of a frame."""
     config = frame.config
 
     def take(field):

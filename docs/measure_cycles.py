@@ -1,8 +1,8 @@
-"""Measure cycles an element on the RTL beside the cycle model and the bounds of memory layouts.
+"""Measure cycles an element in the Verilog, beside those of the cycle model.
 
-Run as ``.venv/bin/python docs/measure_cycles.py [CLOUD ...]``: the built-in scenes, and any clouds
-named, through the Verilog of the presets ``paper`` and ``swift``. Prints a table and
-writes ``docs/cycles.json``.
+Run as ``.venv/bin/python docs/measure_cycles.py [CLOUD ...]``. It simulates the built-in scenes and
+any clouds named, with the presets ``paper`` and ``swift``. It prints a table and writes
+``docs/cycles.json``.
 """
 
 import dataclasses
@@ -23,16 +23,16 @@ from splatline.sim.cycles.cycles import count_cycles
 
 
 def in_column_order(frame):
-    """Return the frame with each line's words from left to right: neighbours follow each other."""
+    """Return the frame with each line's elements in order of their columns."""
     fields = golden.decode(frame.codewords, frame.config)
     line = np.cumsum(fields["control"])
-    # The control word that begins a line stays before its words.
+    # The control word that begins a line stays before the elements of that line.
     order = np.lexsort((fields["x"], ~fields["control"], line))
     return dataclasses.replace(frame, codewords=frame.codewords[order])
 
 
 def measure(name, config, cloud, **options):
-    """Return the cycles of a cloud's frame, 512 x 512."""
+    """Return the counts of a cloud's frame of 512 x 512 pixels."""
     view = fit_view(cloud, **options)
     frame = make_frame(cloud, view, radii=splat_radii(cloud), config=config)
     outcome = simulate_frame(frame)

@@ -1,8 +1,8 @@
 """Measure the golden renderer's rate on one core and on two.
 
-Run as ``.venv/bin/python docs/measure_golden.py``. Splats of 1 to 4 pixels across at random places
-of a 512 x 512 image, and the built-in scenes. Prints a table: the best of many runs, since a
-machine has other things to do as well.
+Run as ``.venv/bin/python docs/measure_golden.py``. It draws splats of 1 to 4 pixels at random
+positions of a 512 x 512 image, and the built-in scenes. It prints a table with the fastest of many
+runs, as other processes slow down the rest.
 """
 
 import os
@@ -20,7 +20,7 @@ REPEATS = 25
 
 
 def random_frame(count):
-    """Return a frame of ``count`` small ellipses at random places, turned and lit at random."""
+    """Return a frame of ``count`` small ellipses with random positions, normals and colours."""
     rng = np.random.default_rng(1)
     depth = rng.uniform(1.0, 1.001, count)
     column, line = rng.uniform(4 - SIZE / 2, SIZE / 2 - 4, (2, count))
@@ -41,14 +41,14 @@ def random_frame(count):
 
 
 def seconds(frame, threads):
-    """Return the least seconds that a frame takes with a number of threads, compiled before."""
+    """Return the least time of a frame in seconds with a number of threads, after compilation."""
     numba.set_num_threads(threads)
     golden.render(frame)
     return min(timed(frame) for _ in range(REPEATS))
 
 
 def timed(frame):
-    """Return the seconds that a frame takes."""
+    """Return the time of a frame in seconds."""
     begin = time.perf_counter()
     golden.render(frame)
     return time.perf_counter() - begin

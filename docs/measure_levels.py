@@ -1,9 +1,9 @@
-"""Measure what 64 levels of n'x and n'y cost, by how the levels are spread.
+"""Measure the errors of normals quantised to 64 levels of n'x and n'y, by spacing of the levels.
 
-Run as ``.venv/bin/python docs/measure_levels.py``. Normals even over the hemisphere that the eye
-sees, ellipses at random sub-pixel places, the default lights. Prints a table: pixels that the
-quantised ellipse covers wrongly, as a share of the true one's, and errors of D and S, as shares of
-full scale (root mean squares).
+Run as ``.venv/bin/python docs/measure_levels.py``. Normals are uniform over the hemisphere that the
+eye sees. Ellipses have random sub-pixel positions, and lights are the default ones. It prints a
+table of the pixels that the quantised ellipse covers wrongly, as a share of the true ellipse's
+pixels, and of the RMS errors of D and S, as shares of full scale.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ COUNT = 40_000
 
 
 def spread(power):
-    """Return levels even in n' / (1 + |n'|^p)^(1/p): the map and its inverse."""
+    """Return n' -> n' / (1 + |n'|^p)^(1/p), in which levels are even, and the inverse map."""
     return (
         lambda s: s / (1 + np.abs(s) ** power) ** (1 / power),
         lambda u: u / (1 - np.abs(u) ** power) ** (1 / power),
@@ -30,22 +30,22 @@ SPREADS = {
 
 
 def quantised(slopes, there, back):
-    """Return slopes rounded to the middle of their level."""
+    """Return slopes rounded to the centre of their level."""
     level = np.clip(np.floor((there(slopes) + 1) * LEVELS / 2), 0, LEVELS - 1)
     return back((level + 0.5) * 2 / LEVELS - 1)
 
 
-def covered(slopes, radius, places):
+def covered(slopes, radius, positions):
     """Return which of 17 x 17 pixels each ellipse covers."""
     offset = np.arange(-8, 9)
-    dx = offset[None, None, :] + places[0][:, None, None]
-    dy = offset[None, :, None] + places[1][:, None, None]
+    dx = offset[None, None, :] + positions[0][:, None, None]
+    dy = offset[None, :, None] + positions[1][:, None, None]
     across = slopes[:, :1, None] * dx + slopes[:, 1:, None] * dy
     return dx * dx + dy * dy + across * across <= radius[:, None, None] ** 2
 
 
 def shaded(slopes, lighting):
-    """Return D and S of surfaces, unquantised."""
+    """Return D and S of surfaces without quantisation."""
     normal = -np.concatenate([slopes, np.ones((len(slopes), 1))], axis=1)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     diffuse, specular = np.full(len(slopes), lighting.ambient), np.zeros(len(slopes))
@@ -64,13 +64,13 @@ def main():
     normal = rng.normal(size=(COUNT, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     slopes = normal[:, :2] / np.maximum(np.abs(normal[:, 2:]), 1e-6)
-    radius, places = rng.uniform(1, 4, COUNT), rng.uniform(-0.5, 0.5, (2, COUNT))
-    true, light = covered(slopes, radius, places), shaded(slopes, Lighting())
+    radius, positions = rng.uniform(1, 4, COUNT), rng.uniform(-0.5, 0.5, (2, COUNT))
+    true, light = covered(slopes, radius, positions), shaded(slopes, Lighting())
     print("| levels | wrong pixels | D | S |")
     print("|---|---:|---:|---:|")
     for name, (there, back) in SPREADS.items():
         ours = quantised(slopes, there, back)
-        wrong = (covered(ours, radius, places) != true).sum() / true.sum()
+        wrong = (covered(ours, radius, positions) != true).sum() / true.sum()
         errors = [
             np.sqrt(np.mean((a - b) ** 2))
             for a, b in zip(shaded(ours, Lighting()), light, strict=True)

@@ -1,10 +1,11 @@
-"""Measure what a dense frame pays for the picture that it leaves, and for the one it starts from.
+"""Measure the cycles that a dense frame spends on flushes, and on loading an initial raster.
 
-Run as ``.venv/bin/python docs/measure_load.py [ENGINE ...]`` (``paper``, ``rgb24`` and ``swift`` if
-none is named). It draws the built-in scenes, 512 x 512, in the generated Verilog: each as an
-engine's second frame, once over nothing and once over its own picture, whose words are all loaded
-and then leave again. It prints cycles, and what they are more than one for each code word, which no
-engine takes less than. Splats are as large as the scene is spaced, times 0.7, 1 and 4/3.
+Run as ``.venv/bin/python docs/measure_load.py [ENGINE ...]``; without arguments it measures
+``paper``, ``rgb24`` and ``swift``. It simulates the built-in scenes, 512 x 512, in the generated
+Verilog. Each is drawn as an engine's second frame, once over background and once over its own
+picture, so that every word is loaded and flushed. It prints the cycles, and their excess over one
+cycle for each code word, which is the least possible. Splats have the diameter of the scene's
+spacing, times 0.7, 1 and 4/3.
 """
 
 from __future__ import annotations

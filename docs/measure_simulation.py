@@ -1,9 +1,10 @@
-"""Measure what a simulation of the engine costs: building, finding it built, and running a frame.
+"""Measure the time to build a simulation of the engine, to find it cached, and to run a frame.
 
-Run as ``.venv/bin/python docs/measure_simulation.py [PRESET ...]`` (``paper`` if none is named): it
+Run as ``.venv/bin/python docs/measure_simulation.py [PRESET ...]``; the default is ``paper``. It
 draws the built-in terrain, 512 x 512, with the generated Verilog in Verilator under cocotb. The
-first build starts from an empty cache, in a folder that is removed in the end; the Verilog is
-written anew before each build, so what is found is found by its content. Seconds are wall time.
+first build starts from an empty cache, in a folder that is removed at the end. The Verilog is
+generated again before the second build, which the cache finds by its content. Seconds are wall
+time.
 """
 
 import os
@@ -17,10 +18,10 @@ from splatline.sim import golden
 from splatline.sim.cosim.player.frames import build_engine, simulate_frame
 
 STALLS = (0.0, 0.25, 0.5)
-"""Shares of the cycles in which each port is held back."""
+"""Shares of the cycles in which each port stalls."""
 
 MOST_BUILD, MOST_RUN, ELEMENTS = 40.0, 3.0, 100_000
-"""Targets: seconds of a build, and of a frame of so many elements."""
+"""Targets: seconds of a build, seconds of a run, and the elements of that run."""
 
 
 def make_terrain(config):
@@ -33,14 +34,14 @@ def make_terrain(config):
 
 
 def build(config):
-    """Return the build of a preset's engine, and the seconds that it took."""
+    """Return the build of a preset's engine, and its time in seconds."""
     begin = time.perf_counter()
     built = build_engine(config)
     return built, time.perf_counter() - begin
 
 
 def measure(config):
-    """Print what an engine's simulation costs."""
+    """Print the times of an engine's simulation."""
     frame = make_terrain(config)
     elements = frame.counts["elements"]
     picture = golden.render(frame)

@@ -1,4 +1,4 @@
-"""Figures and sheets of pictures, made from results.
+"""Figures, plots and sheets of pictures, made from results.
 
 It imports ``contract``, ``host`` and ``sim``. Start with ``figure``.
 """

@@ -1,4 +1,4 @@
-"""The splat pictures behind a benchmark's numbers: one sheet a scene, small parts enlarged."""
+"""Sheets of pictures for ``bench accuracy``: enlarged parts, one sheet for each scene and view."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ __all__ = ["SHOWN", "Crops", "compose_pictures"]
 _Pixels = npt.NDArray[np.uint8]
 
 SIDE = 96
-"""Pixels of a part's side."""
+"""Side of a part in pixels."""
 
 ENLARGED = 2
-"""Pixels of the sheet for a pixel of a part."""
+"""Enlargement of a part on the sheet."""
 
 OVERVIEW = 2
-"""Pixels of the picture for one of the overview."""
+"""Reduction of the whole picture for the overview."""
 
 NARROWEST = 150
-"""Pixels of the sheet that the overview has at the least, for the line above it."""
+"""Least width of the overview's column on the sheet in pixels, for the text above it."""
 
 COLUMNS = (
     ("reference", None),
@@ -40,12 +40,12 @@ COLUMNS = (
 """Quality and preset of each picture of a row."""
 
 SHOWN = (None, 7.0)
-"""Sizes of splats that have a row; None: those of the points' spacing."""
+"""Sizes of splats with a row in the sheet; None: by the points' spacing."""
 
 MARGIN, GAP, TITLE, HEADING = 32, 14, 80, 44  # pixels of the sheet
 
 FRAME = (255, 255, 255)
-"""RGB of the frame about the part that is shown."""
+"""RGB of the frame around the part in the overview."""
 
 
 class Crops:
@@ -54,11 +54,11 @@ class Crops:
     Parameters
     ----------
     scene, orbit, splats
-        What the case is: splats in pixels, None for those of the points' spacing.
+        The case: scene, orbit and size of splats in pixels (None: by the points' spacing).
     exact
-        The reference.
-    place
-        Lines and columns of the part; by default where the reference has most detail.
+        The reference's picture.
+    part
+        Lines and columns of the part; by default those where the reference has most detail.
     """
 
     def __init__(
@@ -67,22 +67,22 @@ class Crops:
         orbit: tuple[float, float],
         splats: float | None,
         exact: Reference,
-        place: tuple[slice, slice] | None = None,
+        part: tuple[slice, slice] | None = None,
     ) -> None:
         self.scene, self.orbit, self.splats = scene, orbit, splats
-        self.place = place or busiest(exact.rgb, min(SIDE, *exact.rgb.shape[:2]))
+        self.part = part or busiest(exact.rgb, min(SIDE, *exact.rgb.shape[:2]))
         self.parts: dict[tuple[str, str | None], _Pixels] = {}
         self.add("reference", None, exact.rgb)
-        self.overview = _reduce(_frame(_bytes(exact.rgb), self.place))
+        self.overview = _reduce(_frame(_bytes(exact.rgb), self.part))
 
     def add(self, quality: str, preset: str | None, rgb: npt.NDArray[np.float64]) -> None:
         """Keep the part of a picture: shape (height, width, 3), 0..1."""
         if (quality, preset) in COLUMNS:
-            self.parts[quality, preset] = _bytes(rgb[self.place])
+            self.parts[quality, preset] = _bytes(rgb[self.part])
 
 
 def busiest(rgb: npt.NDArray[np.float64], side: int) -> tuple[slice, slice]:
-    """Return the square part of a picture with most change from pixel to pixel."""
+    """Return the square part of a picture with the largest differences between neighbours."""
     grey = rgb.mean(axis=2)
     change = np.zeros_like(grey)
     change[:, 1:] += np.abs(np.diff(grey, axis=1))
@@ -104,7 +104,7 @@ def compose_pictures(
     cases
         One scene and view, several sizes of splats.
     psnr
-        In dB, by (splats, quality, preset).
+        PSNR in dB, by (splats, quality, preset).
     """
     from matplotlib.figure import Figure
 
@@ -128,38 +128,39 @@ def compose_pictures(
     for row, case in enumerate(cases):
         top = TITLE + row * (HEADING + high + GAP)
         size = "splats fitted" if case.splats is None else f"splats of {case.splats:g} px"
-        for place, key in enumerate(COLUMNS):
+        for column, key in enumerate(COLUMNS):
             if key not in case.parts:
                 continue
-            x = left + place * (wide + GAP)
+            x = left + column * (wide + GAP)
             name = " ".join(part for part in key if part)
             value = psnr.get((case.splats, *key))
             line = size if key[0] == "reference" else "" if value is None else f"{value:.2f} dB"
             pen.text(x, top + 20, name, 16, INK, weight="bold")
             pen.text(x, top + 37, line, 13, FAINT)
-            part = case.parts[key].repeat(ENLARGED, axis=0).repeat(ENLARGED, axis=1)
-            pen.picture(x, top + HEADING, part / 255.0)
+            enlarged = case.parts[key].repeat(ENLARGED, axis=0).repeat(ENLARGED, axis=1)
+            pen.picture(x, top + HEADING, enlarged / 255.0)
     data = io.BytesIO()
     figure.savefig(data, format="png", dpi=DPI, facecolor=PAPER)
     return data.getvalue()
 
 
 def _bytes(rgb: npt.NDArray[np.float64]) -> _Pixels:
+    """Return a picture as 8-bit RGB."""
     return np.rint(rgb.clip(0.0, 1.0) * 255.0).astype(np.uint8)
 
 
-def _frame(pixels: _Pixels, place: tuple[slice, slice]) -> _Pixels:
-    """Draw a frame, as wide as a pixel of the overview, about a part."""
-    lines, columns = place
-    inner = pixels[place].copy()[OVERVIEW:-OVERVIEW, OVERVIEW:-OVERVIEW]
-    pixels[place] = FRAME
+def _frame(pixels: _Pixels, part: tuple[slice, slice]) -> _Pixels:
+    """Draw a frame around a part, one pixel of the overview wide."""
+    lines, columns = part
+    inner = pixels[part].copy()[OVERVIEW:-OVERVIEW, OVERVIEW:-OVERVIEW]
+    pixels[part] = FRAME
     pixels[lines.start + OVERVIEW : lines.stop - OVERVIEW,
            columns.start + OVERVIEW : columns.stop - OVERVIEW] = inner  # fmt: skip
     return pixels
 
 
 def _reduce(pixels: _Pixels) -> _Pixels:
-    """Return a picture reduced by ``OVERVIEW``; odd last lines and columns are left out."""
+    """Return a picture reduced by ``OVERVIEW``, without the rest of its lines and columns."""
     height, width = (length // OVERVIEW for length in pixels.shape[:2])
     even = pixels[: height * OVERVIEW, : width * OVERVIEW].astype(np.float64)
     blocks = even.reshape(height, OVERVIEW, width, OVERVIEW, 3)

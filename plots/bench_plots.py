@@ -1,4 +1,4 @@
-"""Plots of a benchmark: run time against error with its front, and the error budget."""
+"""Plots of ``bench accuracy``: cost against error with the Pareto front, and the error budget."""
 
 from __future__ import annotations
 
@@ -19,29 +19,30 @@ __all__ = ["plot_pareto", "plot_pareto_scenes", "plot_waterfall"]
 _Rows = Sequence[Mapping[str, Any]]
 
 COLOURS = {"paper": "#ff9f6b", "fast": "#6cc5ff", "exact": "#7ddc9a"}
-"""Of a quality."""
+"""Colours of the qualities."""
 
 MARKERS = "osD^vPX*"
-"""Of a preset, in the order of the runs."""
+"""Markers of the presets, in the order of the runs."""
 
 LOSS, GAIN = "#ff7a70", "#7ddc9a"
+"""Colours of a step that lowers, and that raises the PSNR."""
 
 AXES = {
     "seconds": "host + golden, ms a frame",
     "cycles_per_element": "clock cycles an element",
 }
-"""Costs, and what to call them."""
+"""Costs, and the labels of their axes."""
 
 
 def plot_pareto(points: _Rows) -> bytes:
-    """Return the plot of cost against error, all scenes together, as a PNG.
+    """Return the plot of cost against error over all scenes, as a PNG.
 
     Parameters
     ----------
     points
-        ``quality``, ``samples``, ``way`` (the name of both), ``preset``, ``psnr_db``, ``seconds``
-        and ``cycles_per_element`` (or None), one of each way and preset. A cost that no point has
-        gets no panel.
+        One entry for each way and preset, with the keys ``quality``, ``samples``, ``way`` (the name
+        of both), ``preset``, ``psnr_db``, ``seconds`` and ``cycles_per_element`` (or None). A cost
+        that no point has gets no panel.
     """
     costs = [cost for cost in AXES if any(point.get(cost) is not None for point in points)]
     figure, axes = _figure(len(costs), 1, 6.6, 5.4)
@@ -76,13 +77,13 @@ def plot_pareto_scenes(scenes: Mapping[str, _Rows]) -> bytes:
 
 
 def plot_waterfall(ladders: Sequence[tuple[str, Mapping[str, Sequence[float]]]]) -> bytes:
-    """Return the error budgets as a PNG, a panel each.
+    """Return the plot of error budgets, a panel for each, as a PNG.
 
     Parameters
     ----------
     ladders
-        Title, and by the name of each step the PSNR in dB of every scene after it; the last step is
-        the engine's picture.
+        Pairs of a title and a mapping from the name of each step to the PSNR in dB of every scene.
+        The last step is the engine's picture.
     """
     from matplotlib.ticker import MaxNLocator
 
@@ -105,23 +106,23 @@ def plot_waterfall(ladders: Sequence[tuple[str, Mapping[str, Sequence[float]]]])
 
 
 def _draw_ladder(panel: Axes, steps: Mapping[str, Sequence[float]], floor: float) -> None:
-    """Draw one error budget: whole bars at its ends, and what each step between takes."""
+    """Draw one error budget: full bars for its ends, and the change of each step between."""
     means = [math.fsum(values) / len(values) for values in steps.values()]
     last = len(means) - 1
-    for place, (mean, values) in enumerate(zip(means, steps.values(), strict=True)):
-        if place in (0, last):
-            panel.bar(place, mean - floor, 0.7, floor, color="#5b6675")
-            panel.text(place, mean + 0.2, f"{mean:.2f}", color=INK, ha="center", fontsize=9)
+    for step, (mean, values) in enumerate(zip(means, steps.values(), strict=True)):
+        if step in (0, last):
+            panel.bar(step, mean - floor, 0.7, floor, color="#5b6675")
+            panel.text(step, mean + 0.2, f"{mean:.2f}", color=INK, ha="center", fontsize=9)
         else:
-            change = mean - means[place - 1]
+            change = mean - means[step - 1]
             colour = LOSS if change < 0.0 else GAIN
-            panel.bar(place, change, 0.7, means[place - 1], color=colour)
-            top = max(mean, means[place - 1])
-            panel.text(place, top + 0.15, f"{change:+.2f}", color=INK, ha="center", fontsize=9)
-        if place < last:
-            panel.plot([place - 0.35, place + 1.35], [mean, mean], color=FAINT, linewidth=0.8)
+            panel.bar(step, change, 0.7, means[step - 1], color=colour)
+            top = max(mean, means[step - 1])
+            panel.text(step, top + 0.15, f"{change:+.2f}", color=INK, ha="center", fontsize=9)
+        if step < last:
+            panel.plot([step - 0.35, step + 1.35], [mean, mean], color=FAINT, linewidth=0.8)
         if len(values) > 1:
-            aside = [place + 0.25] * len(values)
+            aside = [step + 0.25] * len(values)
             panel.plot(aside, values, "o", color=INK, markersize=2.2, alpha=0.55)
     panel.set_xticks(range(len(means)), list(steps), rotation=35, ha="right", color=INK)
     panel.set_xlim(-0.6, last + 0.6)
@@ -130,7 +131,7 @@ def _draw_ladder(panel: Axes, steps: Mapping[str, Sequence[float]], floor: float
 def _draw_front(
     panel: Axes, points: _Rows, cost: str, markers: Mapping[str, str], *, named: bool
 ) -> None:
-    """Draw points and the front of those that nothing beats."""
+    """Draw the points of a panel and their Pareto front."""
     points = [point for point in points if point.get(cost) is not None]
     if not points:
         return
@@ -167,24 +168,24 @@ def _draw_front(
 def _name_front(
     panel: Axes, costs: Sequence[float], values: Sequence[float], names: Sequence[str]
 ) -> None:
-    """Write names left of the front's points, which nothing is above on the left, and apart."""
-    line, letter = 11.0, 5.4  # points that a name takes
+    """Write the names of the front's points to their left, where no point is, without overlap."""
+    line, letter = 11.0, 5.4  # height of a line and width of a letter, in points
     figure = panel.get_figure(root=True)
     assert figure is not None
-    figure.draw_without_rendering()  # so that it is known where the points will be
+    figure.draw_without_rendering()  # settles the layout, and so the positions of the points
     before, lowest = -math.inf, -math.inf
     for cost, value, name in zip(costs, values, names, strict=True):
         x, y = panel.transData.transform((cost, value)) * 72.0 / figure.dpi
-        place = max(y, lowest) if x < before + letter * len(name) else y
+        base = max(y, lowest) if x < before + letter * len(name) else y
         panel.annotate(
-            name, (cost, value), (-7, place - y), textcoords="offset points",
+            name, (cost, value), (-7, base - y), textcoords="offset points",
             color=INK, fontsize=8.5, ha="right", va="bottom",
         )  # fmt: skip
-        before, lowest = x, place + line
+        before, lowest = x, base + line
 
 
 def _ticks(panel: Axes, costs: Sequence[float]) -> None:
-    """Write plain numbers on a logarithmic axis, closer together where it spans little."""
+    """Set plain numbers as ticks of a logarithmic axis, denser if it spans less."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
     wide = max(costs) > 8.0 * min(costs)
@@ -196,7 +197,7 @@ def _ticks(panel: Axes, costs: Sequence[float]) -> None:
 
 
 def _size(samples: int) -> float:
-    """Return the size of the marker for so many samples a pixel."""
+    """Return the size of the marker for a number of samples a pixel."""
     return 7.5 + 1.5 * math.log2(samples)
 
 
@@ -207,7 +208,7 @@ def _markers(points: _Rows) -> dict[str, str]:
 
 
 def _legend(figure: Figure, markers: Mapping[str, str], points: _Rows) -> None:
-    """Explain colours, markers and their sizes, to the right of all panels."""
+    """Add the legend of colours, markers and sizes, to the right of all panels."""
     from matplotlib.lines import Line2D
 
     entries = [
@@ -230,7 +231,7 @@ def _legend(figure: Figure, markers: Mapping[str, str], points: _Rows) -> None:
 
 
 def _figure(columns: int, lines: int, wide: float, high: float) -> tuple[Figure, list[list[Axes]]]:
-    """Return a figure of panels, each so many inches, in the colours of the other figures."""
+    """Return a figure and its panels, each ``wide`` x ``high`` inches."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(columns * wide, lines * high), facecolor=PAPER, layout="constrained")
@@ -246,6 +247,7 @@ def _figure(columns: int, lines: int, wide: float, high: float) -> tuple[Figure,
 
 
 def _save(figure: Figure) -> bytes:
+    """Return a figure as a PNG."""
     data = io.BytesIO()
     figure.savefig(data, format="png", dpi=110, facecolor=PAPER)
     return data.getvalue()

@@ -1,4 +1,4 @@
-"""Pictures on disk: single PNGs, and one figure that shows them side by side with the numbers."""
+"""Picture files of a run: single PNGs, and a figure of them side by side with the statistics."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ __all__ = ["BACKGROUND", "GAIN", "picture_set", "save_depth", "save_rgb"]
 _Floats = npt.NDArray[np.float64]
 
 BACKGROUND = (23 / 255, 26 / 255, 31 / 255)
-"""RGB of the pixels that nothing was drawn into: dark, so that lit surfaces stand out."""
+"""RGB of the background: dark, so that lit surfaces stand out."""
 
 GAIN = 4
-"""Amplification of the difference."""
+"""Amplification of the difference picture."""
 
 DEPTHS = "viridis_r"
 """Colour map of depth in the figure."""
 
 
 def save_rgb(path: str | Path, rgb: npt.ArrayLike) -> None:
-    """Write a picture as an 8-bit PNG, whole or not at all.
+    """Write a picture as an 8-bit PNG, atomically.
 
     Parameters
     ----------
     path
-        Where it goes; the folder must exist.
+        The file; its folder must exist.
     rgb
-        Shape (height, width, 3), float: 0..1, clipped.
+        Shape (height, width, 3), float; clipped to 0..1.
 
     Raises
     ------
@@ -48,14 +48,15 @@ def save_rgb(path: str | Path, rgb: npt.ArrayLike) -> None:
 
 
 def save_depth(path: str | Path, raster: Drawn) -> None:
-    """Write a raster's depth as a 16-bit grey PNG: near is white, the background 0.
+    """Write a raster's depth as a 16-bit grey PNG: near is white, the background is 0.
 
-    Nothing is lost: depth d of a background depth b is stored as ``(b - d) 65535 / b``, rounded.
+    Depth d is stored as ``(b - d) 65535 / b``, rounded, where b is the background's depth. The
+    conversion is lossless.
 
     Parameters
     ----------
     path
-        Where it goes; the folder must exist.
+        The file; its folder must exist.
     raster
         The picture.
 
@@ -78,7 +79,7 @@ def picture_set(
     background: tuple[float, float, float] = BACKGROUND,
     stats: Mapping[str, Any] | None = None,
 ) -> list[Path]:
-    """Write the pictures of a run, and a figure of them all.
+    """Write the pictures of a run, and a figure of all of them.
 
     Parameters
     ----------
@@ -87,16 +88,15 @@ def picture_set(
         ``difference.png`` (engine against reference, ``GAIN`` times), ``depth.png`` and
         ``figure.png``.
     rtl
-        The picture that the Verilog drew; without it, the engine is the golden renderer.
+        The Verilog's picture; if None, the golden renderer's picture is shown as the engine's.
     golden
         The golden renderer's picture.
     reference
         The exact picture, drawn with the same background.
     background
-        RGB in 0..1 of the pixels that nothing was drawn into.
+        RGB in 0..1 of the background.
     stats
-        The numbers of the run, as ``splatline render --stats`` writes them; the figure shows those
-        that it knows.
+        Statistics of the run, as ``splatline render --stats`` writes them; the figure shows some.
 
     Returns
     -------
@@ -148,6 +148,7 @@ def picture_set(
 
 
 def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
+    """Write pixels as a PNG, atomically."""
     from PIL import Image
 
     data = io.BytesIO()
@@ -156,7 +157,7 @@ def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
 
 
 def _false_colours(raster: Drawn, background: tuple[float, float, float]) -> _Floats:
-    """Return depth as colours that can be told apart, stretched over what was drawn."""
+    """Return depth in false colours, stretched over the range of the drawn pixels."""
     from matplotlib import colormaps
 
     drawn = raster.drawn

@@ -1,4 +1,4 @@
-"""The Pareto front: what nothing else beats in both cost and value."""
+"""The Pareto front of points with a cost and a value."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ __all__ = ["front"]
 
 
 def front(costs: Sequence[float], values: Sequence[float]) -> list[int]:
-    """Return which points no other point dominates.
+    """Return the points that no other point dominates.
 
-    One point dominates another if it costs no more and is worth no less, and is better in one of
-    the two. Of equal points all are on the front.
+    One point dominates another if its cost is no higher, its value is no lower, and one of the two
+    is better. Equal points are all on the front, or none of them is.
 
     Parameters
     ----------
     costs
-        Shape (n,): less is better.
+        Shape (n,); lower is better.
     values
-        Shape (n,): more is better.
+        Shape (n,); higher is better.
 
     Returns
     -------
     list of int
-        Indices, by rising cost (and so by rising value).
+        Indices in order of rising cost, and so of rising value.
     """
     members: list[int] = []
     best = float("-inf")

@@ -1,6 +1,6 @@
 """The layout of a figure: pictures in a grid, with titles, and a table of numbers.
 
-Laid out in pixels, so that a pixel of a picture is a whole pixel of the figure, or several.
+The layout is in pixels, so that a pixel of a picture is a whole number of pixels of the figure.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ __all__ = ["Panel", "compose"]
 DPI = 100
 
 # Sizes in pixels.
-SMALLEST = 360  # a picture with shorter sides only is enlarged, by a whole factor
-LARGEST = 1024  # one with a longer side is reduced
-NARROWEST = 360  # a column, so that titles and the table fit
+SMALLEST = 360  # a picture whose longer side is shorter is enlarged by a whole factor
+LARGEST = 1024  # a picture with a longer side is reduced by a whole factor
+NARROWEST = 360  # least width of a column, so that titles and the table fit
 MARGIN = 44
 GAP = 36
 TITLE = 96  # above the grid
@@ -66,14 +66,14 @@ ERROR = (
 
 @dataclass(frozen=True)
 class Panel:
-    """A picture of a figure.
+    """A picture of a figure, with its title.
 
     Parameters
     ----------
     rgb
         Shape (height, width, 3), float64, 0..1; the same shape in all panels of a figure.
     title, line
-        What it is, and a line about it.
+        Title of the picture, and a line of explanation.
     """
 
     rgb: npt.NDArray[np.float64]
@@ -83,7 +83,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table; a section's heading has no value."""
+    """A row of the table; the heading of a section has no value."""
 
     label: str
     value: str | None = None
@@ -98,8 +98,8 @@ def compose(panels: Sequence[Panel], stats: Mapping[str, Any]) -> bytes:
     panels
         Four or five pictures of one size: the table takes the last column, or its lower cell.
     stats
-        The numbers of the run, as ``splatline render --stats`` writes them; those that the table
-        does not know, or that are None, are left out.
+        Statistics of the run, as ``splatline render --stats`` writes them. Only those with a row in
+        the table are shown, and only if they are not None.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def compose(panels: Sequence[Panel], stats: Mapping[str, Any]) -> bytes:
     column = max(wide, NARROWEST) + GAP
     line = HEADING + high + GAP
     columns = 2 if len(panels) == 4 else 3
-    places = [(n % columns, n // columns) for n in range(len(panels))]
+    cells = [(n % columns, n // columns) for n in range(len(panels))]
     table_line = 0 if len(panels) == 4 else 1
     rows = _rows(stats)
     table_high = _draw_table(None, rows, 0, 0, 0)
@@ -129,7 +129,7 @@ def compose(panels: Sequence[Panel], stats: Mapping[str, Any]) -> bytes:
 
     pen.text(MARGIN, 50, _name(stats), 30, INK, weight="bold")
     pen.text(MARGIN, 78, _subtitle(stats), 17, FAINT)
-    for panel, picture, (across, down) in zip(panels, pictures, places, strict=True):
+    for panel, picture, (across, down) in zip(panels, pictures, cells, strict=True):
         left = MARGIN + across * column
         top = TITLE + down * line
         pen.text(left, top + 24, panel.title, 20, INK, weight="bold")
@@ -140,14 +140,14 @@ def compose(panels: Sequence[Panel], stats: Mapping[str, Any]) -> bytes:
 
     data = io.BytesIO()
     with warnings.catch_warnings():
-        # A cloud may be named in letters that the font has not; boxes stand for them.
+        # The cloud's name may have letters that the font lacks; they are drawn as boxes.
         warnings.filterwarnings("ignore", message="Glyph")
         figure.savefig(data, format="png", dpi=DPI, facecolor=PAPER)
     return data.getvalue()
 
 
 class Pen:
-    """Draws on a figure in pixels, from its upper left corner."""
+    """Drawing on a figure in pixels, with the origin in its upper left corner."""
 
     def __init__(self, figure: Figure, width: int, height: int) -> None:
         self._figure = figure
@@ -162,7 +162,7 @@ class Pen:
             text,
             color=colour,
             fontsize=size * 72 / DPI,
-            fontfamily="DejaVu Sans",  # comes with matplotlib: the figure is the same anywhere
+            fontfamily="DejaVu Sans",  # part of matplotlib, so figures do not depend on the machine
             parse_math=False,
             **style,
         )
@@ -183,13 +183,13 @@ class Pen:
         """Draw a thin horizontal line."""
         from matplotlib.lines import Line2D
 
-        place = self._height - y + 0.5
-        line = Line2D([left, right], [place, place], transform=None, color=RULE, linewidth=72 / DPI)
+        level = self._height - y + 0.5
+        line = Line2D([left, right], [level, level], transform=None, color=RULE, linewidth=72 / DPI)
         self._figure.add_artist(line)
 
 
 def _fit(rgb: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return a picture, enlarged or reduced by a whole factor if it is very small or very large."""
+    """Return a picture, enlarged or reduced by a whole factor if it is too small or too large."""
     height, width = rgb.shape[:2]
     longest = max(height, width)
     if longest < SMALLEST:
@@ -205,7 +205,7 @@ def _fit(rgb: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def _name(stats: Mapping[str, Any]) -> str:
-    """Return what was drawn: the scene's name or the file's."""
+    """Return the name of the scene or of the file."""
     return PurePath(str(stats.get("cloud", "Splatline")).removeprefix("scene ")).name
 
 
@@ -227,7 +227,7 @@ def _subtitle(stats: Mapping[str, Any]) -> str:
 
 
 def _rows(stats: Mapping[str, Any]) -> list[Row]:
-    """Return the table's lines: the sections that there are numbers for."""
+    """Return the rows of the table, without empty sections."""
     stats = dict(stats)
     if isinstance(stats.get("culled"), Mapping):
         stats["culled"] = sum(stats["culled"].values())
@@ -248,14 +248,14 @@ def _rows(stats: Mapping[str, Any]) -> list[Row]:
 
 
 def _colour(key: str, value: Any) -> str:
-    """Return the colour of a value: good or bad, where one can tell."""
+    """Return the colour of a value; the number of wrong pixels is good or bad."""
     if key != "mismatched_pixels":
         return INK
     return BAD if value else GOOD
 
 
 def _draw_table(pen: Pen | None, rows: Sequence[Row], left: int, right: int, top: int) -> int:
-    """Draw the table from ``top`` on, or measure it where there is no pen; return its height."""
+    """Draw the table from ``top`` on and return its height; without a pen, only measure it."""
     y = top
     for row in rows:
         if row.value is None:

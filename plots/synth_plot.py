@@ -1,4 +1,4 @@
-"""The plot of ``splatline synth``: what each module takes, below the engine and the paper's."""
+"""The plot of ``splatline synth``: resources of the engine, of the paper's, and of each module."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ if TYPE_CHECKING:
 __all__ = ["plot_synthesis"]
 
 PANELS = {"lut4": "4-input LUTs", "ff": "flip-flops"}
-"""Kinds of resource, and what to call them."""
+"""Kinds of resource that have a panel, and their names."""
 
 OURS, THEIRS, PART = "#7ddc9a", "#ff9f6b", "#6cc5ff"
-"""Of this engine, the paper's, and a module."""
+"""Colours of this engine, the paper's engine, and a module."""
 
 LIMIT = "#ff7a70"
-"""Of what the device has."""
+"""Colour of the device's limit."""
 
 SMALLEST = 0.01
-"""Share of the largest bar from which on a module gets a row of its own in both panels."""
+"""Least share of the largest bar for a module to get a row, in either panel."""
 
 
 def plot_synthesis(report: Mapping[str, Any]) -> bytes:
-    """Return the plot of what an engine takes, as a PNG.
+    """Return the plot of an engine's resources, as a PNG.
 
     Parameters
     ----------
     report
-        What ``flow.area.synth.synthesise`` returns.
+        Result of ``flow.area.synth.synthesise``.
     """
     from matplotlib.figure import Figure
 
@@ -60,7 +60,7 @@ def plot_synthesis(report: Mapping[str, Any]) -> bytes:
 
 
 def _rows(report: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the bars from the top: engine, paper, then the modules, the largest first."""
+    """Return the rows from the top: engine, paper's engine, then modules, the largest first."""
     most = max(report[kind] for kind in PANELS)
     parts = [
         {**group, "colour": PART}
@@ -77,14 +77,14 @@ def _rows(report: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _draw(panel: Axes, rows: Sequence[Mapping[str, Any]], kind: str, available: int) -> None:
-    """Draw a bar of each row with its number, and a line where the device ends."""
+    """Draw the bar and the number of each row, and a line at the device's limit."""
     values = [row[kind] for row in rows]
     panel.barh(range(len(rows)), values, 0.68, color=[row["colour"] for row in rows])
-    for place, value in enumerate(values):
+    for row, value in enumerate(values):
         inside = value > 0.9 * available
         panel.text(
             value + (-0.008 if inside else 0.008) * available,
-            place,
+            row,
             f"{value:,}",
             color=PAPER if inside else INK,
             fontsize=9,

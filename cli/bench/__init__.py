@@ -1,4 +1,4 @@
-"""``splatline bench``: one package a benchmark.
+"""``splatline bench``: each benchmark is a package of its own.
 
 It imports all rooms. Start with ``command``.
 """

@@ -1,4 +1,4 @@
-"""``splatline bench``: measurements that become pages, tables and plots."""
+"""``splatline bench``: the group of benchmarks, and the command ``accuracy``."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ __all__ = ["bench"]
 
 @click.group()
 def bench() -> None:
-    """Measure, and write tables and plots of it.
+    """Run benchmarks; write their results as JSON, tables and plots.
 
     \b
     Examples:
       splatline bench accuracy                  every quality and preset against the reference
-      splatline bench chain                     several engines, in their Verilog
-      splatline bench configurations            other windows, words, widths and depths
-      splatline bench engine                    cycles beside the fewest that the memory allows
-      splatline bench host                      rates of every stage, beside other renderers
-      splatline bench stability                 the stress suite as tables
+      splatline bench chain                     chains of engines, simulated in Verilog
+      splatline bench configurations            engines of other windows, widths and depths
+      splatline bench engine                    clock cycles of frames, beside the lower bound
+      splatline bench host                      rates of the host's stages, beside other renderers
+      splatline bench stability                 the stress suite
     """  # noqa: D301  (click reads the backspace as "do not wrap")
 
 
@@ -56,9 +56,10 @@ def bench() -> None:
     "unseen",
     multiple=True,
     metavar="NAME",
-    help="Keep a cloud's numbers without its pictures, where terms forbid them; may be repeated.",
+    help="Leave out the pictures of this cloud, if its terms forbid them; may be given several"
+    " times.",
 )
-@click.option("--quick", is_flag=True, help="A small image and few runs: a trial.")
+@click.option("--quick", is_flag=True, help="A small image and few runs, as a trial.")
 def accuracy(
     clouds: tuple[Path, ...],
     scenes: tuple[str, ...],
@@ -70,8 +71,8 @@ def accuracy(
 ) -> None:
     """Measure every quality, preset and skip against the exact reference.
 
-    Times, code words, cycles and errors, for the built-in scenes and any CLOUDs, with splats of the
-    points' spacing and of several sizes in pixels.
+    Measures times, code words, cycles and errors of the built-in scenes and of any CLOUDs. Splats
+    have the size of the points' spacing, and several sizes in pixels.
 
     \b
     Examples:
@@ -79,7 +80,8 @@ def accuracy(
       splatline bench accuracy scan.ply --view 30,20 --view -120,5 --out-dir build/bench
       splatline bench accuracy --scene knot --quick --out-dir build/bench
     """  # noqa: D301  (click reads the backspace as "do not wrap")
-    from splatline.cli.bench.accuracy.measure import Sweep, measure
+    from splatline.cli.bench.accuracy.measure import measure
+    from splatline.cli.bench.accuracy.sweep import Sweep
     from splatline.cli.bench.accuracy.write import write_accuracy
     from splatline.contract.errors import InputError
     from splatline.host.scenes.scenes import SCENES

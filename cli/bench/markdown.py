@@ -8,16 +8,16 @@ __all__ = ["table"]
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int | Collection[str]) -> str:
-    """Return a table: text stands on the left, numbers on the right.
+    """Return a Markdown table, with text aligned left and numbers aligned right.
 
     Parameters
     ----------
     heads
-        Of the columns.
+        Headings of the columns.
     rows
-        The cells of each line.
+        Cells of each row.
     words
-        The columns that are text: their heads, or how many, the first ones.
+        Columns of text: their headings, or the number of the first columns that are text.
     """
     text = heads[:words] if isinstance(words, int) else words
     rule = "|".join("---" if head in text else "---:" for head in heads)

@@ -1,4 +1,4 @@
-"""The options that several benchmarks share."""
+"""Options that several benchmarks share."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def scenes_option(command: _Command) -> _Command:
-    """Add the option ``scenes``: names of built-in scenes; none stands for all."""
+    """Add the option ``scenes``: names of built-in scenes; an empty tuple means all scenes."""
     return click.option(
         "--scene",
         "scenes",
@@ -28,7 +28,7 @@ def scenes_option(command: _Command) -> _Command:
 
 
 def splats_option(sizes: Sequence[float | None]) -> Callable[[_Command], _Command]:
-    """Return what adds the option ``splats``: diameters in pixels, None for the points' spacing."""
+    """Return a decorator for the option ``splats``: diameters in pixels, None for the spacing."""
     return click.option(
         "--splats",
         multiple=True,
@@ -36,16 +36,17 @@ def splats_option(sizes: Sequence[float | None]) -> Callable[[_Command], _Comman
         metavar="auto|PIXELS",
         default=sizes,
         show_default=", ".join("auto" if size is None else f"{size:g}" for size in sizes),
-        help="Median diameter; auto: the points' own spacing. May be given several times.",
+        help="Median diameter of the splats; auto: the points' own spacing. May be given several"
+        " times.",
     )
 
 
 def folder_option(files: str) -> Callable[[_Command], _Command]:
-    """Return what adds the option ``out_dir``, the folder of the files named."""
+    """Return a decorator for the option ``out_dir``, whose help names the files."""
     return click.option(
         "--out-dir",
         type=click.Path(path_type=Path),
         metavar="FOLDER",
         default=Path("docs/bench"),
-        help=f"Where {files} go.",
+        help=f"Folder for {files}.",
     )

@@ -1,4 +1,4 @@
-"""The numbers of a run: what went in, what came out, how long it took, with which tools."""
+"""Statistics of a run: counts, cycles, times and versions of the tools."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def drawing_statistics(
     stall: float,
     seed: int,
 ) -> dict[str, Any]:
-    """Return the statistics of a drawn picture, ready for JSON: of all its frames together.
+    """Return the statistics of a drawn picture over all its frames, ready for JSON.
 
     ``cycles``, ``cycles_per_element`` and ``mismatched_pixels`` are None unless the Verilog drew.
-    ``cycles_per_element`` is None as well where there is no element to divide by.
+    ``cycles_per_element`` is also None if there is no element.
     """
     from splatline.host.pipeline import total_counts
 
@@ -62,7 +62,7 @@ def drawing_statistics(
 
 
 def tool_versions(engine: str) -> dict[str, str]:
-    """Return the versions of what took part in drawing with an engine."""
+    """Return the versions of the tools that an engine is drawn or built with."""
     versions = {"python": platform.python_version()}
     for name in _TOOLS[engine]:
         try:

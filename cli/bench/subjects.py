@@ -1,4 +1,4 @@
-"""What the benchmarks draw: built-in scenes and clouds from files, each in one or several views."""
+"""Inputs of the benchmarks: built-in scenes and clouds from files, in one view or several."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ __all__ = ["Pose", "check_names", "poses"]
 
 @dataclass(frozen=True)
 class Pose:
-    """A cloud in a view.
+    """A cloud with a view of it.
 
     Parameters
     ----------
     name, source
-        What to call the cloud, and where it is from.
+        Name of the cloud, and its scene or file.
     cloud, view, camera
-        The cloud, its view, and what the view was made of.
+        The cloud, its view, and the parameters of the view.
     radii
-        Of discs of the points' own spacing: shape (n,).
+        Radii of the discs by the points' own spacing: shape (n,).
     usual
-        Their median diameter in pixels.
+        Median diameter of these discs in pixels.
     """
 
     name: str
@@ -42,17 +42,17 @@ class Pose:
     usual: float
 
     def scaled(self, diameter: float | None) -> npt.NDArray[np.float64]:
-        """Return radii with this median diameter in pixels; None: those of the points' spacing."""
+        """Return radii with a median diameter in pixels; None: by the points' own spacing."""
         return self.radii if diameter is None else self.radii * (diameter / self.usual)
 
 
 def check_names(scenes: Sequence[str], clouds: Sequence[Path]) -> list[str]:
-    """Return what the scenes and clouds are called.
+    """Return the names of scenes and clouds.
 
     Raises
     ------
     InputError
-        If a scene is not known, a cloud is not there, or two have one name.
+        If a scene is unknown, a file is missing, or two clouds have the same name.
     """
     from splatline.contract.errors import InputError
     from splatline.host.scenes.scenes import SCENES
@@ -81,11 +81,11 @@ def poses(
     Parameters
     ----------
     scenes, clouds
-        Names and files.
+        Names of built-in scenes, and cloud files.
     size
-        Of the image.
+        Size of the image.
     views
-        Orbits; empty: each scene's own, and the default one for a cloud.
+        Orbits; empty: each scene's own orbit, and the default orbit for a cloud file.
     """
     import numpy as np
 

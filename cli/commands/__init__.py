@@ -1,4 +1,4 @@
-"""One file a command, or two that belong together.
+"""Commands: each file has one, or a few that belong together.
 
 It imports all rooms. Start with ``render``.
 """

@@ -1,4 +1,4 @@
-"""``splatline encode``, ``play`` and ``info``: code words on disk."""
+"""``splatline encode``, ``play`` and ``info``: frames as files of code words."""
 
 from __future__ import annotations
 
@@ -9,28 +9,29 @@ from typing import Any
 import click
 
 from splatline.cli.bench.statistics import drawing_statistics
-from splatline.cli.options.cloud_and_view import Subject, prepare, subject_options
+from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
+from splatline.cli.options.prepare import prepare
 from splatline.cli.report.progress import Stages
 
 __all__ = ["encode", "info", "play"]
 
 
 @click.command()
-@subject_options
+@request_options
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
     metavar="FRAME",
     required=True,
-    help="The code words; FRAME.json goes beside them.",
+    help="File of the code words; FRAME.json is written beside it.",
 )
-def encode(subject: Subject, output: Path) -> None:
+def encode(request: RenderRequest, output: Path) -> None:
     """Write the code words that draw a cloud, and a JSON sidecar.
 
-    FRAME holds little-endian 64-bit words, sorted by line, and FRAME.json the view, the tables,
+    FRAME has little-endian 64-bit code words, sorted by line. FRAME.json has the view, the tables,
     the configuration and the counts.
 
     \b
@@ -40,14 +41,14 @@ def encode(subject: Subject, output: Path) -> None:
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from splatline.host.frame_file import sidecar_path
 
-    check_files((output, sidecar_path(output)), inputs=[subject.path])
+    check_files((output, sidecar_path(output)), inputs=[request.path])
     stages = Stages()
-    shot = prepare(subject, stages)
+    prepared = prepare(request, stages)
 
     from splatline.host.frame_file import save_frame
 
-    save_frame(shot.frames[0], output, view=shot.view)
-    counts = shot.frames[0].counts
+    save_frame(prepared.frames[0], output, view=prepared.view)
+    counts = prepared.frames[0].counts
 
     from splatline.cli.report.tables import format_value, nonzero, print_facts
 
@@ -64,7 +65,7 @@ def encode(subject: Subject, output: Path) -> None:
             ("written", str(output)),
             ("written", str(sidecar_path(output))),
         ],
-        title=subject.name,
+        title=request.name,
     )
 
 
@@ -96,7 +97,7 @@ def play(
     depth: Path | None,
     stats: Path | None,
 ) -> None:
-    """Draw the code words of FRAME, which 'splatline encode' wrote.
+    """Draw the code words of a FRAME that 'splatline encode' wrote.
 
     \b
     Examples:
@@ -143,7 +144,7 @@ def play(
 @click.argument("path", type=click.Path(path_type=Path), metavar="CLOUD|FRAME")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def info(path: Path, as_json: bool) -> None:
-    """Say what is in a cloud or in a frame.
+    """Describe a cloud or a frame.
 
     \b
     Examples:
@@ -166,7 +167,7 @@ def info(path: Path, as_json: bool) -> None:
 
 
 def _frame_facts(path: Path) -> dict[str, Any]:
-    """Return what is in a frame, and what went into it where the encoder wrote that down."""
+    """Return the facts of a frame, with the encoder's counts if the sidecar has them."""
     from splatline.host.frame_file import describe_frame, load_frame
 
     facts = describe_frame(load_frame(path))
@@ -175,7 +176,7 @@ def _frame_facts(path: Path) -> dict[str, Any]:
 
 
 def _cloud_facts(path: Path) -> dict[str, Any]:
-    """Return what is in a cloud, in the file's own coordinates."""
+    """Return the facts of a cloud, in the file's own coordinates."""
     import numpy as np
 
     from splatline.host.cloud.spacing import splat_radii

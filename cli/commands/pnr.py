@@ -1,4 +1,4 @@
-"""``splatline pnr`` and ``netlist``: the hardware with its pins, for place and route."""
+"""``splatline pnr`` and ``netlist``: place and route of the narrow top, and its netlist."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ _FILE = click.Path(path_type=Path)
 
 @click.command()
 @click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
-@click.option("--seed", type=click.IntRange(0), default=1, help="Of the placer: the first one.")
+@click.option("--seed", type=click.IntRange(0), default=1, help="First seed of the placer.")
 @click.option(
     "--tries",
     type=click.IntRange(1, 100),
     default=4,
-    help="Seeds to try from there on; the fastest is kept.",
+    help="Number of seeds to try; the fastest result is kept.",
 )
 @click.option(
-    "--freq", type=click.FloatRange(1, 1000), default=100.0, help="Clock rate to aim at, MHz."
+    "--freq", type=click.FloatRange(1, 1000), default=100.0, help="Target clock rate in MHz."
 )
 @click.option("--json", "report", type=_FILE, metavar="FILE", help="Write the report.")
 @click.option("--bitstream", type=_FILE, metavar="FILE", help="Write the bitstream (.bit).")
@@ -42,10 +42,11 @@ def pnr(
     report: Path | None,
     bitstream: Path | None,
 ) -> None:
-    """Place and route an engine with its pins on a Lattice ECP5, LFE5U-25F or as large as it takes.
+    """Place and route an engine with the narrow top on the smallest Lattice ECP5 that fits it.
 
-    Each try takes a minute or two, of `swift` ten. The rate of the paper's Virtex-II is an estimate
-    beside it: only the vendor's tools could route that (docs/ise.md).
+    Each try takes a minute or two, and ten minutes for the preset swift. The clock rate on the
+    paper's Virtex-II is an estimate, as only the vendor's tools can route that device
+    (docs/ise.md).
 
     \b
     Examples:
@@ -70,9 +71,9 @@ def pnr(
     "-o", "--output", type=_FILE, metavar="FILE", show_default="splatline_PRESET.edif", help="EDIF."
 )
 def netlist(preset: EngineConfig, output: Path | None) -> None:
-    """Write an engine with its pins as a netlist for Xilinx ISE, of Virtex-II's cells.
+    """Write an engine with the narrow top as a netlist of Virtex-II cells, for Xilinx ISE.
 
-    docs/ise.md tells how to go on from there.
+    docs/ise.md describes the next steps.
 
     \b
     Examples:
@@ -99,7 +100,7 @@ def _require(command: str, *packages: str) -> None:
 
 
 def _print(result: dict[str, Any]) -> None:
-    """Print the rates, what is used, and the critical path."""
+    """Print the clock rates, the utilisation and the critical path."""
     from rich.console import Console
     from rich.table import Table
 
@@ -135,6 +136,6 @@ def _print(result: dict[str, Any]) -> None:
     total = 0.0
     for step in result["critical_path"]:
         total += step["ns"]
-        if step["ns"]:  # within a slice the way from cell to cell takes no time
+        if step["ns"]:  # a connection within a slice has no delay
             path.add_row(step["type"], f"{step['ns']:.2f}", f"{total:.2f}", step["name"])
     Console().print(path)

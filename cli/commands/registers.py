@@ -1,4 +1,4 @@
-"""``splatline registers``: what a driver sees of an engine on AXI4-Lite."""
+"""``splatline registers``: the register map of an engine on AXI4-Lite."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def registers(
 ) -> None:
     """Write the registers of an engine on AXI (verilog --top axi), or print them.
 
-    A C header with offsets, masks and shifts, a JSON map and a page in Markdown all come from the
-    one description that the hardware is made from. Without an option the page is printed.
+    A C header with offsets, masks and shifts, a JSON map and a page in Markdown are made from the
+    same description as the hardware. Without an option, the page is printed.
 
     \b
     Examples:

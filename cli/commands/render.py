@@ -9,7 +9,7 @@ import click
 
 from splatline.cli.bench.statistics import drawing_statistics
 from splatline.cli.options.chain import chain_options
-from splatline.cli.options.cloud_and_view import Shot, Subject, prepare, subject_options
+from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import (
     Drawing,
     background_option,
@@ -18,6 +18,7 @@ from splatline.cli.options.drawing import (
     fail_mismatch,
 )
 from splatline.cli.options.outputs import check_files, check_folder, require_suffix, write_json
+from splatline.cli.options.prepare import PreparedFrames, prepare
 from splatline.cli.report.progress import Stages
 from splatline.host.sample_positions import SAMPLES
 
@@ -30,7 +31,7 @@ _Colour = tuple[float, float, float]
 
 
 @click.command()
-@subject_options
+@request_options
 @click.option(
     "-o",
     "--output",
@@ -43,8 +44,8 @@ _Colour = tuple[float, float, float]
     "--samples",
     type=click.Choice([str(number) for number in SAMPLES]),
     default="1",
-    help="Samples a pixel: the mean of as many frames, each shifted by part of a pixel, for as many"
-    " times the code words and cycles.",
+    help="Samples a pixel. Each sample is a frame of its own, shifted by part of a pixel, so code"
+    " words and cycles are multiplied. The picture is the mean of the frames.",
 )
 @engine_options
 @chain_options
@@ -60,13 +61,12 @@ _Colour = tuple[float, float, float]
     "--out-dir",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Write every picture, one figure that shows them side by side, and stats.json;"
-    " implies --reference.",
+    help="Write all pictures, a figure of them side by side, and stats.json; implies --reference.",
 )
 @click.pass_context
 def render(
     context: click.Context,
-    subject: Subject,
+    request: RenderRequest,
     output: Path | None,
     samples: str,
     engine: str,
@@ -80,9 +80,9 @@ def render(
     stats: Path | None,
     out_dir: Path | None,
 ) -> None:
-    """Draw a point cloud, or a built-in scene where there is no CLOUD.
+    """Draw a point cloud, or a built-in scene if there is no CLOUD.
 
-    CLOUD is a PLY, PCD, XYZ, XYZN, CSV or NPZ file; a mesh's vertices are points.
+    CLOUD is a PLY, PCD, XYZ, XYZN, CSV or NPZ file. The vertices of a mesh are taken as points.
 
     \b
     Examples:
@@ -95,16 +95,18 @@ def render(
       splatline render scan.ply --reference --stats scan.json
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if output is None and out_dir is None:
-        output = Path(f"{subject.name}.png")
+        output = Path(f"{request.name}.png")
     require_suffix(output, ".png")
     require_suffix(depth, ".png")
     check_folder(out_dir)
     numbers_of_set = out_dir / "stats.json" if out_dir is not None and out_dir.is_dir() else None
-    check_files((output, depth, stats, numbers_of_set), inputs=[subject.path])
+    check_files((output, depth, stats, numbers_of_set), inputs=[request.path])
 
     stages = Stages()
-    shot = prepare(subject, stages, int(samples))
-    drawing = draw(shot.frames, engine, stages, stall=stall, seed=seed, engines=engines, link=link)
+    prepared = prepare(request, stages, int(samples))
+    drawing = draw(
+        prepared.frames, engine, stages, stall=stall, seed=seed, engines=engines, link=link
+    )
     if background is None:
         from splatline.plots.figure import BACKGROUND
 
@@ -112,15 +114,15 @@ def render(
     exact = None
     quality: dict[str, Any] = {}
     if reference or out_dir is not None:
-        exact, quality = _measure(shot, drawing, background, stages)
+        exact, quality = _measure(prepared, drawing, background, stages)
 
     numbers = {
-        "cloud": str(subject.path) if subject.path else f"scene {subject.scene}",
-        "view": shot.camera,
-        "splat_size": subject.splat_size or "auto",
-        "dropped": shot.cloud.dropped,
+        "cloud": str(request.path) if request.path else f"scene {request.scene}",
+        "view": prepared.camera,
+        "splat_size": request.splat_size or "auto",
+        "dropped": prepared.cloud.dropped,
         **drawing_statistics(
-            shot.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
+            prepared.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),
         **({} if engines is None else {"engines": engines, "link": link}),
         **quality,
@@ -129,13 +131,13 @@ def render(
 
     from splatline.cli.report.tables import print_statistics
 
-    print_statistics(numbers, title=subject.name, files=files)
+    print_statistics(numbers, title=request.name, files=files)
     if drawing.mismatched_pixels:
         fail_mismatch(context, drawing)
 
 
 def _measure(
-    shot: Shot, drawing: Drawing, background: _Colour, stages: Stages
+    prepared: PreparedFrames, drawing: Drawing, background: _Colour, stages: Stages
 ) -> tuple[Reference, dict[str, Any]]:
     """Draw the exact reference and compare the engine's picture with it."""
     from splatline.host.shading.lighting import Lighting
@@ -144,14 +146,14 @@ def _measure(
 
     with stages.stage("reference", "Drawing the exact reference"):
         exact = reference.render(
-            shot.cloud, shot.view, shot.radii, Lighting(), background=background
+            prepared.cloud, prepared.view, prepared.radii, Lighting(), background=background
         )
     with stages.stage("metrics", "Measuring the error"):
         quality = metrics.compare(
             drawing.raster,
             exact,
             background=background,
-            depth_range=shot.frames[0].counts["depth_range"],
+            depth_range=prepared.frames[0].counts["depth_range"],
         )
     return exact, quality
 
@@ -166,7 +168,7 @@ def _write(
     stats: Path | None,
     out_dir: Path | None,
 ) -> list[str]:
-    """Write what was asked for; return the names of the files."""
+    """Write the files that were asked for; return their names."""
     from splatline.plots import figure
 
     files = []

@@ -1,4 +1,4 @@
-"""``splatline verilog`` and ``synth``: the hardware and what it costs."""
+"""``splatline verilog`` and ``synth``: the hardware and its resources."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ TOP = click.option(
     "--top",
     type=click.Choice(["engine", "pins", "axi"]),
     default="engine",
-    help="The engine with its whole streams, narrow ones that fit the pins of a package, or AXI.",
+    help="engine: streams of full width. pins: the narrow top, which fits the pins of a package."
+    " axi: AXI4-Stream and AXI4-Lite.",
 )
 
 
@@ -47,8 +48,8 @@ TOP = click.option(
     "contents",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Put what the shape ROM holds into files of this folder, which the Verilog reads with"
-    " $readmemh by this very path; for presets with a ROM.",
+    help="Write the contents of the shape ROM to files in this folder. The Verilog reads them with"
+    " $readmemh by the same path. For presets with a ROM.",
 )
 @chain_options
 def verilog(
@@ -62,16 +63,16 @@ def verilog(
     """Write the Verilog of an engine or a chain, and a JSON sidecar of the same name.
 
     The sidecar has the ports with their widths and meaning, the configuration, the latency and the
-    versions of the tools; with AXI the registers as well.
+    versions of the tools. With --top axi it has the registers too.
 
     \b
     Examples:
       splatline verilog
       splatline verilog --preset paper -o engine.v        engine.v and engine.json
-      splatline verilog --top pins -o top.v               for an FPGA of its own
-      splatline verilog --top axi -o splatline_axi.v      for a block design
+      splatline verilog --top pins -o top.v               alone on an FPGA
+      splatline verilog --top axi -o splatline_axi.v      in a block design
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
-      splatline verilog --engines 8 -o chain.v            eight engines that share a picture
+      splatline verilog --engines 8 -o chain.v            eight engines that draw one picture
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if engines is not None and top != "engine":
         raise click.UsageError(
@@ -116,7 +117,7 @@ def verilog(
 @click.option(
     "--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw the modules as bars: PNG."
 )
-@click.option("--record", is_flag=True, help="Make the present counts the preset's budget.")
+@click.option("--record", is_flag=True, help="Record the counts as the preset's budget.")
 @click.pass_context
 def synth(
     context: click.Context,
@@ -126,19 +127,19 @@ def synth(
     plot: Path | None,
     record: bool,
 ) -> None:
-    """Count what an engine takes of an XC2V250, with Yosys.
+    """Count the resources of an engine on an XC2V250, with Yosys.
 
-    The table stands beside the paper's own; what each module takes and the longest logic path
-    follow. Exit code 1 if the engine does not fit the device, or takes more than the budget that is
-    recorded of its preset.
+    Prints the engine's resources beside the paper's, those of each module, and the longest logic
+    path. Exit code 1 if the engine does not fit the device, or exceeds the recorded budget of its
+    preset.
 
     \b
     Examples:
       splatline synth
-      splatline synth --top pins                as it stands on the device's pins
-      splatline synth --top axi                 with its buses
+      splatline synth --top pins                with the narrow top
+      splatline synth --top axi                 with the AXI top
       splatline synth --preset rgb24 --json synth.json --plot synth.png
-      splatline synth --record                  after a change that is worth what it takes
+      splatline synth --record                  accept the present counts as the budget
     """  # noqa: D301
     from splatline.flow.area import budgets
 

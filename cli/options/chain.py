@@ -1,4 +1,4 @@
-"""The options of commands that know chains of engines."""
+"""Options for chains of engines."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ def chain_options(command: _Command) -> _Command:
             "--link",
             type=click.Choice(LINKS),
             default=LINKS[0],
-            help="With --engines: join the engines' pictures on the way out, or load each into the"
-            " next.",
+            help="With --engines: merge the engines' pictures, or load each picture into the next"
+            " engine.",
         ),
         click.option(
             "--engines",
             type=click.IntRange(1, MOST_ENGINES),
             metavar="N",
             default=None,
-            show_default="one, without a chain",
-            help="A chain of so many engines.",
+            show_default="one engine, no chain",
+            help="Number of engines in a chain.",
         ),
     ):
         command = option(command)

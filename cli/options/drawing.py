@@ -1,4 +1,4 @@
-"""Drawing a frame: by the golden renderer, or by the Verilog with the golden renderer as judge."""
+"""Drawing of frames by the golden renderer or the Verilog, and the options for it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Drawing:
-    """What was drawn, of one frame or of several samples.
+    """A drawn picture, of one sample a pixel or of several.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ class Drawing:
     rtl
         The Verilog's picture, if it was simulated.
     cycles
-        Clock cycles that the Verilog took from the first code word to the end of the raster; of
-        several frames together.
+        Clock cycles of the Verilog from the first code word to the end of the raster, summed over
+        the frames.
     """
 
     golden: Drawn
@@ -46,12 +46,12 @@ class Drawing:
 
     @property
     def raster(self) -> Drawn:
-        """The picture of the engine that was asked for."""
+        """The Verilog's picture if it was simulated, else the golden renderer's."""
         return self.golden if self.rtl is None else self.rtl
 
     @property
     def mismatched_pixels(self) -> int | None:
-        """Pixels whose colour or depth differs between Verilog and golden; None without RTL."""
+        """Number of pixels that differ between Verilog and golden; None without a simulation."""
         if self.rtl is None:
             return None
         from splatline.sim.golden.multisample import mismatches
@@ -67,22 +67,22 @@ def engine_options(command: _Command) -> _Command:
             type=click.IntRange(0, 2**32 - 1),
             metavar="N",
             default=1,
-            help="With rtl and axi: seed of the stalls.",
+            help="With rtl and axi: seed of the random stalls.",
         ),
         click.option(
             "--stall",
             type=click.FloatRange(0.0, 0.99),
             metavar="SHARE",
             default=0.0,
-            help="With rtl and axi: share of the cycles in which each port waits, at random.",
+            help="With rtl and axi: share of the cycles in which each port stalls, at random.",
         ),
         click.option(
             "--engine",
             type=click.Choice(["golden", "rtl", "axi"]),
             default="golden",
             help="golden: the bit-exact renderer, fast. rtl: the Verilog, simulated and compared"
-            " with golden; exit code 1 if a pixel or a depth differs. axi: the same on its buses,"
-            " through the driver; slow.",
+            " with golden; exit code 1 if a colour or a depth differs. axi: the same for the engine"
+            " on AXI, through the driver; slow.",
         ),
     ):
         command = option(command)
@@ -90,13 +90,13 @@ def engine_options(command: _Command) -> _Command:
 
 
 def background_option(command: _Command) -> _Command:
-    """Add the option ``background``: RGB in 0..1, or None for the figures' own."""
+    """Add the option ``background``: RGB in 0..1, or None for the figures' own colour."""
     return click.option(
         "--background",
         type=COLOUR,
         metavar="#RRGGBB",
         show_default="the figures' own",
-        help="Colour of the pixels that nothing was drawn into; white, black and grey are known.",
+        help="Colour of the background: #RRGGBB, white, black or grey.",
     )(command)
 
 
@@ -115,15 +115,15 @@ def draw(
     Parameters
     ----------
     frames
-        What to draw: a frame for each sample of a pixel.
+        A frame for each sample of a pixel.
     engine
         ``golden``, ``rtl`` or ``axi``; the golden renderer draws in every case.
     stages
-        Where the times go: ``golden``, ``rtl_build``, ``rtl_run``.
+        Receives the times ``golden``, ``rtl_build`` and ``rtl_run``.
     stall, seed
-        Back-pressure in the simulation of the Verilog.
+        Random stalls in the simulation of the Verilog.
     engines, link
-        Each frame is dealt to a chain of so many engines; None: one engine draws it.
+        Number of engines in the chain and its link; None: a single engine.
 
     Raises
     ------
@@ -163,32 +163,32 @@ def draw(
 
 
 def _simulate_chain(parts: list[Frame], link: str, stall: float, seed: int) -> Outcome:
-    """Run the Verilog of a chain."""
-    with _told():
+    """Simulate the Verilog of a chain."""
+    with _simulation_errors():
         from splatline.sim.cosim.player.chains import simulate_parts
 
         return simulate_parts(parts, link=link, stall=stall, seed=seed)
 
 
 def _simulate(frame: Frame, stall: float, seed: int) -> Outcome:
-    """Run the Verilog of an engine."""
-    with _told():
+    """Simulate the Verilog of an engine."""
+    with _simulation_errors():
         from splatline.sim.cosim.player.frames import simulate_frame
 
         return simulate_frame(frame, stall=stall, seed=seed)
 
 
 def _simulate_on_buses(frame: Frame, stall: float, seed: int) -> Outcome:
-    """Run the Verilog of an engine on its buses."""
-    with _told():
+    """Simulate the Verilog of an engine on AXI."""
+    with _simulation_errors():
         from splatline.sim.cosim.axi.axi_frames import simulate_on_buses
 
         return simulate_on_buses(frame, stall=stall, seed=seed)
 
 
 @contextmanager
-def _told() -> Iterator[None]:
-    """Turn what goes wrong in a simulation into errors that the command line knows how to tell."""
+def _simulation_errors() -> Iterator[None]:
+    """Convert a simulation's errors to those that the command line reports in a message."""
     from splatline.sim.cosim.simulator import SimulationError
 
     try:
@@ -201,7 +201,7 @@ def _told() -> Iterator[None]:
 
 
 def fail_mismatch(context: click.Context, drawing: Drawing) -> NoReturn:
-    """Say that Verilog and golden differ, and exit with code 1."""
+    """Report that Verilog and golden differ, and exit with code 1."""
     click.echo(
         f"splatline: {drawing.mismatched_pixels:,} pixels of the Verilog's picture differ from the"
         " golden renderer's",

@@ -1,4 +1,4 @@
-"""Files that a command is about to write: checked before the work, written whole or not at all."""
+"""Checks of output files before the work begins, and writing of text and JSON."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ __all__ = [
 
 
 def check_files(outputs: Iterable[Path | None], *, inputs: Iterable[Path | None] = ()) -> None:
-    """Raise if a file could not be written, so that minutes of work are not lost at the end.
+    """Raise if a file could not be written, before work is done that would be lost.
 
     Parameters
     ----------
     outputs
-        Files to be written; None stands for one that was not asked for.
+        Files to be written; None is a file that was not asked for.
     inputs
-        Files that are read, and must not be written over.
+        Files that are read and must not be overwritten.
 
     Raises
     ------
@@ -47,16 +47,16 @@ def check_files(outputs: Iterable[Path | None], *, inputs: Iterable[Path | None]
             raise InputError(f"{path}: there is no folder {path.parent}; create it first")
         if not os.access(path.parent, os.W_OK):
             raise InputError(f"{path}: the folder {path.parent} is not writable")
-        place = path.resolve()
-        if place in read:
+        resolved = path.resolve()
+        if resolved in read:
             raise InputError(f"{path}: would be written over the input; choose another name")
-        if place in written:
+        if resolved in written:
             raise InputError(f"{path}: two outputs have this name; choose another for one of them")
-        written.add(place)
+        written.add(resolved)
 
 
 def check_folder(folder: Path | None) -> None:
-    """Raise ``InputError`` if a folder is not there and writable, and could not be created."""
+    """Raise ``InputError`` unless a folder is writable, or can be created."""
     if folder is None:
         return
     if folder.exists() and not folder.is_dir():
@@ -69,25 +69,25 @@ def check_folder(folder: Path | None) -> None:
 
 
 def require_suffix(path: Path | None, suffix: str) -> None:
-    """Raise ``InputError`` if a file's name promises another format than is written."""
+    """Raise ``InputError`` if a file's suffix is not that of the format that is written."""
     if path is not None and path.suffix.lower() != suffix:
         raise InputError(f"{path}: the name must end in {suffix}, the format that is written")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file beside its place, then rename it."""
+    """Write a text file atomically."""
     from splatline.host.files.atomic_write import atomic_write
 
     atomic_write(path, text.encode())
 
 
 def write_json(path: Path, data: dict[str, Any]) -> None:
-    """Write a JSON file beside its place, then rename it; infinities and NaN are refused."""
+    """Write a JSON file atomically; infinities and NaN are refused."""
     write_text(path, json.dumps(data, indent=2, allow_nan=False) + "\n")
 
 
 def lines_of_json(results: Mapping[str, Any]) -> str:
-    """Return JSON with one object of a list a line, so that two files compare line by line."""
+    """Return JSON in which each object of a list has a line of its own, for line-by-line diffs."""
     parts = []
     for key, value in results.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):

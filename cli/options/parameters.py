@@ -1,4 +1,4 @@
-"""What the command line accepts: sizes, angles, colours and presets, with messages that help."""
+"""Parameter types of the command line: sizes, angles, colours and presets."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from splatline.contract.variants import SHAPED, VARIANTS
 __all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
 
 UP_AXES = click.Choice(["x", "y", "z", "-x", "-y", "-z"])
-"""The axes that ``host.visibility.view.fit_view`` knows."""
+"""The axes that ``host.visibility.view.fit_view`` accepts."""
 
 _NAMED_COLOURS = {"white": "ffffff", "black": "000000", "grey": "808080", "gray": "808080"}
 
 
-# Parameter types and choices are generic in the newest click, and not in 8.1: hence the ignores.
+# Parameter types and choices are generic in the newest click but not in 8.1, hence the ignores.
 
 
 class _Size(click.ParamType):  # type: ignore[type-arg]
@@ -65,7 +65,7 @@ class _Orbit(click.ParamType):  # type: ignore[type-arg]
 
 
 class _SplatSize(click.ParamType):  # type: ignore[type-arg]
-    """``auto`` or a diameter."""
+    """``auto``, or the diameter of splats."""
 
     def __init__(self, name: str, unit: str) -> None:
         self.name = name
@@ -88,7 +88,7 @@ class _SplatSize(click.ParamType):  # type: ignore[type-arg]
 
 
 class _Colour(click.ParamType):  # type: ignore[type-arg]
-    """``#RRGGBB`` or one of a few names."""
+    """``#RRGGBB``, white, black or grey."""
 
     name = "#RRGGBB"
 
@@ -106,7 +106,7 @@ class _Colour(click.ParamType):  # type: ignore[type-arg]
 
 
 class _Preset(click.Choice):  # type: ignore[type-arg]
-    """The name of an engine's configuration: a preset or one of ``contract.variants``."""
+    """Name of an engine's configuration: a preset or a variant."""
 
     def __init__(self) -> None:
         further = {config.name: config for config in (*SHAPED, *VARIANTS)}

@@ -1,4 +1,4 @@
-"""What commands print: tables, figures, progress.
+"""Output of commands: tables and progress.
 
 It imports ``contract``. Start with ``tables``.
 """

@@ -1,4 +1,4 @@
-"""What is being done and how long it took."""
+"""Progress of a command on standard error, and the times of its stages."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ __all__ = ["Counter", "Stages"]
 
 
 class Stages:
-    """Times the stages of a command and shows the one under way on standard error.
+    """Timer of a command's stages that shows the current stage on standard error.
 
-    A terminal gets a moving bar and a clock, which vanish when the stage ends; anything else gets
-    one line a stage.
+    A terminal shows a moving bar and a clock, which vanish when the stage ends. Any other output
+    gets one line for each stage.
 
     Attributes
     ----------
     seconds
-        Wall time of each stage that has ended, by name.
+        Wall time of each finished stage, by name.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class Stages:
 
     @contextmanager
     def stage(self, name: str, description: str) -> Iterator[None]:
-        """Time the block as stage ``name``; an empty name shows it without timing it."""
+        """Show and time the block as stage ``name``; a stage with an empty name is not timed."""
         from rich.console import Console
         from rich.progress import (
             BarColumn,
@@ -57,12 +57,12 @@ class Stages:
 
 
 class Counter:
-    """Shows how far a known number of runs has come: a bar, or a line every tenth elsewhere.
+    """Progress of a known number of runs: a bar in a terminal, else a line every tenth.
 
     Parameters
     ----------
     total
-        Number of runs, each of which is announced with ``advance``.
+        Number of runs; ``advance`` is called before each.
     """
 
     def __init__(self, total: int) -> None:
@@ -101,7 +101,7 @@ class Counter:
         self._progress.stop()
 
     def advance(self, description: str) -> None:
-        """Say that one run is done, if it is not the first, and the next begins."""
+        """Announce the next run; the run before it is done."""
         self._progress.update(self._task, completed=self._begun, description=description)
         tenths = 10 * self._begun // self._total
         if not self._console.is_terminal and (

@@ -1,4 +1,4 @@
-"""What an engine takes of a device, as tables for people; everything in them is in the JSON."""
+"""Printed tables of a synthesis report; the JSON report has the same numbers."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ RESOURCES = {
     "bram": "block RAMs",
     "mult": "multipliers",
 }
-"""Kinds of resource, and what to call them."""
+"""Names of the kinds of resource."""
 
 COLUMNS = {"instances": "instances", "lut4": "LUTs", "ff": "FFs", "bram": "RAMs", "mult": "mult."}
-"""Of the modules' table, in short: it has to fit 80 characters."""
+"""Headings of the modules' table, short enough for 80 characters."""
 
 
 def print_synthesis(report: Mapping[str, Any]) -> None:
-    """Print what an engine takes beside the paper's Table 1, its modules, its longest path."""
+    """Print an engine's resources beside the paper's Table 1, its modules and its longest path."""
     from rich.console import Console
 
     console = Console()
@@ -43,7 +43,7 @@ def print_synthesis(report: Mapping[str, Any]) -> None:
 
 
 def describe_excess(report: Mapping[str, Any]) -> str:
-    """Return in one line what is over its budget, and by how much."""
+    """Return a line with the resources that exceed the budget, and by how much."""
     parts = [
         f"{report[kind]:,} {RESOURCES[kind]}, {excess:,} more than recorded"
         for kind, excess in report["over_budget"].items()
@@ -52,7 +52,7 @@ def describe_excess(report: Mapping[str, Any]) -> str:
 
 
 def _whole(report: Mapping[str, Any]) -> Table:
-    """Return the table of the engine as a whole."""
+    """Return the table of the whole engine."""
     from rich.table import Table
 
     device = report["device"]
@@ -87,9 +87,9 @@ def _modules(groups: Iterable[Mapping[str, Any]]) -> Table:
 
     groups = list(groups)
     table = Table(
-        title="By module, each without what is inside it",
+        title="By module, each without its submodules",
         title_justify="left",
-        caption="Counted with the hierarchy kept; the whole is optimised flat",
+        caption="Counted with the hierarchy kept; the engine itself is optimised flat",
         caption_justify="left",
         show_footer=True,
     )

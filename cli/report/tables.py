@@ -1,4 +1,4 @@
-"""Tables for people; everything in them is in the JSON as well."""
+"""Printed tables of facts; the JSON files have the same numbers."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
 
 
 def print_facts(facts: list[_Fact | None], *, title: str) -> None:
-    """Print a table of names and values, plain or with a style; None is a line between groups."""
+    """Print a table of names and values; a value may have a style, and None separates groups."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -74,13 +74,13 @@ def print_facts(facts: list[_Fact | None], *, title: str) -> None:
         if fact is None:
             table.add_section()
         else:
-            # As Text, since a file's name may hold square brackets, which are markup to rich.
+            # As Text, since a file's name may have square brackets, which rich takes as markup.
             table.add_row(fact[0], Text(*fact[1]) if isinstance(fact[1], tuple) else Text(fact[1]))
     Console().print(table)
 
 
 def format_value(value: Any) -> str:
-    """Return a number with its thousands apart, or an object as ``name 1, name 2``."""
+    """Return a number with thousands separators, or a dict as ``name 1, name 2``."""
     if isinstance(value, dict):
         parts = [f"{name.replace('_', ' ')} {format_value(part)}" for name, part in value.items()]
         return ", ".join(parts) or "none"
@@ -92,7 +92,7 @@ def format_value(value: Any) -> str:
 
 
 def nonzero(value: Any) -> Any:
-    """Return an object without its zeros, which say nothing in a table; else the value itself."""
+    """Return a dict without its zeros, or any other value itself."""
     if isinstance(value, dict):
         return {name: part for name, part in value.items() if part}
     return value

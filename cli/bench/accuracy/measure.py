@@ -1,15 +1,17 @@
-"""What ``splatline bench accuracy`` measures: each quality, preset and skip, and the budget."""
+"""The measurements of ``splatline bench accuracy``: times, errors and error budgets of pictures."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from splatline.cli.bench.statistics import drawing_statistics, tool_versions
 from splatline.cli.bench.subjects import poses
+
+from .sweep import FLOAT, Run, Sweep, plan, way
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,94 +25,15 @@ if TYPE_CHECKING:
     from splatline.plots.bench_pictures import Crops
     from splatline.sim.reference.reference import Reference
 
-__all__ = ["FLOAT", "FLOAT_ONE_DEPTH", "Sweep", "measure", "way"]
-
-FLOAT = "float"
-FLOAT_ONE_DEPTH = "float, one depth a splat"
-"""Qualities of no engine: one exact sample a pixel, and the same with one depth for each splat."""
+__all__ = ["measure"]
 
 ONCE = {"materials", "index"}
-"""Stages of the host that a cloud needs once, not every frame."""
-
-
-def way(quality: str, samples: int) -> str:
-    """Return what to call a quality drawn with some samples a pixel."""
-    return quality if samples == 1 else f"{quality} \N{MULTIPLICATION SIGN}{samples}"
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """What is measured.
-
-    Parameters
-    ----------
-    paths, scenes
-        Clouds and built-in scenes.
-    views
-        Orbits; empty: each scene's own, and the default one for a cloud.
-    size
-        Of the image.
-    splats
-        Medians of the splats' diameters in pixels; None: the points' own spacing.
-    presets
-        Engines that splats of the points' spacing are drawn for.
-    fewer_presets
-        Engines that splats of other sizes are drawn for.
-    ladders
-        Splats of which the error budget is drawn up.
-    sampled
-        Splats that are drawn with several samples a pixel as well.
-    samples
-        How many, by the presets that draw them.
-    repeats
-        Calls of host and golden renderer, of which the fastest counts.
-    """
-
-    paths: tuple[Path, ...]
-    scenes: tuple[str, ...]
-    views: tuple[tuple[float, float], ...]
-    size: tuple[int, int] = (512, 512)
-    splats: tuple[float | None, ...] = (None, 1.5, 3.5, 7.0, 14.0)
-    presets: tuple[str, ...] = ("paper", "rgb24", "depth12")
-    fewer_presets: tuple[str, ...] = ("paper", "rgb24")
-    ladders: tuple[float | None, ...] = (None, 3.5, 7.0)
-    sampled: tuple[float | None, ...] = (None, 3.5, 7.0)
-    samples: Mapping[str, tuple[int, ...]] = field(
-        default_factory=lambda: {"paper": (4, 16), "rgb24": (4, 16)}
-    )
-    repeats: int = 3
-
-    def total(self) -> int:
-        """Return the number of pictures that will be compared."""
-        each = sum(len(_plan(self, splats)) + _rungs(self, splats) for splats in self.splats)
-        return each * (len(self.scenes) + len(self.paths)) * max(len(self.views), 1)
-
-
-@dataclass(frozen=True)
-class Run:
-    """One picture to be drawn.
-
-    Parameters
-    ----------
-    quality
-        Of the host, or a float quality.
-    preset
-        The engine; None: drawn by none.
-    switched
-        The skip that is not as the host has it by default.
-    samples
-        A pixel, each from a frame of its own.
-    """
-
-    quality: str
-    preset: str | None = None
-    switched: str | None = None
-    samples: int = 1
+"""Stages of the host that run once for each cloud, not for each frame."""
 
 
 @dataclass
 class Case:
-    """A cloud, a view and a size of splats, with the picture to compare with."""
+    """A cloud, a view and a size of splats, with the reference's picture."""
 
     scene: str
     cloud: Cloud
@@ -126,7 +49,7 @@ class Case:
 
     @property
     def key(self) -> dict[str, Any]:
-        """What tells the case from others."""
+        """The values that identify the case."""
         return {
             "scene": self.scene,
             "orbit": list(self.camera["orbit"]),
@@ -136,34 +59,34 @@ class Case:
 
 
 def measure(sweep: Sweep, advance: Callable[[str], None]) -> tuple[dict[str, Any], list[Crops]]:
-    """Measure everything.
+    """Measure all pictures of a sweep.
 
     Parameters
     ----------
     sweep
-        What.
+        The pictures.
     advance
-        Called with a description before each picture that is compared.
+        Called with a description before each picture.
 
     Returns
     -------
     results
         Ready for JSON: ``machine``, ``tools``, ``runs`` and ``ladders``.
     crops
-        The pictures behind the numbers, of each case.
+        Parts of the pictures of each case.
     """
     runs: list[dict[str, Any]] = []
     ladders: list[dict[str, Any]] = []
     crops = []
     for case in _cases(sweep):
-        for run in _plan(sweep, case.splats):
+        for run in plan(sweep, case.splats):
             several = f", {run.samples} samples" if run.samples > 1 else ""
             what = f"{run.quality} {run.preset or ''}{several}"
             advance(f"{case.scene}, {case.splats or 'auto'}: {what}")
             runs.append(_draw_float(case, run) if run.preset is None else _draw(case, run, sweep))
-        # What a float row has no value for is null, so that every run has the same keys.
-        ladders += _walk(case, sweep, advance)
+        ladders += _error_budget(case, sweep, advance)
         crops.append(case.crops)
+    # All runs have the same keys; a value that a float quality lacks is null.
     keys = list(dict.fromkeys(key for run in reversed(runs) for key in run))
     runs = [{key: run.get(key) for key in keys} for run in runs]
     results = {
@@ -178,52 +101,23 @@ def measure(sweep: Sweep, advance: Callable[[str], None]) -> tuple[dict[str, Any
     return results, crops
 
 
-def _plan(sweep: Sweep, splats: float | None) -> list[Run]:
-    """Return the pictures of a case."""
-    from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES
-    from splatline.host.visibility.skips import SKIPS
-
-    presets = sweep.presets if splats is None else sweep.fewer_presets
-    runs = [Run(FLOAT), Run(FLOAT_ONE_DEPTH)]
-    runs += [Run(quality, preset) for preset in presets for quality in QUALITIES]
-    if splats in sweep.sampled:
-        runs += [
-            Run(quality, preset, samples=samples)
-            for preset in presets
-            for samples in sweep.samples.get(preset, ())
-            for quality in ("paper", DEFAULT_QUALITY)
-        ]
-    if splats is None:
-        runs += [Run(DEFAULT_QUALITY, presets[0], skip) for skip in SKIPS]
-    return runs
-
-
-def _rungs(sweep: Sweep, splats: float | None) -> int:
-    """Return the number of pictures of a case's error budget."""
-    from splatline.sim.reference.error_budget import LADDERS, ladder
-
-    if splats not in sweep.ladders:
-        return 0
-    return sum(len(ladder(quality)) for quality in LADDERS)
-
-
 def _cases(sweep: Sweep) -> Iterator[Case]:
-    """Load each cloud once, and draw each case's reference."""
+    """Yield all cases; each cloud is loaded once, and the reference is drawn for each case."""
     from splatline.host.shading.lighting import Lighting
     from splatline.plots.bench_pictures import Crops
     from splatline.plots.figure import BACKGROUND
     from splatline.sim import reference
 
     for pose in poses(sweep.scenes, sweep.paths, sweep.size, sweep.views):
-        place = None
+        part = None
         orbit = pose.camera["orbit"]
         for splats in sweep.splats:
             radii = pose.scaled(splats)
             exact = reference.render(
                 pose.cloud, pose.view, radii, Lighting(), background=BACKGROUND
             )
-            crops = Crops(pose.name, orbit, splats, exact, place)
-            place = crops.place  # the same for every size
+            crops = Crops(pose.name, orbit, splats, exact, part)
+            part = crops.part  # the same part of the image for every size of splats
             yield Case(
                 pose.name,
                 pose.cloud,
@@ -240,7 +134,7 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
 
 
 def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
-    """Draw and measure what an engine draws."""
+    """Draw and measure the picture of an engine."""
     from splatline.cli.options.drawing import Drawing
     from splatline.contract.presets import PRESETS
     from splatline.host.pipeline import total_counts
@@ -284,7 +178,7 @@ def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
 
 
 def _draw_float(case: Case, run: Run) -> dict[str, Any]:
-    """Draw and measure one exact sample a pixel."""
+    """Draw and measure a picture of a float quality."""
     import time
 
     from splatline.host.shading.lighting import Lighting
@@ -315,8 +209,10 @@ def _draw_float(case: Case, run: Run) -> dict[str, Any]:
     )
 
 
-def _walk(case: Case, sweep: Sweep, advance: Callable[[str], None]) -> Iterator[dict[str, Any]]:
-    """Draw up a case's error budget."""
+def _error_budget(
+    case: Case, sweep: Sweep, advance: Callable[[str], None]
+) -> Iterator[dict[str, Any]]:
+    """Yield the steps of a case's error budgets."""
     from splatline.host.shading.lighting import Lighting
     from splatline.sim.reference.error_budget import LADDERS, ladder, walk
 
@@ -333,7 +229,7 @@ def _walk(case: Case, sweep: Sweep, advance: Callable[[str], None]) -> Iterator[
 
 
 def _make_frames(case: Case, run: Run, config: EngineConfig, repeats: int) -> list[Frame]:
-    """Return the frames of the fastest call; the first, which may have compiled, is left out."""
+    """Return the frames of the fastest call; the first call, which may compile, is left out."""
     from splatline.host.pipeline import make_frames, total_counts
     from splatline.host.shading.materials import find_materials
     from splatline.host.visibility.block_index import build_index
@@ -365,7 +261,7 @@ def _golden(frame: Frame, repeats: int) -> tuple[Raster, float]:
 
 
 def _shown(case: Case) -> dict[str, Any]:
-    """Return what was drawn, as the statistics of ``render`` name it."""
+    """Return the input of a case, with the keys of the statistics of ``render``."""
     return {
         "cloud": case.source,
         "view": {**case.camera, "orbit": list(case.camera["orbit"])},
@@ -375,7 +271,7 @@ def _shown(case: Case) -> dict[str, Any]:
 
 
 def _rounded(numbers: dict[str, Any]) -> dict[str, Any]:
-    """Return numbers without digits that say nothing."""
+    """Return numbers rounded to seven digits."""
     return {
         key: float(f"{value:.7g}") if isinstance(value, float) else value
         for key, value in numbers.items()
@@ -383,7 +279,7 @@ def _rounded(numbers: dict[str, Any]) -> dict[str, Any]:
 
 
 def _processor() -> str:
-    """Return the processor's name where the system tells it."""
+    """Return the processor's name if the system tells it, else its type."""
     try:
         lines: Sequence[str] = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -393,6 +289,7 @@ def _processor() -> str:
 
 
 def _cores() -> int:
+    """Return the number of cores that this process may use."""
     import os
 
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""The page of a benchmark: its tables, made from the JSON alone."""
+"""The Markdown page of ``splatline bench accuracy``, made from its JSON alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from splatline.cli.bench.markdown import table
 
-from .measure import FLOAT, FLOAT_ONE_DEPTH, way
+from .sweep import FLOAT, FLOAT_ONE_DEPTH, way
 from .targets import TARGETS, judge, pick
 
 __all__ = ["budgets", "fitted", "page", "title"]
@@ -32,9 +32,9 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
     Parameters
     ----------
     results
-        As they stand in the JSON.
+        Contents of the JSON.
     pictures
-        Names of the sheets beside it.
+        File names of the picture sheets.
     """
     runs = results["runs"]
     tools = ", ".join(f"{name} {version}" for name, version in results["tools"].items())
@@ -82,7 +82,7 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
 
 
 def title(row: Mapping[str, Any]) -> str:
-    """Return what to call a scene and view."""
+    """Return the name of a scene and view."""
     azimuth, elevation = row["orbit"]
     return f"{row['scene']} ({azimuth:g}, {elevation:g})"
 
@@ -90,8 +90,8 @@ def title(row: Mapping[str, Any]) -> str:
 def fitted(runs: Iterable[_Run]) -> dict[str, list[_Run]]:
     """Return the engines' runs with splats of the points' spacing, by scene and view.
 
-    Each gets ``seconds`` as one number, host and golden renderer together, the cycles of all
-    samples of an element, and ``way``, its quality and samples as a name.
+    In the returned runs, ``seconds`` is the sum for host and golden renderer,
+    ``cycles_per_element`` is that of all samples, and ``way`` names quality and samples.
     """
     scenes: dict[str, list[_Run]] = {}
     for run in pick(runs, splats="auto", switched=None):
@@ -105,7 +105,7 @@ def fitted(runs: Iterable[_Run]) -> dict[str, list[_Run]]:
 
 
 def budgets(results: Mapping[str, Any]) -> dict[tuple[Any, str], dict[str, dict[str, float]]]:
-    """Return error budgets: PSNR by (splats, quality), scene and step, the engine's own last."""
+    """Return error budgets: PSNR by (splats, quality), scene and step; the engine's comes last."""
     found: dict[tuple[Any, str], dict[str, dict[str, float]]] = {}
     for row in results["ladders"]:
         scenes = found.setdefault((row["splats"], row["quality"]), {})
@@ -118,7 +118,7 @@ def budgets(results: Mapping[str, Any]) -> dict[tuple[Any, str], dict[str, dict[
 
 
 def size_name(splats: Any) -> str:
-    """Return what to call a size of splats."""
+    """Return the name of a size of splats."""
     return "the points' spacing" if splats == "auto" else f"{splats:g} px"
 
 
@@ -183,7 +183,7 @@ def _sizes_table(runs: list[_Run]) -> str:
 
 
 def _column(run: _Run) -> tuple[str | None, str]:
-    """Return what a run's column stands for."""
+    """Return a run's column: preset, and name of quality and samples."""
     return run["preset"], way(run["quality"], run["samples"])
 
 
@@ -214,7 +214,7 @@ def _skips_table(runs: list[_Run]) -> str:
 
 
 def _words(run: _Run) -> str:
-    """Return a run's code words an element, control words left out."""
+    """Return a run's code words an element, without control words."""
     if not run["elements"]:
         return "-"
     words = (run["codewords"] - run["control_words"]) / run["elements"]
@@ -226,7 +226,7 @@ def _format(value: float | None, template: str, factor: float = 1.0) -> str:
 
 
 def _join_lists(parts: Iterable[str]) -> list[str]:
-    """Join the entries of a list, which have no empty line between them."""
+    """Join the entries of each Markdown list, without empty lines between them."""
     joined: list[str] = []
     for part in parts:
         if part.startswith("- ") and joined and joined[-1].startswith("- "):

@@ -1,11 +1,11 @@
-"""What the benchmark must show: each target, the figure reached and whether it is met."""
+"""Targets of ``splatline bench accuracy``, with the figure reached and the verdict for each."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from .measure import FLOAT, FLOAT_ONE_DEPTH
+from .sweep import FLOAT, FLOAT_ONE_DEPTH
 
 __all__ = ["TARGETS", "judge", "pick"]
 
@@ -20,16 +20,16 @@ TARGETS = {
     "one_word": "fast with one code word an element, splats of 3.5 px",
     "holes": "exact's holes at most 1.1 times those of float",
 }
-"""Name and meaning."""
+"""Targets: name and meaning."""
 
 LARGE = (7.0, 14.0)
 """Diameters in pixels of large elements."""
 
 MIDDLE = 3.5
-"""Diameter in pixels where most is at stake."""
+"""Diameter in pixels at which qualities differ most."""
 
 MOST_WORDS = 1.005
-"""Code words an element that round to 1.00."""
+"""Upper bound of code words an element that round to 1.00."""
 
 
 def pick(runs: Iterable[_Run], **wanted: Any) -> Iterator[_Run]:
@@ -38,13 +38,13 @@ def pick(runs: Iterable[_Run], **wanted: Any) -> Iterator[_Run]:
 
 
 def judge(runs: list[_Run]) -> list[dict[str, Any]]:
-    """Return a verdict for each scene, view, preset and target that there are runs for.
+    """Return a verdict for each scene, view, preset and target with the runs that it needs.
 
     Returns
     -------
     list of dict
         ``scene``, ``orbit``, ``preset``, ``target`` (a key of ``TARGETS``), ``figure`` (in dB, code
-        words, or holes as a share of those of float; None if that is infinite) and ``met``.
+        words an element, or holes relative to those of float; None if infinite) and ``met``.
     """
     verdicts = []
     default = [run for run in runs if run["switched"] is None]
@@ -59,7 +59,7 @@ def judge(runs: list[_Run]) -> list[dict[str, Any]]:
 
 
 def _figures(runs: list[_Run], preset: str) -> dict[str, tuple[float | None, bool]]:
-    """Return figure and verdict of each target that a scene, view and preset has runs for."""
+    """Return figure and verdict of each target for a scene, view and preset."""
 
     def find(quality: str, splats: Any, samples: int = 1) -> _Run | None:
         own = None if quality in (FLOAT, FLOAT_ONE_DEPTH) else preset
@@ -67,7 +67,7 @@ def _figures(runs: list[_Run], preset: str) -> dict[str, tuple[float | None, boo
         return next(found, None)
 
     def apart(one: str, other: str, splats: Any, samples: int = 1) -> float | None:
-        """How many dB one quality lies above another, both of so many samples a pixel."""
+        """Return the PSNR of one quality minus that of another, in dB."""
         upper, lower = find(one, splats, samples), find(other, splats, samples)
         if upper is None or lower is None:
             return None
@@ -100,7 +100,7 @@ def _figures(runs: list[_Run], preset: str) -> dict[str, tuple[float | None, boo
 
 
 def _holes(ours: float | None, bar: float | None) -> tuple[float | None, bool]:
-    """Return the holes as a share of the bar's, and whether they are few enough."""
+    """Return our holes relative to the bar's, and whether they are few enough."""
     ours, bar = ours or 0.0, bar or 0.0
     if bar == 0.0:
         return (1.0, True) if ours == 0.0 else (None, False)

@@ -1,4 +1,4 @@
-"""Writes what ``splatline bench accuracy`` measured: JSON, and from it page, plots, pictures."""
+"""Output files of ``splatline bench accuracy``: JSON, page, plots and sheets of pictures."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from splatline.cli.options.outputs import lines_of_json
 
-from .measure import way
 from .page import budgets, fitted, page, size_name
+from .sweep import way
 from .targets import judge
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ __all__ = ["write_accuracy"]
 def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops]) -> list[Path]:
     """Write ``accuracy.json``, ``accuracy.md``, the plots and the sheets of pictures.
 
-    Everything is made first and written then, each file whole or not at all.
+    All contents are made before the first file is written. Each file is written atomically.
 
     Returns
     -------
@@ -45,14 +45,14 @@ def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops
     }
     out_dir.mkdir(parents=True, exist_ok=True)
     for name, data in files.items():
-        place = out_dir / name
-        place.parent.mkdir(exist_ok=True)
-        atomic_write(place, data)
+        path = out_dir / name
+        path.parent.mkdir(exist_ok=True)
+        atomic_write(path, data)
     return [out_dir / name for name in files]
 
 
 def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:
-    """Return each way and preset over all scenes: mean PSNR, geometric means of its costs."""
+    """Return the mean PSNR and the geometric mean costs over all scenes, by way and preset."""
     groups: dict[tuple[str, int, str], list[Mapping[str, Any]]] = {}
     for runs in scenes.values():
         for run in runs:
@@ -80,7 +80,7 @@ def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, A
 
 
 def _panels(results: Mapping[str, Any]) -> list[tuple[str, dict[str, list[float]]]]:
-    """Return the panels of the error budget: the first and the last size of splats it has."""
+    """Return the panels of the error budget, for the first and the last size of splats."""
     found = budgets(results)
     sizes = list(dict.fromkeys(splats for splats, _ in found))
     panels = []
@@ -94,7 +94,7 @@ def _panels(results: Mapping[str, Any]) -> list[tuple[str, dict[str, list[float]
 
 
 def _sheets(crops: Sequence[Crops], runs: Sequence[Mapping[str, Any]]) -> dict[str, bytes]:
-    """Return the sheets of pictures by the names of their files, one a scene and view."""
+    """Return a sheet of pictures for each scene and view, by file name."""
     from splatline.plots.bench_pictures import SHOWN, compose_pictures
 
     views: dict[tuple[str, tuple[float, float]], list[Crops]] = {}

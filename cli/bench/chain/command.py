@@ -1,4 +1,4 @@
-"""``splatline bench chain``: what several engines gain, measured in their Verilog."""
+"""``splatline bench chain``: speed-up and frame rate of chains, simulated in Verilog."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .measure import Plan, measure
 __all__ = ["chain"]
 
 CLOCKS_MHZ = {"paper": 102.8, "swift": 94.5}
-"""What one engine is routed at, by preset: ``splatline pnr``."""
+"""Clock rate of one routed engine by preset, from ``splatline pnr``."""
 
 MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 
@@ -32,7 +32,10 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 @scenes_option
 @click.option("--size", type=SIZE, metavar="WxH", default="512x512", help="Size of the image.")
 @click.option(
-    "--elements", type=click.IntRange(100), default=400_000, help="Of a frame, about as many."
+    "--elements",
+    type=click.IntRange(100),
+    default=400_000,
+    help="Approximate number of elements a frame.",
 )
 @click.option(
     "--engines",
@@ -40,7 +43,8 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
     type=click.IntRange(1, MOST_ENGINES),
     default=(1, 2, 4, 8),
     show_default="1, 2, 4, 8",
-    help="Engines in the chain; may be given several times. 1 is what the others are measured by.",
+    help="Engines in the chain; may be given several times. One engine is always measured, for the"
+    " speed-up.",
 )
 @click.option(
     "--link",
@@ -49,7 +53,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
     type=click.Choice(LINKS),
     default=LINKS,
     show_default=", ".join(LINKS),
-    help="How pictures go from engine to engine.",
+    help="How pictures pass from engine to engine.",
 )
 @click.option(
     "--preset",
@@ -63,7 +67,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 @click.option(
     "--clock",
     type=click.FloatRange(1, 1000),
-    help="Clock rate for the times, MHz; without it those that paper and swift are routed at.",
+    help="Clock rate for the times, MHz; by default those of paper and swift as routed.",
 )
 @folder_option("chain.json and chain.md")
 def chain(
@@ -79,9 +83,9 @@ def chain(
 ) -> None:
     """Measure chains of engines: cycles, latency and frames a second, in Verilator.
 
-    The built-in scenes and any CLOUDs, sampled so that about as many elements are drawn as asked
-    for: as they are seen, and so near that they fill the image. Every picture is compared with
-    golden's. Each chain is built once, in half a minute; all of it takes ten.
+    Draws the built-in scenes and any CLOUDs, sampled to about the given number of elements. The
+    first one is also seen from so near that it fills the image. Every picture is compared with the
+    golden renderer's. Each chain is built once, in half a minute; the whole run takes ten minutes.
 
     \b
     Examples:

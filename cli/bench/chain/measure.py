@@ -1,4 +1,4 @@
-"""What ``splatline bench chain`` measures: whole frames in the Verilog of chains of engines."""
+"""The measurements of ``splatline bench chain``: whole frames in the Verilog of chains."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["FRAMES", "Plan", "measure"]
 
 FRAMES = 2
-"""Frames that follow each other in a video."""
+"""Number of frames of a video."""
 
 SPLATS = 2.5
 """Median diameter in pixels."""
@@ -28,11 +28,12 @@ FULL = 2.4
 """Magnification at which a built-in scene fills the image."""
 
 FILLED = ", filled"
+"""Suffix of the name of a scene that fills the image."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is measured; ``elements`` are those that a frame is to have, about."""
+    """The frames and chains to measure; a frame has about ``elements`` elements."""
 
     scenes: tuple[str, ...]
     clouds: tuple[Path, ...]
@@ -43,10 +44,11 @@ class Plan:
     engines: tuple[int, ...]
 
     def cases(self) -> list[tuple[str, str, str, int]]:
-        """Return scene, method, link and number of engines of each run of a preset.
+        """Return scene, partition method, link and number of engines of each run of a preset.
 
-        The first scene is dealt in every way and to both links, the others in the best one. A
-        single engine gets each in that order, and as the host has made it (``elements``).
+        The first scene is partitioned by every method and drawn with every link, the others by the
+        default method with link ``merge``. A single engine gets each scene in the order of the
+        default method, and in the host's own order (``elements``).
         """
         names = self.names()
         found = []
@@ -64,7 +66,7 @@ class Plan:
         return found
 
     def names(self) -> list[str]:
-        """Return what the scenes are called; the first is seen from near as well."""
+        """Return the names of the scenes; the first scene is also drawn filling the image."""
         first, *others = [*self.scenes, *(path.stem for path in self.clouds)]
         return [first, first + FILLED, *others]
 
@@ -74,7 +76,7 @@ class Plan:
 
 
 def measure(plan: Plan, advance: Callable[[str], None]) -> Iterator[dict[str, Any]]:
-    """Yield what each run takes; ``advance`` is called with a description before each."""
+    """Yield the counts of each run; ``advance`` is called with a description before each."""
     from splatline.sim.cosim.player.chains import build_chain
 
     frames = {
@@ -90,12 +92,12 @@ def measure(plan: Plan, advance: Callable[[str], None]) -> Iterator[dict[str, An
 
 
 def _frames(pose: Pose, plan: Plan, *, near: bool) -> Iterator[tuple[str, Frame, EngineConfig]]:
-    """Yield the frames of a cloud for each preset: as it is seen, and so near that it fills."""
+    """Yield a cloud's frames for each preset; if ``near``, also those that fill the image."""
     for suffix, zoom in (("", 1.0), (FILLED, FULL))[: 1 + near]:
         view = dataclasses.replace(pose.view, focal=pose.view.focal * zoom)
         points = plan.elements
         for _ in range(3):
-            # Of the points only some are seen: how many it takes is found by trying.
+            # Only some of the points are visible, so the number of points is found by iteration.
             frame = _frame(pose, view, points, zoom, plan.presets[0])
             if abs(frame.counts["elements"] - plan.elements) <= plan.elements // 200:
                 break
@@ -105,12 +107,13 @@ def _frames(pose: Pose, plan: Plan, *, near: bool) -> Iterator[tuple[str, Frame,
 
 
 def _frame(pose: Pose, view: Any, points: int, zoom: float, config: EngineConfig) -> Frame:
-    """Return a frame of a cloud sampled anew with so many points."""
+    """Return a frame of a cloud that is resampled to a number of points."""
     from splatline.host.cloud.resample import resample
     from splatline.host.pipeline import make_frame
 
     cloud, radii = resample(pose.cloud, pose.radii, points)
-    spacing = min(1.0, (len(pose.cloud) / points) ** 0.5)  # of the new discs to the old ones
+    # Ratio of the new discs' diameter to the old one.
+    spacing = min(1.0, (len(pose.cloud) / points) ** 0.5)
     scale = SPLATS / (pose.usual * zoom * spacing)
     return make_frame(cloud, view, radii=radii * scale, config=config)
 
@@ -118,7 +121,7 @@ def _frame(pose: Pose, view: Any, points: int, zoom: float, config: EngineConfig
 def _row(
     name: str, frame: Frame, method: str, link: str, engines: int, built: Any
 ) -> dict[str, Any]:
-    """Play a frame several times over and return what it takes, ready for JSON."""
+    """Play a frame alone and as a video; return its counts, ready for JSON."""
     from splatline.sim.cosim.player.chains import ChainJob, play_chain
 
     def job(drawn: Frame, count: int, written: str = "first") -> ChainJob:
@@ -126,7 +129,7 @@ def _row(
             *[drawn] * count, engines=engines, method=method, write_tables=written
         )
 
-    # First the windows are cleared, which is done once and not for each frame.
+    # An empty frame comes first, so that the clearing after reset is not counted.
     nothing = dataclasses.replace(frame, codewords=frame.codewords[-1:])
     video = method == DEFAULT_METHOD and link == "merge"
     jobs = [job(nothing, 1), job(frame, FRAMES if video else 1)]
@@ -158,13 +161,13 @@ def _row(
 
 
 def _period(outcome: Outcome) -> int:
-    """Return the cycles from end to end of the last two frames of a video."""
+    """Return the cycles between the end beats of the last two frames of a video."""
     before, last = outcome.times[-2:]
     return last.end_beat - before.end_beat
 
 
 def _idle(times: Sequence[Times]) -> float:
-    """Return for how long an engine takes no code word between frames: the mean of all engines."""
+    """Return the cycles without a code word between two frames, the mean over the engines."""
     before, last = times[-2:]
     gaps = [opened - closed - 1 for closed, opened in zip(before.closed, last.opened, strict=True)]
     return round(sum(gaps) / len(gaps), 1)

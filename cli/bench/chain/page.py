@@ -1,4 +1,4 @@
-"""The page of ``splatline bench chain``: its numbers as tables."""
+"""The Markdown page of ``splatline bench chain``, and the rates derived from its cycles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from splatline.host.encode.partition_methods import DEFAULT_METHOD, METHODS
 __all__ = ["TARGETS", "page", "rate"]
 
 TARGETS = {4: 3.8, 8: 7.0}
-"""Times as fast as one engine that a chain of so many must be."""
+"""Target for the speed-up, by number of engines."""
 
 PAPER_IDLE = 0.02
 PAPER_RATE = 1e8
@@ -21,13 +21,13 @@ _Run = dict[str, Any]
 
 
 def rate(runs: Sequence[_Run], clocks_mhz: Mapping[str, float | None]) -> list[_Run]:
-    """Return runs with what follows from their cycles.
+    """Return runs with the figures that follow from their cycles.
 
-    ``speedup``: over one engine that gets the elements in the same order; ``speedup_host``: over
-    one that gets them as the host has sorted them. ``bound``: the most that the first can be, as
-    a word of the raster leaves in a cycle. ``seconds``, ``video_fps`` at the preset's clock;
-    ``paper_seconds`` by the paper's formula. What there is nothing to compare with, or no clock, is
-    None.
+    ``speedup`` is over one engine that gets the elements in the same order, ``speedup_host`` over
+    one engine that gets them in the host's order. ``bound`` is the largest possible ``speedup``,
+    since one raster word leaves in a cycle. ``seconds`` and ``video_fps`` are at the preset's clock
+    rate, ``paper_seconds`` by the paper's formula. A figure is None if its comparison or its clock
+    rate is missing.
     """
     alone = {
         (run["scene"], run["preset"], run["method"]): run["cycles"]
@@ -37,7 +37,7 @@ def rate(runs: Sequence[_Run], clocks_mhz: Mapping[str, float | None]) -> list[_
     rated = []
     for run in runs:
         host = alone.get((run["scene"], run["preset"], "elements"))
-        # Whole lines come to one engine in the host's order.
+        # A method that deals whole lines keeps the host's order, so one engine takes the same time.
         same = alone.get((run["scene"], run["preset"], run["method"]), host)
         least = None if same is None else max(same / run["engines"], run["beats"])
         clock = clocks_mhz[run["preset"]]

@@ -1,1 +1,1 @@
-"""``splatline bench configurations``: windows, sizes and depths compared."""
+"""``splatline bench configurations``: comparison of windows, widths and depths."""

@@ -1,4 +1,4 @@
-"""``splatline bench configurations``: what other windows, words, widths and depths cost."""
+"""``splatline bench configurations``: cycles, resources and clock rates of engines compared."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ POINTS = {
     **{name: PRESETS[name] for name in ("paper", "rgb24", "swift")},
     **{config.name: config for config in VARIANTS},
 }
-"""The engines compared, by name."""
+"""Configurations of the engines that are compared, by name."""
 
 SPLATS = (None, 4.0, 6.5)
 """Median diameters in pixels; None: the points' own spacing."""
@@ -51,12 +51,19 @@ SPLATS = (None, 4.0, 6.5)
 @click.option("--size", type=SIZE, metavar="WxH", default="512x512", help="Size of the image.")
 @splats_option(SPLATS)
 @click.option(
-    "--quality", type=click.Choice(list(QUALITIES)), default="fast", help="Of the code words."
+    "--quality",
+    type=click.Choice(list(QUALITIES)),
+    default="fast",
+    help="Quality of the code words.",
 )
-@click.option("--no-luts", is_flag=True, help="Count cycles alone: seconds instead of minutes.")
-@click.option("--clock", is_flag=True, help="Place and route each on an ECP5 too, for its clock.")
+@click.option("--no-luts", is_flag=True, help="Count only cycles, in seconds instead of minutes.")
 @click.option(
-    "--keep", is_flag=True, help="Keep what configurations.json says of engines that are not named."
+    "--clock", is_flag=True, help="Place and route each engine on an ECP5 too, for its clock rate."
+)
+@click.option(
+    "--keep",
+    is_flag=True,
+    help="Keep the results in configurations.json of engines that are not named.",
 )
 @folder_option("configurations.json and configurations.md")
 def configurations(
@@ -70,12 +77,12 @@ def configurations(
     keep: bool,
     out_dir: Path,
 ) -> None:
-    """Compare engines of other windows, words, widths and depths, so that you can pick one.
+    """Compare engines of other windows, word sizes, widths and depths, to help choose one.
 
-    Cycles of the built-in scenes, those of the Verilog counted without running it; with Yosys what
-    each takes of the XC2V250, in half a minute to two; and with --clock the rate that nextpnr
-    reaches on a Lattice ECP5, in one to three minutes, of
-    `swift` in four.
+    The cycle model counts the cycles of the built-in scenes without running the Verilog. Yosys
+    counts the resources on the XC2V250, in half a minute to two for each engine. With --clock,
+    nextpnr finds the clock rate on a Lattice ECP5, in one to three minutes for each engine and four
+    for swift.
 
     \b
     Examples:
@@ -120,7 +127,7 @@ def configurations(
 def describe(
     points: Sequence[EngineConfig], advance: Callable[[str], None], *, luts: bool, clock: bool
 ) -> list[dict[str, Any]]:
-    """Return each point's settings and what it takes; what is not asked for is None."""
+    """Return each engine's settings, resources and clock rate; None if not measured."""
     rows = []
     for config in points:
         counts: dict[str, Any] = dict.fromkeys(("lut4", "ff", "bram", "mult", "fits"))
@@ -148,7 +155,7 @@ def describe(
 
 
 def count(config: EngineConfig) -> dict[str, Any]:
-    """Return what an engine takes of the XC2V250, and whether that is there."""
+    """Return an engine's resources on the XC2V250, and whether it fits."""
     from splatline.flow.area.synth import DEVICE, count_engine
 
     counts = count_engine(config)
@@ -156,7 +163,7 @@ def count(config: EngineConfig) -> dict[str, Any]:
 
 
 def route(config: EngineConfig) -> tuple[float, str]:
-    """Return the clock rate of an engine on an ECP5 in MHz, and which one that is."""
+    """Return an engine's clock rate on an ECP5 in MHz, and the name of that device."""
     from splatline.flow.timing.pnr import place_and_route
 
     report = place_and_route(config)
@@ -169,11 +176,16 @@ def kept(
     frames: Sequence[tuple[str, str | float]],
     names: Sequence[str],
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Return the points and the runs that an earlier report has of engines that are not named.
+    """Return the points and runs of an earlier report for the engines that are not named.
 
-    Raises ``InputError`` if there is none, or if it is of other frames (scenes and diameters), of
-    another size or quality, or made with other tools: ``heads``. To those are added the tools that
-    are needed no more, as a router for what is counted alone now.
+    ``heads`` has the size, quality and tool versions of the new report. Versions of tools that only
+    the earlier report used are added to it.
+
+    Raises
+    ------
+    InputError
+        If there is no earlier report, or its frames (scenes and diameters), size, quality or tools
+        differ.
     """
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
@@ -193,7 +205,7 @@ def kept(
 
 
 def _require(package: str, *, wanted: bool, extra: str) -> None:
-    """Raise ``InputError`` if a package that is wanted is missing."""
+    """Raise ``InputError`` if a package is needed and missing."""
     if wanted and importlib.util.find_spec(package) is None:
         raise InputError(
             f"bench configurations needs {package}: {install_hint(extra)}"

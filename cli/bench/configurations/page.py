@@ -1,4 +1,4 @@
-"""The page of ``splatline bench configurations``: its numbers as tables."""
+"""The Markdown page of ``splatline bench configurations``."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""``splatline bench engine``: cycles beside the fewest possible."""
+"""``splatline bench engine``: clock cycles of frames, beside the lower bound."""

@@ -1,4 +1,4 @@
-"""``splatline bench engine``: the cycles of a frame beside the fewest that its memory allows."""
+"""``splatline bench engine``: clock cycles of frames, beside the bound of the window's memory."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "rgb24", "swift"))
     show_default=", ".join(config.name for config in MEASURED_PRESETS),
     help="Engine; may be given several times.",
 )
-@click.option("--luts", is_flag=True, help="Synthesise each preset too, for the rate of a LUT.")
+@click.option("--luts", is_flag=True, help="Synthesise each preset too, for the rate per LUT.")
 @folder_option("engine.json and engine.md")
 def engine(
     clouds: tuple[Path, ...],
@@ -65,11 +65,11 @@ def engine(
     luts: bool,
     out_dir: Path,
 ) -> None:
-    """Count the clock cycles of frames beside the fewest that the engine's memory allows.
+    """Count the clock cycles of frames, beside the fewest that the engine's memory allows.
 
-    For the built-in scenes and any CLOUDs, with splats of the points' spacing and of several sizes.
-    Cycles are those of the Verilog, counted without running it; a LUT's rate takes Yosys and half a
-    minute a preset.
+    Draws the built-in scenes and any CLOUDs, with splats of the points' spacing and of several
+    sizes. The cycle model counts the cycles of the Verilog without running it. The rate per LUT
+    needs Yosys, and half a minute for each preset.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""What almost empty frames cost: a few small splats anywhere in the image."""
+"""Cycles of almost empty frames: a few small splats at random positions."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ if TYPE_CHECKING:
 __all__ = ["COUNTS", "PIXELS", "few_splats", "measure_few"]
 
 COUNTS = (1, 10, 100, 1000)
-"""Splats of a frame."""
+"""Numbers of splats in a frame."""
 
 PIXELS = 3.0
-"""Their diameter."""
+"""Diameter of the splats in pixels."""
 
 SEED = 7
 
 
 def measure_few(presets: Sequence[EngineConfig], size: tuple[int, int]) -> Iterator[dict[str, Any]]:
-    """Yield what each of a few frames takes of each preset, ready for JSON.
+    """Yield the counts of each frame on each preset, ready for JSON.
 
-    The frame is not the engine's first, which waits for the window to be cleared.
+    The frame is not the engine's first one, which would wait for the clearing of the window.
     """
     import numpy as np
 
@@ -47,7 +47,7 @@ def measure_few(presets: Sequence[EngineConfig], size: tuple[int, int]) -> Itera
 
 
 def few_splats(count: int, size: tuple[int, int], config: EngineConfig) -> Frame:
-    """Return a frame of so many splats at random places of an image of a size."""
+    """Return a frame of some splats at random positions of the image."""
     import numpy as np
 
     from splatline.host.pipeline import make_frame
@@ -59,7 +59,7 @@ def few_splats(count: int, size: tuple[int, int], config: EngineConfig) -> Frame
 
 
 def _scatter(count: int, size: tuple[int, int]) -> Cloud:
-    """Return points at random places of the image, about the origin and facing the eye."""
+    """Return points at random positions of the plane z = 0, facing the eye."""
     import numpy as np
 
     from splatline.host.files.assemble import Columns, assemble_cloud

@@ -1,4 +1,4 @@
-"""What ``splatline bench engine`` measures: frames, their cycles and the bound of each."""
+"""The measurements of ``splatline bench engine``: cycles of frames, and the bound of each."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 __all__ = ["CLOCK_HZ", "Plan", "count_luts", "measure"]
 
 CLOCK_HZ = 100e6
-"""The paper's clock, by which cycles become rates."""
+"""The paper's clock rate, for rates in elements a second."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is measured: every one of these with every other."""
+    """The frames to measure: all combinations of these values."""
 
     scenes: tuple[str, ...]
     clouds: tuple[Path, ...]
@@ -42,7 +42,7 @@ class Plan:
 
 
 def count_luts(presets: Sequence[EngineConfig], advance: Callable[[str], None]) -> dict[str, int]:
-    """Return how many LUTs each preset takes, by name."""
+    """Return the number of LUTs of each preset, by name."""
     from splatline.flow.area.synth import count_engine
 
     counts = {}
@@ -55,7 +55,7 @@ def count_luts(presets: Sequence[EngineConfig], advance: Callable[[str], None]) 
 def measure(
     plan: Plan, luts: dict[str, int], advance: Callable[[str], None]
 ) -> Iterator[dict[str, Any]]:
-    """Yield what each frame takes; ``advance`` is called with a description before each."""
+    """Yield the counts of each frame; ``advance`` is called with a description before each."""
     from splatline.host.pipeline import make_frame
     from splatline.host.shading.materials import find_materials
     from splatline.host.visibility.block_index import build_index
@@ -75,7 +75,7 @@ def measure(
 def _row(
     pose: Pose, splats: float | None, quality: str, frame: Frame, lut4: int | None
 ) -> dict[str, Any]:
-    """Return what a frame takes, ready for JSON; without LUTs their columns are None."""
+    """Return the counts of a frame, ready for JSON; those of LUTs are None if not counted."""
     from splatline.sim import golden
     from splatline.sim.cycles.bound import bound_cycles
     from splatline.sim.cycles.cycles import count_cycles
@@ -106,7 +106,7 @@ def _row(
 
 
 def _words_drawn(raster: Raster) -> int:
-    """Return how many words of the picture are not background alone."""
+    """Return the number of raster words with at least one drawn pixel."""
     import numpy as np
 
     height, width = raster.drawn.shape

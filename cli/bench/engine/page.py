@@ -1,4 +1,4 @@
-"""The page of ``splatline bench engine``: its numbers as tables."""
+"""The Markdown page of ``splatline bench engine``."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def page(report: dict[str, Any]) -> str:
 
 
 def _rate(row: dict[str, Any]) -> tuple[str, ...]:
-    """Return a preset's row of rates."""
+    """Return the cells of a preset's rates."""
     figures = (f"{row[key]:,}" for key in ("median", "least"))
     met = f"{row['runs_met']} of {row['runs']}"
     return row["preset"], f"{row['lut4']:,}", f"{row['most']:,}", row["scene"], *figures, met
@@ -91,7 +91,7 @@ def _verdict(row: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _name(target: Target) -> str:
-    """Return what a target limits, and in which runs."""
+    """Return the name of a target: the limited figure, and the runs that count."""
     where = [target.quality] if target.quality else []
     where += [f"{target.pixels[0]:g} to {target.pixels[1]:g} px"] if target.pixels else []
     return f"{target.meaning}: {', '.join(where) or 'all'}"

@@ -1,4 +1,4 @@
-"""What ``splatline bench engine`` must show: each target, its worst run and whether it is met."""
+"""Targets of ``splatline bench engine``, with the worst run and the verdict for each."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ _Run = dict[str, Any]
 
 
 class Target(NamedTuple):
-    """A limit that no run of a kind may pass.
+    """A limit on a figure of some runs.
 
     Parameters
     ----------
     meaning
-        What is limited, in words.
+        Description of the figure.
     figure
-        The key of a run that is limited.
+        Key of the figure in a run.
     limit
-        Its largest value.
+        Largest value of the figure.
     quality
-        Of the runs that count; None: any.
+        Quality of the runs that count; None: any.
     pixels
-        Their splats' median diameter, both ends included; None: any.
+        Median diameter of their splats, both ends included; None: any.
     below
-        The figure must lie below the limit, and not on it.
+        The figure must be below the limit, not equal to it.
     """
 
     meaning: str
@@ -43,7 +43,7 @@ class Target(NamedTuple):
         return self.quality in (None, run["quality"]) and low <= run["median_pixels"] <= high
 
     def met(self, figure: float) -> bool:
-        """Return whether a figure keeps to the limit."""
+        """Return whether a figure is within the limit."""
         return figure < self.limit if self.below else figure <= self.limit
 
 
@@ -53,21 +53,21 @@ TARGETS = {
     "exact": Target("cycles a code word", "cycles_per_codeword", 1.1, "exact"),
     "bound": Target("cycles of the bound", "ratio", 1.08, below=True),
 }
-"""By name."""
+"""Targets by name."""
 
 
 LEAST_RATE = 30_000
-"""Elements a second for a LUT at 100 MHz; the paper has 11,600."""
+"""Target for elements a second per LUT at 100 MHz; the paper's engine has 11,600."""
 
 
 def rate(runs: Sequence[_Run]) -> list[dict[str, Any]]:
-    """Return what each preset's LUTs draw, of the runs that ``small`` covers; nothing without LUTs.
+    """Return each preset's rate per LUT over the runs of target ``small``; empty without LUTs.
 
     Returns
     -------
     list of dict
-        ``preset``, ``lut4``, ``runs`` that count and ``runs_met``; the ``most``, ``median`` and
-        ``least`` elements a second for a LUT, and the ``scene`` of the most.
+        ``preset``, ``lut4``, numbers of ``runs`` that count and of ``runs_met``; the ``most``,
+        ``median`` and ``least`` elements a second per LUT, and the ``scene`` of the most.
     """
     rates = []
     key = "elements_per_second_per_lut"
@@ -94,13 +94,14 @@ def rate(runs: Sequence[_Run]) -> list[dict[str, Any]]:
 
 
 def judge(runs: Sequence[_Run]) -> list[dict[str, Any]]:
-    """Return a verdict for each preset and target that there are runs for.
+    """Return a verdict for each preset and target with at least one run.
 
     Returns
     -------
     list of dict
-        ``preset``, ``target`` (a key of ``TARGETS``), ``runs`` that count and ``runs_met``;
-        ``figure`` of the worst, with its ``scene``, ``splats`` and ``quality``; ``met`` by all.
+        ``preset``, ``target`` (a key of ``TARGETS``), numbers of ``runs`` that count and of
+        ``runs_met``; ``figure``, ``scene``, ``splats`` and ``quality`` of the worst run; ``met`` if
+        all runs meet the target.
     """
     verdicts = []
     for preset in dict.fromkeys(run["preset"] for run in runs):

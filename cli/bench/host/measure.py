@@ -1,4 +1,4 @@
-"""``splatline bench host``: how fast the host and the golden renderer are, beside their peers."""
+"""``splatline bench host``: rates of host and golden renderer, beside other renderers."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
     "a corner, 8 times as near": (8.0, ()),
     "a corner, 30 times as near": (30.0, ()),
 }
-"""Views of the large cloud: magnification, and what is skipped beside the usual."""
+"""Views of the large cloud: magnification, and skips in addition to the default ones."""
 
 
 @click.command()
@@ -49,10 +49,10 @@ VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
     "--points",
     type=click.IntRange(1),
     default=4_000_000,
-    help="Points of the large cloud, sampled on the last cloud named (or the knot).",
+    help="Points of the large cloud, which is resampled from the last cloud named, or the knot.",
 )
 @click.option("--repeats", type=click.IntRange(1), default=10, help="Frames; the fastest counts.")
-@click.option("--peers/--no-peers", default=True, help="Draw with other renderers too.")
+@click.option("--peers/--no-peers", default=True, help="Measure other renderers too.")
 @folder_option("host.json and host.md")
 def host(
     clouds: tuple[Path, ...],
@@ -63,10 +63,10 @@ def host(
     peers: bool,
     out_dir: Path,
 ) -> None:
-    """Measure the rates of every stage, and of peers on the same cores in the same run.
+    """Measure the rates of the host's stages, and of other renderers in the same run.
 
-    The built-in scenes, the clouds named, and a large cloud in several views. Peers are drawn where
-    they are installed: pip install '.[peers]'.
+    Draws the built-in scenes, the clouds named, and a large cloud in several views. The other
+    renderers are measured if they are installed: pip install '.[peers]'.
 
     \b
     Examples:
@@ -131,7 +131,7 @@ def host(
 def _subjects(
     clouds: tuple[Path, ...], size: tuple[int, int]
 ) -> list[tuple[Cloud, View, npt.NDArray[np.float64]]]:
-    """Return what to draw: cloud, view and radii."""
+    """Return cloud, view and radii of each scene and cloud file."""
     from splatline import host as library
 
     found = []
@@ -148,7 +148,7 @@ def _subjects(
 
 
 def _built(cloud: Cloud, radii: npt.NDArray[np.float64]) -> tuple[Index, dict[str, float]]:
-    """Return a cloud's index, and what it took."""
+    """Return a cloud's index, with the time and memory that it took."""
     from splatline.host.shading.materials import find_materials
     from splatline.host.visibility.block_index import build_index
 
@@ -170,7 +170,7 @@ def _measure(
     preset: EngineConfig,
     repeats: int,
 ) -> dict[str, Any]:
-    """Return the times of a frame: the least of each stage, and of host and picture as a whole."""
+    """Return a frame's counts and times; each time is the least of several runs."""
     from splatline.host.pipeline import make_frame
     from splatline.host.visibility.skips import DEFAULT_SKIPS
     from splatline.sim import golden
@@ -186,11 +186,11 @@ def _measure(
         stages = {**frame.counts["seconds"], "golden": end - middle}
         return frame, middle - begin, end - begin, stages
 
-    draw()  # compiles, or loads what is compiled
-    laps = [draw() for _ in range(repeats)]
-    frame = laps[0][0]
-    host_seconds = min(lap[1] for lap in laps)
-    stages = {name: min(lap[3][name] for lap in laps) for name in STAGES}
+    draw()  # compiles, or loads the compiled code
+    runs = [draw() for _ in range(repeats)]
+    frame = runs[0][0]
+    host_seconds = min(run[1] for run in runs)
+    stages = {name: min(run[3][name] for run in runs) for name in STAGES}
     words = len(frame.codewords)
     return {
         "quality": quality,
@@ -200,14 +200,14 @@ def _measure(
         "codewords": words,
         "seconds": stages,
         "host_seconds": host_seconds,
-        "frame_seconds": min(lap[2] for lap in laps),
+        "frame_seconds": min(run[2] for run in runs),
         "points_per_second": len(index) / host_seconds,
         "golden_words_per_second": words / stages["golden"],
     }
 
 
 def _nearer(view: View, zoom: float) -> View:
-    """Return a view of the same size with its focal length scaled."""
+    """Return a view with its focal length multiplied by a factor."""
     import dataclasses
 
     return dataclasses.replace(view, focal=view.focal * zoom)
@@ -216,18 +216,18 @@ def _nearer(view: View, zoom: float) -> View:
 def _race(
     draw: Callable[..., float], what: tuple[Any, ...], ours: dict[str, Any]
 ) -> dict[str, Any]:
-    """Return a peer's seconds a frame and their ratio to ours, or why it did not run."""
+    """Return a peer's seconds a frame and their ratio to ours, or the reason of its failure."""
     try:
         seconds = draw(*what)
     except ModuleNotFoundError as error:
         return {"seconds": None, "why": f"{error.name} is not installed"}
-    except Exception as error:  # a peer may fail in any way, and the others still count
+    except Exception as error:  # a peer may fail in any way without stopping the benchmark
         return {"seconds": None, "why": f"{type(error).__name__}: {error}"[:200]}
     return {"seconds": seconds, "ratio": seconds / ours["frame_seconds"]}
 
 
 def _best(work: Callable[[], Any], repeats: int) -> tuple[float, Any]:
-    """Return the least seconds of some calls, and what the last returned."""
+    """Return the least time of several calls in seconds, and the last result."""
     least, result = float("inf"), None
     for _ in range(repeats):
         begin = time.perf_counter()

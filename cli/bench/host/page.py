@@ -1,4 +1,4 @@
-"""The page of ``splatline bench host``: its numbers as tables."""
+"""The Markdown page of ``splatline bench host``."""
 
 from __future__ import annotations
 

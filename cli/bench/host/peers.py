@@ -1,4 +1,4 @@
-"""Other renderers of point clouds, drawing the same view: seconds a frame, cloud in memory."""
+"""Other renderers of point clouds: seconds a frame for the same view, with the cloud in memory."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ REPEATS = 3
 
 
 def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> float:
-    """Return VTK's seconds, by PyVista: square points of the mean splat's size, lit."""
+    """Return VTK's seconds a frame, through PyVista: lit square points of the mean splat size."""
     import numpy as np
     import pyvista
 
@@ -47,7 +47,7 @@ def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> floa
 
 
 def open3d_offscreen(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> float:
-    """Return Open3D's seconds: its off-screen renderer, points of the mean splat's size, lit."""
+    """Return the seconds a frame of Open3D's off-screen renderer: lit points of the mean size."""
     os.environ.setdefault("EGL_PLATFORM", "surfaceless")
     import numpy as np
     import open3d
@@ -74,11 +74,11 @@ PEERS: dict[str, Callable[..., float]] = {
     "VTK points (PyVista)": vtk_points,
     "Open3D off-screen": open3d_offscreen,
 }
-"""Peers by name; each raises if it cannot draw here."""
+"""Functions by the renderer's name; each raises if its renderer cannot run here."""
 
 
 def _best(draw: Callable[[], Any]) -> float:
-    """Return the least seconds of some frames, after a first that may set up."""
+    """Return the least time of several frames in seconds; a first frame for set-up is left out."""
     draw()
     least = float("inf")
     for _ in range(REPEATS):

@@ -1,1 +1,1 @@
-"""``splatline bench stability``: inputs that are meant to break it."""
+"""``splatline bench stability``: the stress suite."""

@@ -27,7 +27,7 @@ HEADS = (
 )  # fmt: skip
 
 NONE = "-"
-"""What stands in a table where there is no number."""
+"""Cell of a table without a number."""
 
 INTRODUCTION = """\
 # Numerical stability
@@ -54,9 +54,9 @@ point is either drawn or counted as left out. Whatever numpy would warn of is an
 @click.command()
 @folder_option("stability.json and stability.md")
 def stability(out_dir: Path) -> None:
-    """Draw clouds, views and normals that are made to break arithmetic, and tabulate the errors.
+    """Draw clouds, views and normals that are numerically hard, and tabulate the errors.
 
-    Exit code 1 if a case is not as expected; the tables are written all the same.
+    Exit code 1 if a case is not as expected; the tables are written in any case.
 
     \b
     Examples:
@@ -90,7 +90,7 @@ def _measure() -> dict[str, Any]:
     from splatline.sim.stress.case import REACH, SAMPLES, measure
     from splatline.sim.stress.themes import themes
 
-    # So small are the pictures that starting threads would take most of the time.
+    # The pictures are so small that starting threads would take most of the time.
     numba.set_num_threads(1)
     console = Console(stderr=True)
     found = []
@@ -129,7 +129,7 @@ def _theme(name: str, theme: Theme, rows: Sequence[dict[str, Any]]) -> dict[str,
 
 
 def _row(name: str, based: bool, outcomes: dict[str, Outcome]) -> dict[str, Any]:
-    """Return a case's outcomes as plain data: by quality, and the worst of them."""
+    """Return a case's outcomes by quality and the worst of them, ready for JSON."""
     import dataclasses
 
     from splatline.sim.stress.case import Outcome
@@ -138,7 +138,7 @@ def _row(name: str, based: bool, outcomes: dict[str, Outcome]) -> dict[str, Any]
         quality: {**dataclasses.asdict(outcome), "problems": list(outcome.problems)}
         for quality, outcome in outcomes.items()
     }
-    # None is the best there is: no difference, or nothing to compare.
+    # None is the best value: no difference, or nothing to compare.
     fields = [field.name for field in dataclasses.fields(Outcome)]
     lowest = {"psnr_base_db", "psnr_db", "drawn"}
     worst: dict[str, Any] = {}
@@ -156,7 +156,7 @@ def _row(name: str, based: bool, outcomes: dict[str, Outcome]) -> dict[str, Any]
 
 
 def _json(results: dict[str, Any]) -> str:
-    """Return the results with one case a line, so that two files compare line by line."""
+    """Return JSON in which each case has a line of its own, for line-by-line diffs."""
     themes = []
     for theme in results["themes"]:
         rows = ",\n".join(f"      {json.dumps(case, allow_nan=False)}" for case in theme["cases"])
@@ -174,7 +174,7 @@ def _json(results: dict[str, Any]) -> str:
 
 
 def _page(results: dict[str, Any]) -> str:
-    """Return the page in Markdown."""
+    """Return the results as Markdown."""
     qualities = ", ".join(f"`{name}`" for name in results["qualities"])
     parts = [INTRODUCTION.format(qualities=qualities, samples=results["samples"])]
     heads = ("theme", "cases", "as expected", "most pixels changed", "most holes", "most stray")
@@ -210,7 +210,7 @@ def _cells(case: dict[str, Any]) -> list[str]:
 
 
 def _complaints(cases: Iterable[dict[str, Any]]) -> Iterable[str]:
-    """Return a list of what was not as expected, if there is anything."""
+    """Return a Markdown list of the problems; empty if there are none."""
     lines = [
         f"- {case['case']}, `{quality}`: {'; '.join(row['problems'])}"
         for case in cases
@@ -226,7 +226,7 @@ def _most(cases: Iterable[dict[str, Any]], key: str) -> float | None:
 
 
 def _percent(share: float | None) -> str:
-    """Return a share in percent with three digits at most; a dash if there is none."""
+    """Return a share in percent with at most three decimals, or a dash for None."""
     if share is None:
         return NONE
     if share == 0.0:
@@ -236,6 +236,6 @@ def _percent(share: float | None) -> str:
 
 
 def _anchor(title: str) -> str:
-    """Return the name that a heading has as the target of a link."""
+    """Return a heading's anchor, as a link's target."""
     kept = "".join(mark for mark in title.lower() if mark.isalnum() or mark in " -_")
     return kept.replace(" ", "-")

@@ -5,7 +5,8 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-from splatline.cli.bench.accuracy.measure import FLOAT, FLOAT_ONE_DEPTH, Sweep, measure
+from splatline.cli.bench.accuracy.measure import measure
+from splatline.cli.bench.accuracy.sweep import FLOAT, FLOAT_ONE_DEPTH, Sweep
 from splatline.cli.bench.accuracy.targets import TARGETS, judge
 from splatline.cli.bench.accuracy.write import write_accuracy
 from splatline.cli.main import main

@@ -1,0 +1,97 @@
+"""Preparation of a render request: reading the cloud, fitting the view, encoding the frames."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from splatline.cli.report.progress import Stages
+
+from .cloud_and_view import RenderRequest
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from splatline.contract.frame import Frame
+    from splatline.host.cloud.cloud import Cloud
+    from splatline.host.visibility.view import View
+
+__all__ = ["PreparedFrames", "prepare"]
+
+_CAMERA = ("orbit", "fov", "up", "zoom")
+
+
+@dataclass(frozen=True)
+class PreparedFrames:
+    """The frames of a render request, with the inputs that the exact reference needs.
+
+    Parameters
+    ----------
+    cloud, view
+        The points and the camera.
+    radii
+        Radius of each point's disc, in the cloud's unit: shape (n,).
+    frames
+        One frame for each sample of a pixel.
+    camera
+        Orbit, field of view, up axis and zoom that were used, for the statistics.
+    """
+
+    cloud: Cloud
+    view: View
+    radii: npt.NDArray[np.float64]
+    frames: list[Frame]
+    camera: dict[str, Any]
+
+
+def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedFrames:
+    """Read the cloud of a request and encode it as frames, one for each sample of a pixel.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a value is out of range, or nothing of the cloud is in view.
+    """
+    from splatline.host.visibility.view import fit_view
+
+    parameters = inspect.signature(fit_view).parameters
+    camera = {key: parameters[key].default for key in _CAMERA}
+    if request.path is None:
+        from splatline.host.scenes.scenes import load_scene
+
+        with stages.stage("read", f"Making the scene {request.scene}"):
+            scene = load_scene(request.scene)
+        cloud = scene.cloud
+        camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
+    else:
+        from splatline.host.files.readers import read_cloud
+
+        with stages.stage("read", f"Reading {request.path}"):
+            cloud = read_cloud(request.path)
+    camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
+
+    from splatline.host.cloud.spacing import splat_radii
+
+    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points"):
+        radii = splat_radii(cloud, request.splat_size)
+    with stages.stage("view", "Fitting the view"):
+        view = fit_view(cloud, size=request.size, **camera)
+    from splatline.host.pipeline import make_frames, total_counts
+
+    options: dict[str, Any] = {
+        "config": request.preset,
+        "quality": request.quality,
+        "skips": request.skips,
+    }
+    with stages.stage("", "Encoding"):
+        frames = make_frames(cloud, view, samples, radii=radii, shapes=request.shapes, **options)
+    stages.seconds.update(total_counts(frames)["seconds"])
+    if request.shapes != "table":
+        # Only the number of bits is needed, so this time is not counted.
+        with stages.stage("", "Encoding with the host's table, to compare"):
+            others = make_frames(cloud, view, samples, radii=radii, **options)
+        for frame, other in zip(frames, others, strict=True):
+            frame.counts["bits_sent"].update(other.counts["bits_sent"])
+    return PreparedFrames(cloud, view, radii, frames, camera)
