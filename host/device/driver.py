@@ -70,12 +70,11 @@ def read_config(device: Device) -> EngineConfig:
         word = device.read32(register.offset)
         for field in register.fields:
             if field.name.lower() in names:
-                value = word >> field.place.lsb & field.place.mask
-                values[field.name.lower()] = bool(value) if field.place.width == 1 else value
+                values[field.name.lower()] = word >> field.place.lsb & field.place.mask
     try:
         # The registers say which one of what there is.
         for name, choices in CHOICES.items():
-            values[name] = choices[int(values[name])]
+            values[name] = choices[values[name]]
         config = PAPER.replace(**values)
     except (ValueError, IndexError) as error:
         raise InputError(f"the engine's configuration makes no sense: {error}") from error

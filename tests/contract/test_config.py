@@ -1,9 +1,12 @@
 import pytest
 
+from splatline.contract import config as config_module
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.contract.presets import PAPER, PRESETS, get_preset
-from splatline.contract.variants import ALL_OF_EIGHT, SHAPED, VARIANTS
+from splatline.contract.presets import DEFAULT, PAPER, PRESETS, REMOVED, SWIFT, get_preset
+from splatline.contract.variants import NARROW_BLOCKS, SHAPED, VARIANTS
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
+
+BLOCKS = {"window": "blocks", "window_lines": 16, "pixels_per_word": 8, "raster_words": 2}
 
 
 def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
@@ -25,7 +28,7 @@ def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
 
 
 @pytest.mark.parametrize(
-    "config", [*PRESETS.values(), *SHAPED, *VARIANTS, *ALL_OF_EIGHT], ids=lambda config: config.name
+    "config", [*PRESETS.values(), *SHAPED, *VARIANTS, NARROW_BLOCKS], ids=lambda config: config.name
 )
 def test_the_hardware_s_layouts_lie_where_the_format_says(config):
     word = CodeWordLayout(config)
@@ -55,51 +58,23 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         ({"depth_bits": 9.0}, "depth_bits must be an integer in 1..16, not 9.0"),
         ({"channel_bits": 9}, "channel_bits must be an integer in 1..8, not 9"),
         ({"colour_shift": 14}, "colour_shift must be an integer in 1..13, not 14"),
-        ({"colour_shift": 3, "dither": True}, "colour_shift must be an integer in 4..13, not 3"),
-        ({"colour_planes": 0}, "colour_planes must be an integer in 1..3, not 0"),
-        ({"colour_planes": 4}, "colour_planes must be an integer in 1..3, not 4"),
         ({"material_bits": 2}, "material_bits must be an integer in 3..9, not 2"),
-        ({"window_lines": 8}, "window_lines must be 16 with 8 banks, not 8"),
-        ({"pixels_per_word": 8}, "pixels_per_word must be 4 with 8 banks, not 8"),
+        ({"window": "banks"}, "window must be tiles or blocks, not 'banks'"),
+        ({"window": True}, "window must be tiles or blocks, not True"),
+        ({"window_lines": 12}, "window_lines must be 8, 16 or 32 with tiles, not 12"),
+        ({"pixels_per_word": 3}, "pixels_per_word must be 2, 4 or 8 with tiles, not 3"),
+        ({"pixels_per_word": 4.0}, "pixels_per_word must be 2, 4 or 8 with tiles, not 4.0"),
+        ({"raster_words": 2}, "raster_words must be 1 with tiles, not 2"),
         (
-            {"pixels_per_word": 2, "banks": 16},
-            "pixels_per_word must be 4 or 8 with 16 banks, not 2",
-        ),
-        ({"banks": 4}, "banks must be 8 or 16, not 4"),
-        (
-            {"lanes": True, "banks": 16, "raster_words": 2},
-            "pixels_per_word must be 8 with 16 banks of lanes, not 4",
-        ),
-        (
-            {"lanes": True, "banks": 16, "pixels_per_word": 8},
-            "raster_words must be 2 with 16 banks of lanes, not 1",
-        ),
-        (
-            {"lanes": True, "window_lines": 12},
-            "window_lines must be 8, 16 or 32 with lanes, not 12",
-        ),
-        (
-            {"lanes": True, "pixels_per_word": 3},
-            "pixels_per_word must be 2, 4 or 8 with lanes, not 3",
-        ),
-        (
-            {"lanes": True, "pixels_per_word": 8, "x_bits": 4},
+            {"pixels_per_word": 8, "x_bits": 4},
             "x_bits must be at least 5 for 8 pixels a word, not 4",
         ),
+        ({**BLOCKS, "window_lines": 8}, "window_lines must be 16 or 32 with blocks, not 8"),
+        ({**BLOCKS, "pixels_per_word": 4}, "pixels_per_word must be 8 with blocks, not 4"),
+        ({**BLOCKS, "raster_words": 1}, "raster_words must be 2 with blocks, not 1"),
+        ({**BLOCKS, "raster_words": 2.0}, "raster_words must be 2 with blocks, not 2.0"),
         ({"shapes": "round"}, "shapes must be none, small, full, not 'round'"),
-        ({"banks": 16.0}, "banks must be 8 or 16, not 16.0"),
-        ({"pixels_per_word": 4.0}, "pixels_per_word must be 4 with 8 banks, not 4.0"),
-        (
-            {"pixels_per_word": 8.0, "banks": 16},
-            "pixels_per_word must be 4 or 8 with 16 banks, not 8.0",
-        ),
-        ({"raster_words": 2.0}, "raster_words must be 1 or 2 with 8 banks, not 2.0"),
-        ({"mark_words": 2.0}, "mark_words must be 1, 2, 4 or 8, not 2.0"),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
-        (
-            {"banks": 16, "pixels_per_word": 8, "raster_words": 2, "channel_bits": 8},
-            "a beat of the raster must have at most 512 bits, not 544",
-        ),
     ],
 )
 def test_bad_parameters_are_named(change, message):
@@ -107,22 +82,17 @@ def test_bad_parameters_are_named(change, message):
         EngineConfig(**change)
 
 
-def test_planes_hold_a_whole_colour():
-    for config in PRESETS.values():
-        used = config.colour_planes * config.plane_bits
-        assert 0 <= used - config.colour_bits < config.colour_planes
-        if config.colour_planes > 1:  # a half of a bank's block RAM has ports of 36 bits
-            assert config.pixels_per_word * config.plane_bits <= 36
-    planes = {config.name: config.plane_bits for config in PRESETS.values()}
-    assert planes == {
-        "paper": 9,
-        "wide": 9,
-        "swift": 9,
-        "dither": 9,
-        "rgb18": 9,
-        "rgb24": 8,
-        "deep": 9,
-    }
+@pytest.mark.parametrize("name", ["lanes", "banks", "colour_planes", "mark_words", "dither"])
+def test_parameters_of_earlier_versions_are_gone(name):
+    with pytest.raises(TypeError, match=f"unexpected keyword argument {name!r}"):
+        PAPER.replace(**{name: 1})
+
+
+def test_a_beat_that_is_too_wide_for_a_stream_is_refused(monkeypatch):
+    """None is yet: see the widest one in test_register_map."""
+    monkeypatch.setattr(config_module, "MOST_BEAT_BITS", SWIFT.raster_end.end - 1)
+    with pytest.raises(ValueError, match="of the raster must have at most 543 bits, not 544"):
+        SWIFT.replace(name="refused")
 
 
 def test_an_element_touches_so_many_words():
@@ -133,10 +103,28 @@ def test_an_element_touches_so_many_words():
 
 
 def test_presets_are_found_by_name():
-    assert get_preset("paper") is PAPER
-    with pytest.raises(ValueError, match="no preset named 'large'; there are: deep, dither, paper"):
+    for name, config in PRESETS.items():
+        assert get_preset(name) is config
+        assert config.name == name
+    with pytest.raises(ValueError, match=r"no preset named 'large'; there are: paper, .*swift$"):
         get_preset("large")
     assert PAPER.replace(depth_bits=8, x_bits=10).name == "custom"
+
+
+def test_the_default_has_24_bit_colour_and_the_paper_s_code_word():
+    assert DEFAULT is PRESETS["rgb24"]
+    assert DEFAULT.colour_bits == 24
+    for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
+        assert getattr(DEFAULT, name) == getattr(PAPER, name)
+
+
+@pytest.mark.parametrize(("name", "instead"), REMOVED.items())
+def test_a_removed_preset_says_what_to_take_instead(name, instead):
+    with pytest.raises(ValueError) as raised:
+        get_preset(name)
+    assert str(raised.value) == f"preset {name!r} was removed; take {instead}"
+    assert name not in PRESETS
+    assert name not in {config.name for config in (*VARIANTS, *SHAPED)}
 
 
 def test_a_compact_word_s_fields_lie_side_by_side_in_the_scans():

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from amaranth.sim import Simulator
 
-from splatline.contract.config import MOST_BEAT_BITS, EngineConfig
-from splatline.contract.presets import PAPER, PRESETS, SWIFT
-from splatline.contract.register_map import PARAMETERS, raster_stream_bytes, register_map
+from splatline.contract.config import MOST_BEAT_BITS, WINDOWS, EngineConfig
+from splatline.contract.presets import DEFAULT, PAPER, PRESETS, SWIFT
+from splatline.contract.register_map import PARAMETERS, VERSION, raster_stream_bytes, register_map
 from splatline.contract.register_types import Access
 from splatline.contract.variants import VARIANTS
 from splatline.flow.register_texts import c_header, json_map, markdown
@@ -20,8 +20,8 @@ WIDEST = EngineConfig(
     name="widest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
     channel_bits=8, coefficient_bits=12, colour_shift=13,
 )  # fmt: skip
-WIDEST_BEAT = SWIFT.replace(
-    name="widest-beat", depth_bits=13, intensity_bits=6, material_bits=5, channel_bits=6
+WIDEST_BEAT = WIDEST.replace(
+    name="widest-beat", window="blocks", window_lines=32, pixels_per_word=8, raster_words=2
 )
 
 
@@ -69,12 +69,21 @@ def test_nothing_overlaps_and_all_lies_within(config):
 
 
 def test_the_widest_beat_there_is_fits_its_stream():
-    """One bit more of a channel, of the depth or of a line's number, and it is refused."""
+    """Every width is at its most, and the stream is one of 1024 bits."""
     stream = register_map(WIDEST_BEAT)["CONFIG_1"]["BEAT_BYTES"].reset
-    assert (WIDEST_BEAT.raster_end.end, stream) == (MOST_BEAT_BITS, 64)
-    for wider in ({"channel_bits": 7}, {"depth_bits": 14, "material_bits": 4}, {"line_bits": 11}):
-        with pytest.raises(ValueError, match="at most 512 bits"):
-            WIDEST_BEAT.replace(**wider)
+    assert (WIDEST_BEAT.raster_end.end, 8 * stream) == (663, MOST_BEAT_BITS)
+
+
+def test_the_map_is_of_version_2_and_names_the_window():
+    """What version 1 had of it in bits of their own, and what it had besides, is gone."""
+    for config, number in ((PAPER, 0), (PRESETS["rgb24"], 0), (SWIFT, 1)):
+        registers = register_map(config)
+        version = registers["VERSION"]
+        assert (version["MAJOR"].reset, version["MINOR"].reset) == VERSION == (2, 0)
+        assert registers["CONFIG_0"]["WINDOW"].reset == number
+        assert list(WINDOWS)[number] == config.window
+        names = {f.name for n in (0, 1) for f in registers[f"CONFIG_{n}"].fields}
+        assert not names & {"LANES", "BANKS", "DITHER", "COLOUR_PLANES", "MARK_WORDS"}
 
 
 @pytest.mark.parametrize("config", [*CONFIGS.values(), WIDEST_BEAT], ids=lambda c: c.name)
@@ -90,10 +99,10 @@ def test_the_config_registers_hold_every_parameter_of_the_engine():
     assert named == {field.name for field in dataclasses.fields(EngineConfig)} - {"name"}
 
 
-def test_the_page_in_docs_is_that_of_the_paper_preset():
+def test_the_page_in_docs_is_that_of_the_default_preset():
     """``splatline registers --markdown docs/registers.md`` makes it."""
     page = Path(__file__).parents[2] / "docs" / "registers.md"
-    assert page.read_text() == markdown(register_map(PAPER))
+    assert page.read_text() == markdown(register_map(DEFAULT))
 
 
 @pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST], ids=lambda c: c.name)

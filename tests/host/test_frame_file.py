@@ -70,10 +70,12 @@ def edit(path, **changes):
         (lambda path: path.write_bytes(b""), "end-of-frame"),
         (lambda path: sidecar_path(path).write_text("{"), "not valid JSON"),
         (lambda path: sidecar_path(path).write_text("[]"), "does not describe a frame"),
+        (lambda path: edit(path, version=1), "version 1; this Splatline reads 2; encode the frame"),
         (lambda path: edit(path, version=99), "version 99"),
         (lambda path: edit(path, width=0), "a width of 0"),
         (lambda path: edit(path, height="tall"), "a height of 'tall'"),
         (lambda path: edit(path, config={"depth_bits": 99}), "depth_bits"),
+        (lambda path: edit(path, config={"lanes": True, "banks": 8}), "'lanes'.*encode the frame"),
         (lambda path: edit(path, tables={}), "damaged"),
         (lambda path: edit(path, counts=[1]), "the counts"),
         (

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from splatline.contract.errors import InputError
-from splatline.contract.presets import PRESETS
 from splatline.host.files.readers import read_cloud
 from splatline.host.pipeline import make_frame
 from splatline.host.shading.lighting import Light, Lighting
@@ -12,6 +11,7 @@ from splatline.host.visibility.block_index import build_index
 from splatline.host.visibility.view import fit_view
 from splatline.sim import golden
 from tests.support.clouds import cloud_of, sphere
+from tests.support.variants import variant
 
 
 def frame_of(cloud, size=(96, 80), radius=0.06, **options):
@@ -132,7 +132,7 @@ def test_an_engine_with_fewer_materials_refuses_the_index():
     cloud = dataclasses.replace(ball, colours=rng.integers(0, 256, (2000, 3)).astype(np.uint8))
     index = build_index(cloud, np.full(2000, 0.06))
     view = fit_view(cloud, size=(64, 64))
-    with pytest.raises(InputError, match="128 materials, an engine of preset deep holds 64"):
-        make_frame(index, view, config=PRESETS["deep"])
-    frame = make_frame(cloud, view, radii=np.full(2000, 0.06), config=PRESETS["deep"])
+    with pytest.raises(InputError, match="128 materials, an engine of preset depth12 holds 64"):
+        make_frame(index, view, config=variant("depth12"))
+    frame = make_frame(cloud, view, radii=np.full(2000, 0.06), config=variant("depth12"))
     assert golden.render(frame).drawn.any()

@@ -5,8 +5,8 @@ import pytest
 
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER, PRESETS, SWIFT
-from splatline.contract.register_map import register_map
-from splatline.contract.variants import SHAPED, VARIANTS
+from splatline.contract.register_map import raster_stream_bytes, register_map
+from splatline.contract.variants import NARROW_BLOCKS, SHAPED, VARIANTS
 from splatline.host.device.device import DeviceTimeoutError
 from splatline.host.device.driver import EngineError, read_config
 from splatline.host.device.engine import Engine
@@ -124,7 +124,8 @@ def test_an_image_larger_than_the_engine_s_is_refused(board):
     ("name", "word", "message"),
     [
         ("ID", 0, "no Splatline engine: its ID is 0x00000000"),
-        ("VERSION", 0x200, "version 2 of the registers, not 1"),
+        ("VERSION", 0x105, "version 1 of the registers, not 2"),
+        ("VERSION", 0x300, "version 3 of the registers, not 2"),
         ("CONFIG_0", 0, "configuration makes no sense: x_bits must be"),
     ],
 )
@@ -158,6 +159,17 @@ class Registers:
         return self.words[offset]
 
 
+def test_a_window_that_does_not_fit_the_rest_is_refused(board):
+    """As of a register that was misread: the window of blocks has no words of four pixels."""
+    image = bytearray(board.memory.read_bytes())
+    place = register_map(PAPER)["CONFIG_0"]["WINDOW"].place
+    offset = board.offsets["CONFIG_0"] + place.lsb // 8
+    image[offset] |= 1 << place.lsb % 8
+    board.memory.write_bytes(image)
+    with pytest.raises(InputError, match="no sense: pixels_per_word must be 8 with blocks, not 4"):
+        XdmaDevice(board.card)
+
+
 @pytest.mark.parametrize(
     "config", [*PRESETS.values(), *VARIANTS, *SHAPED], ids=lambda config: config.name
 )
@@ -165,3 +177,14 @@ def test_an_engine_s_configuration_is_read_from_its_registers(config):
     assert read_config(Registers(config)) is config
     other = config.replace(coefficient_bits=config.coefficient_bits + 1)
     assert read_config(Registers(other)) == other
+
+
+def test_an_engine_that_has_no_name_is_read_from_its_registers():
+    """Its beats are the widest there are: 663 bits, on a stream of 1024."""
+    widest = NARROW_BLOCKS.replace(
+        x_bits=12, depth_bits=16, line_bits=14, intensity_bits=1, material_bits=9, colour_shift=11
+    )
+    assert widest.raster_end.end == 663
+    assert raster_stream_bytes(widest) == 128
+    for config in (NARROW_BLOCKS.replace(), widest):
+        assert read_config(Registers(config)) == config

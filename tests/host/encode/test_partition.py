@@ -14,6 +14,7 @@ from splatline.host.encode.partition import deal
 from splatline.host.encode.partition_methods import METHODS
 from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.sim import golden
+from tests.support.variants import variant
 
 
 def frame_of(words, config=PAPER, width=96, height=64):
@@ -55,7 +56,7 @@ def elements_of(frame):
     count=st.integers(0, 400),
     engines=st.integers(1, 9),
     method=st.sampled_from(list(METHODS)),
-    config=st.sampled_from([PAPER, PRESETS["deep"]]),
+    config=st.sampled_from([PAPER, variant("depth12")]),
     advance=st.sampled_from([0.0, 0.1, 0.9]),
 )
 def test_every_element_is_dealt_once_and_to_its_line(seed, count, engines, method, config, advance):
@@ -107,7 +108,7 @@ def test_lines_stay_together():
             assert owners.setdefault(line, n) == n
 
 
-@pytest.mark.parametrize("preset", ["paper", "wide", "swift"])
+@pytest.mark.parametrize("preset", ["paper", "rgb24", "swift"])
 def test_strips_of_columns_lie_side_by_side_and_their_halves_take_turns(preset):
     frame = random_frame(6, 4000, PRESETS[preset])
     last = {}
