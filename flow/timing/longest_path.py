@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator
 from graphlib import CycleError, TopologicalSorter
@@ -132,8 +133,13 @@ def signal_names(module: dict) -> dict[int, str]:
     for name, net in module["netnames"].items():
         if net["hide_name"]:
             continue  # made by Yosys
-        # Amaranth numbers the further names of a signal with $.
-        rank = ("$" in name, "." not in name, len(name), name)
+        # What has no name of its own is called _7_, see flow/tidy_names.py.
+        rank = (
+            re.search(r"\b_\d+_$", name) is not None or "$" in name,
+            "." not in name,
+            len(name),
+            name,
+        )
         for place, bit in enumerate(net["bits"]):
             if bit not in best or rank < best[bit][0]:
                 index = f"[{place + net.get('offset', 0)}]" if len(net["bits"]) > 1 else ""

@@ -58,4 +58,5 @@ def test_the_top_module_can_be_renamed():
     text, sidecar = generate(PAPER, "painter")
     assert sidecar["top"] == "painter"
     assert re.search(r"^module painter\(", text, re.MULTILINE)
-    assert "splatline." not in text
+    assert re.search(r"^module painter__window\(", text, re.MULTILINE)
+    assert "module splatline" not in text

@@ -17,7 +17,8 @@ def fault(module, signal, value):
 
 
 def _assign(text, module, signal, change):
-    """Change what a signal of a module is assigned."""
+    """Change what a signal of a module is assigned; ``top.part`` is the module ``top__part``."""
+    module = module.replace(".", "__")
     begin = re.search(rf"^module \\?{re.escape(module)} ?\(", text, re.MULTILINE).start()
     end = text.index("endmodule", begin)
     body, count = re.subn(

@@ -37,7 +37,7 @@ START_SECONDS = 120.0
 """Longest time that a simulator may take to start, on a busy machine."""
 
 VISIBLE = [
-    ("splatline.engine", name)
+    ("splatline__engine", name)
     for name in (
         *("codewords__valid", "codewords__ready"),
         *("raster__valid", "raster__ready", "raster__payload"),

@@ -23,8 +23,8 @@ def test_the_verilog_of_a_chain(run, folder):
     assert result.exit_code == 0, result.output
     text = (folder / "splatline_paper_x3.v").read_text()
     description = json.loads((folder / "splatline_paper_x3.json").read_text())
-    assert "module splatline_engine(" in text
-    assert "splatline_merger" not in text
+    assert "module splatline_paper_chain3_engine(" in text
+    assert "splatline_paper_chain3_merger" not in text
     assert (description["engines"], description["link"]) == (3, "load")
     assert sum(port["name"].startswith("codewords_") for port in description["ports"]) == 3 * 3
 

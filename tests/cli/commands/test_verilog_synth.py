@@ -1,4 +1,5 @@
 import json
+import re
 import sys
 import types
 
@@ -74,6 +75,34 @@ def test_the_verilog_on_axi_comes_with_its_registers(run, folder):
     assert {"aclk", "aresetn", "irq", "s_axi_ctrl_awaddr", "m_axis_raster_tlast"} <= names
     assert description["registers"]["registers"][0]["name"] == "ID"
     assert description["latency"]["codeword_to_memory_cycles"] == 5
+
+
+@pytest.mark.parametrize(
+    ("options", "top"),
+    [
+        ("", "splatline_paper"),
+        ("--preset paper-rom --top axi", "splatline_paper_rom_axi"),
+        ("--top pins", "splatline_paper_pins"),
+        ("--engines 2", "splatline_paper_chain2"),
+        ("--engines 2 --name painter", "painter"),
+    ],
+)
+def test_all_modules_begin_with_the_name_of_the_top(run, folder, options, top):
+    result = run("verilog", *options.split(), "-o", "engine.v")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads((folder / "engine.json").read_text())["top"] == top
+    names = re.findall(r"^module (\w+)\(", (folder / "engine.v").read_text(), re.MULTILINE)
+    assert names[0] == top
+    assert all(name.startswith(f"{top}_") for name in names[1:])
+
+
+@pytest.mark.parametrize("name", ["module", "2nd", "a-b", "a b", "logic", ""])
+def test_a_name_that_verilog_does_not_take_is_refused(run, folder, name):
+    result = run("verilog", "--name", name, "-o", "engine.v")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("splatline: ")
+    assert result.stderr.count("\n") == 1
+    assert not list(folder.iterdir())
 
 
 @pytest.mark.parametrize("output", ["engine.vhd", "absent/engine.v", "engine.json"])
