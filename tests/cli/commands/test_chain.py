@@ -21,10 +21,10 @@ SMALL = ("--size", "64x48")
 def test_the_verilog_of_a_chain(run, folder):
     result = run("verilog", "--engines", 3, "--link", "load")
     assert result.exit_code == 0, result.output
-    text = (folder / "splatline_paper_x3.v").read_text()
-    description = json.loads((folder / "splatline_paper_x3.json").read_text())
-    assert "module splatline_paper_chain3_engine(" in text
-    assert "splatline_paper_chain3_merger" not in text
+    text = (folder / "splatline_rgb24_x3.v").read_text()
+    description = json.loads((folder / "splatline_rgb24_x3.json").read_text())
+    assert "module splatline_rgb24_chain3_engine(" in text
+    assert "splatline_rgb24_chain3_merger" not in text
     assert (description["engines"], description["link"]) == (3, "load")
     assert sum(port["name"].startswith("codewords_") for port in description["ports"]) == 3 * 3
 

@@ -4,7 +4,7 @@ import types
 
 import pytest
 
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import DEFAULT
 from splatline.flow.tools import ToolError
 
 REPORT = {
@@ -50,7 +50,7 @@ def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder
         "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit"
     )
     assert result.exit_code == 0, result.stderr
-    assert routing[1] == [(PAPER, 3, 2, 150.0)]
+    assert routing[1] == [(DEFAULT, 3, 2, 150.0)]
     assert json.loads((folder / "a.json").read_text()) == REPORT
     assert (folder / "a.bit").read_bytes() == b"bits"
     for text in (
@@ -111,7 +111,7 @@ def test_netlist_writes_edif(run, folder, routing, monkeypatch):
     monkeypatch.setitem(sys.modules, "splatline.flow.netlist", module)
     result = run("netlist")
     assert result.exit_code == 0, result.stderr
-    assert (folder / "splatline_paper.edif").read_text() == "(edif splatline)\n"
+    assert (folder / "splatline_rgb24.edif").read_text() == "(edif splatline)\n"
     assert "1 cells" in result.stdout
 
 

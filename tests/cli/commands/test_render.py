@@ -132,7 +132,7 @@ def test_a_simulation_that_cannot_be_says_why(run, folder, cloud, monkeypatch, e
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("splatline.sim.cosim.frames.simulate_frame", fail)
+    monkeypatch.setattr("splatline.sim.cosim.player.frames.simulate_frame", fail)
     result = run("render", cloud, "--size", "16x16", "--engine", "rtl")
     assert result.exit_code == code
     assert words in result.stderr

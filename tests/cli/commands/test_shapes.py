@@ -18,7 +18,7 @@ def test_the_rom_draws_the_paper_s_picture_and_both_ways_are_counted(run, folder
     assert result.exit_code == 0, result.stderr
     assert np.array_equal(pixels(folder / "rom.png"), pixels(folder / "table.png"))
     numbers = json.loads((folder / "rom.json").read_text())
-    assert numbers["preset"] == "paper-rom"
+    assert numbers["preset"] == "rgb24-rom"
     assert (numbers["quality"], numbers["shapes"]) == ("paper", "rom")
     assert numbers["bits_sent"].keys() == {"rom", "table"}
     assert numbers["bits_sent"]["rom"] == 64 * numbers["codewords"]
@@ -40,7 +40,7 @@ def test_the_rom_s_verilog_is_asked_for_a_scene(run, folder, verilog):
     assert result.exit_code == 0, result.stderr
     assert len(verilog[1]) == 1
     numbers = json.loads((folder / "knot.json").read_text())
-    assert (numbers["preset"], numbers["mismatched_pixels"]) == ("paper-rom", 0)
+    assert (numbers["preset"], numbers["mismatched_pixels"]) == ("rgb24-rom", 0)
     assert numbers["bits_sent"]["rom"] == 64 * numbers["codewords"]
 
 

@@ -6,7 +6,7 @@ import types
 import pytest
 from PIL import Image
 
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import DEFAULT
 from splatline.flow.area import budgets
 from splatline.flow.tools import ToolError
 
@@ -35,7 +35,7 @@ REPORT = {
     "modules": {"(top)": {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}},
     "groups": [
         {"name": "(top)", "instances": 1, "lut4": 1016, "ff": 788, "bram": 1, "mult": 6},
-        {"name": "window.bank_0..7", "instances": 8, "lut4": 984, "ff": 112, "bram": 16, "mult": 0},
+        {"name": "window.lane_0..7", "instances": 8, "lut4": 984, "ff": 112, "bram": 16, "mult": 0},
     ],
 }  # fmt: skip
 
@@ -57,7 +57,7 @@ def test_verilog_comes_with_its_description(run, folder):
     text = (folder / "engine.v").read_text()
     description = json.loads((folder / "engine.json").read_text())
     assert f"module {description['top']}(" in text
-    assert description["config"]["name"] == "paper"
+    assert description["config"]["name"] == "rgb24"
     assert {"clk", "rst"} <= {port["name"] for port in description["ports"]}
     assert sorted(path.name for path in folder.iterdir()) == ["engine.json", "engine.v"]
 
@@ -127,20 +127,20 @@ def test_the_rom_s_contents_go_into_files_that_the_verilog_reads(run, folder):
 def test_a_preset_without_a_rom_has_no_contents_to_write(run, folder):
     result = run("verilog", "--readmemh", "rom")
     assert result.exit_code == 2
-    assert "paper has no shape ROM" in result.stderr
+    assert "rgb24 has no shape ROM" in result.stderr
     assert not list(folder.iterdir())
 
 
 def test_synth_writes_the_report_and_prints_the_table(run, folder, synthesis):
     result = run("synth", "--json", "report.json")
     assert result.exit_code == 0, result.stderr
-    assert synthesis[1] == [(PAPER, "engine")]
+    assert synthesis[1] == [(DEFAULT, "engine")]
     assert json.loads((folder / "report.json").read_text()) == REPORT
     luts = next(line for line in result.stdout.splitlines() if "4-input LUTs" in line)
     for cell in ("2,000 (65%)", "2,150", "-150 (-7%)", "3,072"):
         assert cell in luts
-    banks = next(line for line in result.stdout.splitlines() if "window.bank_0..7" in line)
-    assert [cell for cell in banks.split() if cell.isdigit()] == ["8", "984", "112", "16", "0"]
+    lanes = next(line for line in result.stdout.splitlines() if "window.lane_0..7" in line)
+    assert [cell for cell in lanes.split() if cell.isdigit()] == ["8", "984", "112", "16", "0"]
     assert "17 levels (15 LUTs, 13 carries;" in result.stdout
     assert "to   clock enable of decoder.held[3]" in result.stdout
 
@@ -169,18 +169,18 @@ def test_synth_fails_over_budget_until_the_counts_are_recorded(
     result = run("synth")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-1] == (
-        "splatline: paper is over its budget: 2,000 4-input LUTs, 10 more than recorded"
+        "splatline: rgb24 is over its budget: 2,000 4-input LUTs, 10 more than recorded"
         " (--record accepts it)"
     )
     assert not book.exists()
     result = run("synth", "--record")
     assert result.exit_code == 0, result.stderr
     counts = {"lut4": 2000, "ff": 900, "bram": 17, "mult": 6}
-    assert budgets.read_budgets() == {"paper": counts}
+    assert budgets.read_budgets() == {"rgb24": counts}
     result = run("synth", "--top", "pins", "--record")
     assert result.exit_code == 0, result.stderr
-    assert budgets.read_budgets() == {"paper": counts, "paper, pins": counts}
-    assert synthesis[1][-1] == (PAPER, "pins")
+    assert budgets.read_budgets() == {"rgb24": counts, "rgb24, pins": counts}
+    assert synthesis[1][-1] == (DEFAULT, "pins")
 
 
 def test_synth_fails_where_the_engine_does_not_fit(run, synthesis):

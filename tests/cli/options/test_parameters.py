@@ -1,8 +1,9 @@
 import click
 import pytest
 
+from splatline.cli.main import main
 from splatline.cli.options.parameters import COLOUR, ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
-from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.presets import DEFAULT, PAPER, PRESETS, REMOVED
 from splatline.contract.variants import SHAPED, VARIANTS
 from splatline.host.visibility.view import UP_AXES as KNOWN_AXES
 
@@ -69,6 +70,20 @@ def test_every_preset_has_its_name_here():
     assert {name: PRESET.convert(name, None, None) for name in PRESET.choices} == PRESETS | {
         config.name: config for config in (*SHAPED, *VARIANTS)
     }
+
+
+@pytest.mark.parametrize(("name", "instead"), REMOVED.items())
+def test_a_removed_preset_says_what_to_take_instead(name, instead):
+    with pytest.raises(click.BadParameter) as caught:
+        PRESET.convert(name, None, None)
+    assert caught.value.message == f"preset {name!r} was removed; take {instead}"
+
+
+@pytest.mark.parametrize("command", ["render", "encode", "verilog", "synth", "pnr", "registers"])
+def test_a_command_s_engine_is_the_default_preset(command):
+    (option,) = (each for each in main.commands[command].params if each.name == "preset")
+    context = click.Context(main.commands[command])
+    assert option.type_cast_value(context, option.get_default(context)) is DEFAULT
 
 
 def test_the_up_axes_are_those_of_the_view():
