@@ -15,10 +15,9 @@ def test_every_preset_has_a_budget():
     assert set(budgets.read_budgets()) == {*PRESETS, SHAPED[0].name, *tops}
 
 
-@pytest.mark.parametrize("preset", ["rgb18", "rgb24"])
-def test_more_colour_takes_no_more_block_ram(preset):
-    """The planes fill what the banks' memories leave empty, and so does the material table."""
-    assert budgets.read_budgets()[preset]["bram"] == PAPER_TABLE_1["bram"]
+def test_24_bit_colour_takes_no_more_block_ram():
+    """It fills what the lanes' memories leave empty, and so does the material table."""
+    assert budgets.read_budgets()["rgb24"]["bram"] == PAPER_TABLE_1["bram"]
 
 
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
@@ -55,11 +54,11 @@ def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
     book = tmp_path / "budgets.json"
     monkeypatch.setattr(budgets, "BUDGETS", book)
     assert budgets.read_budgets() == {}
-    budgets.record("wide", {"lut4": 7})
+    budgets.record("rgb24", {"lut4": 7})
     budgets.record("paper", {"lut4": 5})
-    budgets.record("wide", {"lut4": 6})
-    assert book.read_text() == '{\n  "paper": {"lut4": 5},\n  "wide": {"lut4": 6}\n}\n'
-    assert budgets.read_budgets() == {"paper": {"lut4": 5}, "wide": {"lut4": 6}}
+    budgets.record("rgb24", {"lut4": 6})
+    assert book.read_text() == '{\n  "paper": {"lut4": 5},\n  "rgb24": {"lut4": 6}\n}\n'
+    assert budgets.read_budgets() == {"paper": {"lut4": 5}, "rgb24": {"lut4": 6}}
 
 
 def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget():
@@ -72,17 +71,17 @@ def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget():
 
 def test_what_changed_is_counted_and_nothing_else(tmp_path, monkeypatch):
     """Another Verilog, another budget: Yosys is asked again."""
-    config = PRESETS["wide"]
-    budget = budgets.read_budgets()["wide"]
+    config = PRESETS["rgb24"]
+    budget = budgets.read_budgets()["rgb24"]
     book = tmp_path / "counted.json"
     monkeypatch.setattr(counted, "DIGESTS", book)
     monkeypatch.setattr(counted.synth, "count_engine", lambda *engine: engine)
     monkeypatch.setitem(TOPS, "engine", lambda *_: ("module one; endmodule", {}))
-    book.write_text(f'{{"wide": "{counted.digest(config, "engine", budget)}"}}')
+    book.write_text(f'{{"rgb24": "{counted.digest(config, "engine", budget)}"}}')
     assert counts_of(config) == budget
-    assert counts_of(PRESETS["deep"]) == (PRESETS["deep"], "engine")
+    assert counts_of(PRESETS["swift"]) == (PRESETS["swift"], "engine")
     with monkeypatch.context() as patch:
         patch.setitem(TOPS, "engine", lambda *_: ("module another; endmodule", {}))
         assert counts_of(config) == (config, "engine")
-    monkeypatch.setattr(budgets, "read_budgets", lambda: {"wide": {**budget, "lut4": 9999}})
+    monkeypatch.setattr(budgets, "read_budgets", lambda: {"rgb24": {**budget, "lut4": 9999}})
     assert counts_of(config) == (config, "engine")

@@ -66,14 +66,6 @@ def test_the_smallest_device_with_the_block_rams_is_taken(block_rams, name):
     assert smallest(block_rams).name == f"LFE5U-{name}-6BG381"
 
 
-def test_sixteen_banks_have_a_larger_device_than_their_block_rams_need():
-    assert [smallest(count, banks=16).name for count in (33, 65, 109)] == [
-        "LFE5U-45F-6BG381",
-        "LFE5U-45F-6BG381",
-        "LFE5U-85F-6BG381",
-    ]
-
-
 def test_the_constraints_name_every_pin_and_no_other():
     _, description = generate_pins(PAPER, "top")
     pins = set()

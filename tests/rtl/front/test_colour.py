@@ -82,16 +82,15 @@ MATERIALS = CONFIG.register_base
 LARGEST = (1 << CONFIG.coefficient_bits) - 1
 BRIGHTEST = (1 << CONFIG.ambient_bits) - 1
 INTENSITY = CONFIG.diffuse.mask
-FRACTION = 4 if CONFIG.dither else 0
 
 
 def expected_colour(ambient, material, diffuse, specular):
-    """Equation 2; with dithering, each channel with the fraction that thresholds are added to."""
-    bits = CONFIG.channel_bits + FRACTION
+    """Equation 2."""
+    bits = CONFIG.channel_bits
     colour = 0
     for c in range(3):
         total = ambient[c] + material[c] * diffuse + material[3 + c] * specular
-        colour |= min(total >> CONFIG.colour_shift - FRACTION, (1 << bits) - 1) << bits * c
+        colour |= min(total >> CONFIG.colour_shift, (1 << bits) - 1) << bits * c
     return colour
 
 

@@ -6,16 +6,16 @@ from types import SimpleNamespace
 import pytest
 from amaranth.lib import data
 
-from splatline.contract.presets import PAPER
-from splatline.contract.variants import BANKS16
-from splatline.rtl.layouts import DealLayout, GeometryLayout, RasterLayout
+from splatline.contract.presets import PAPER, SWIFT
+from splatline.rtl.blocks.layouts import BlockLayout
+from splatline.rtl.layouts import GeometryLayout, RasterLayout
+from splatline.rtl.tiles.layouts import TileLayout
 from splatline.sim.cosim.blocks import pack, unpack
 
 LAYOUTS = [
     layout(config)
-    for layout in (DealLayout, GeometryLayout, RasterLayout)
-    for config in (PAPER, BANKS16)
-    if not (layout is DealLayout and config.lanes)
+    for config, *own in ((PAPER, TileLayout), (SWIFT, BlockLayout))
+    for layout in (*own, GeometryLayout, RasterLayout)
 ]
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from splatline.contract.frame import Frame, Tables
-from splatline.contract.presets import PAPER, PRESETS, SWIFT, WIDE
-from splatline.contract.variants import BANKS16, SHAPED, VARIANTS
+from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.variants import SHAPED, VARIANTS
 from splatline.host.encode.sort_by_line import end_word
-from splatline.sim.cycles.bound import bound_cycles, least_cycles
+from splatline.sim.cycles.bound import bound_cycles
 from splatline.sim.cycles.cycles import count_cycles
+from splatline.sim.cycles.tiles import least_lane_cycles
 from tests.support import codewords as cw
 from tests.support.random_frames import nonsense, shapes
 from tests.support.scene_frames import scene_frame
@@ -27,26 +28,28 @@ def frame_of(rows, x, mode):
 @pytest.mark.parametrize(
     ("rows", "x", "mode", "expected"),
     [
-        # Four lines, two words each: one cycle only where neighbouring words lie apart.
-        ([(0, 7)] * 4, 4, 1, (2, 2, 1, 1)),
-        # Three words in each of eight lines: three columns; 24 words in eight banks, or in sixteen.
-        ([(0, 7)] * 4, 5, 0, (3, 3, 3, 2)),
-        # A slanted shape: no line touches more than one word, but together they touch two.
-        ([(0, 3), (0, 3), (4, 7), (4, 7)], 4, 1, (2, 1, 1, 1)),
-        # A small disc across two words.
-        ([(1, 0), (1, 0), (3, 4), (3, 4)], 0, 0, (2, 2, 1, 1)),
-        ([(1, 0)] * 4, 1, 0, (1, 1, 1, 1)),
+        # Four lines of eight pixels; of lanes there are 2, 4 and 8 a line.
+        ([(0, 7)] * 4, 4, 1, (4, 2, 1)),
+        # Eight lines of them, two on each row of lanes.
+        ([(0, 7)] * 4, 5, 0, (8, 4, 2)),
+        # A slanted shape: four pixels a line.
+        ([(0, 3), (0, 3), (4, 7), (4, 7)], 4, 1, (2, 1, 1)),
+        # A small disc, in lanes of its own wherever it lies.
+        ([(1, 0), (1, 0), (3, 4), (3, 4)], 0, 0, (1, 1, 1)),
+        ([(1, 0)] * 4, 1, 0, (1, 1, 1)),
     ],
 )
 def test_known_shapes(rows, x, mode, expected):
-    assert tuple(least_cycles(frame_of(rows, x, mode)).values()) == expected
+    words = frame_of(rows, x, mode).codewords[:1].view(np.int64)
+    assert tuple(int(least_lane_cycles(words, pixels)[0]) for pixels in (2, 4, 8)) == expected
 
 
 ROW = [(0, 7), *cw.NOTHING[1:]]
-"""Eight pixels of the line four above the engine's: one cycle and one beat, where X is even."""
+"""Eight pixels of the line four above the engine's: two cycles of ``paper``'s lanes, one of
+``swift``'s."""
 
 
-def rows_at(*lines, across=64, width=512, config=WIDE):
+def rows_at(*lines, across=64, width=512, config=PAPER):
     """A frame in which each of some lines, 4 and below, is filled with so many rows of pixels."""
     words, at = [], 0
     for line in lines:
@@ -56,19 +59,20 @@ def rows_at(*lines, across=64, width=512, config=WIDE):
     return cw.make_frame([*words, cw.end()], (width, 512), config=config)
 
 
-def test_a_line_leaves_once_it_is_drawn():
-    assert bound_cycles(rows_at(9)) == 64 + 64
-    assert bound_cycles(rows_at(9, config=PAPER)) == 64 * 2 + 128  # a lane has two pixels of a row
-
-
-def test_lines_leave_beside_elements():
-    # The first of two lines leaves while the other one is drawn.
-    assert bound_cycles(rows_at(9, 10)) == 64 + 64 + 64
-
-
-@pytest.mark.parametrize(("below", "waits"), [(15, 0), (16, 64)])
-def test_a_line_is_drawn_into_once_the_one_in_its_place_has_left(below, waits):
-    assert bound_cycles(rows_at(0, below)) == 64 + max(64, waits + 64) + 64
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        # A line of 512 pixels: 64 rows of two cycles, and 128 beats.
+        ((9,), 128 + 128),
+        # The first of two lines leaves while the other one is drawn.
+        ((9, 10), 128 + 128 + 128),
+        ((0, 15), 128 + 128 + 128),
+        # Its place is free after 256 cycles: the row that waited ends in the next one.
+        ((0, 16), 256 + 1 + 63 * 2 + 128),
+    ],
+)
+def test_a_line_leaves_once_it_is_drawn_and_gives_its_place_to_another(lines, expected):
+    assert bound_cycles(rows_at(*lines)) == expected
 
 
 @pytest.mark.parametrize(
@@ -81,10 +85,8 @@ def test_a_line_is_drawn_into_once_the_one_in_its_place_has_left(below, waits):
         ((0, 16), 64 + 32 + 64 + 32),
     ],
 )
-def test_words_of_eight_leave_in_half_the_beats(lines, expected):
-    """A line of 512 pixels is 64 words; each row is one of them, and two are a beat."""
-    for config in (BANKS16, SWIFT):
-        assert bound_cycles(rows_at(*lines, config=config)) == expected
+def test_blocks_take_a_row_a_cycle_and_sixteen_pixels_a_beat(lines, expected):
+    assert bound_cycles(rows_at(*lines, config=SWIFT)) == expected
 
 
 def test_a_window_of_fewer_lines_holds_up_more():
@@ -129,4 +131,3 @@ def test_words_behind_the_end_word_take_nothing():
     frame = rows_at(9)
     more = dataclasses.replace(frame, codewords=np.tile(frame.codewords, 3))
     assert bound_cycles(more) == bound_cycles(frame)
-    assert least_cycles(more) == least_cycles(frame)

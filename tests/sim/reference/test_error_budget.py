@@ -18,13 +18,14 @@ from splatline.sim import golden, reference
 from splatline.sim.reference import error_budget as budget
 from splatline.sim.reference import metrics
 from splatline.sim.reference.point_sampled import Steps, render
+from tests.support.variants import variant
 
 FLAT = Lighting(lights=(), ambient=1.0, gloss=0.0)
 """Everything shows its own colour."""
 
 BLACK = (0.0, 0.0, 0.0)
 
-PRESET_NAMES = ("paper", "dither", "rgb24")
+PRESET_NAMES = ("paper", "rgb24")
 
 
 def make_cloud(positions, normals, colours=(255, 255, 255), two_sided=False):
@@ -217,8 +218,6 @@ def test_shade_materials_and_colour_are_rounded():
     np.testing.assert_allclose(colour(FLAT), np.array([200, 100, 50]) / 255)
     # 200 / 255 * 7 = 5.49, 2.75 and 1.37.
     np.testing.assert_allclose(colour(FLAT, channel_bits=3), np.array([5, 3, 1]) / 7)
-    # Threshold 0 and a half sixteenth at this place: line 0, column 2 of the matrix has 2.5.
-    np.testing.assert_allclose(colour(FLAT, channel_bits=3, dither=True), np.array([5, 2, 1]) / 7)
 
     many = make_cloud(cloud.positions.repeat(300, axis=0), [0, 0, -1],
                       np.random.default_rng(1).integers(0, 256, (300, 3)))  # fmt: skip
@@ -259,7 +258,7 @@ def test_a_ladder_ends_near_the_golden_renderer(quality, preset, size):
 
 @pytest.mark.parametrize("quality", budget.LADDERS)
 def test_the_rungs_of_a_ladder_add_up(quality):
-    rungs = budget.ladder(quality, PRESETS["deep"])
+    rungs = budget.ladder(quality, variant("depth12"))
     assert rungs[0].steps == Steps()
     for before, after in itertools.pairwise(rungs):
         default = Steps()

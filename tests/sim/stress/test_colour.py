@@ -13,7 +13,7 @@ from splatline.sim import golden
 from splatline.sim.stress.small_clouds import fitted, sphere
 
 CELL = 4
-"""Pixels a side of an element: with dithering, every threshold once."""
+"""Pixels a side of an element."""
 
 PALETTE = np.array(
     [[255, 255, 255], [0, 0, 0], [1, 127, 254], [250, 40, 30], [3, 200, 100], [66, 67, 68]],
@@ -70,23 +70,15 @@ def every_intensity(config, tables, material):
 @pytest.mark.parametrize("gloss", [0.0, 0.25, 1.0])
 @pytest.mark.parametrize("name", PRESETS)
 def test_colour_is_within_half_a_level_of_the_equation(name, gloss):
-    """With the tables as they are: I0 is no part of the equation but the rounding.
-
-    Without dithering the shift then rounds to nearest: half a level. With it a pixel is off by
-    less than a level, and the mean over the sixteen thresholds by half a sixteenth.
-    """
+    """With the tables as they are: I0 is no part of the equation but the rounding to nearest."""
     config = PRESETS[name]
     tables = tables_of(config, gloss)
     for material in range(len(PALETTE)):
         diffuse, specular, levels = every_intensity(config, tables, material)
         real = tables.diffuse[material] * diffuse + tables.specular[material] * specular
         real = np.minimum(real / (1 << config.colour_shift), config.channel_max)[:, np.newaxis]
-        if config.dither:
-            assert np.abs(levels - real).max() < 1.0
-            assert np.abs(levels.mean(axis=1, keepdims=True) - real).max() <= 1.0 / 32
-        else:
-            assert np.abs(levels - real).max() <= 0.5
-            assert (levels == levels[:, :1]).all()
+        assert np.abs(levels - real).max() <= 0.5
+        assert (levels == levels[:, :1]).all()
 
 
 @pytest.mark.parametrize("gloss", [0.0, 0.25, 1.0])
@@ -94,7 +86,7 @@ def test_colour_is_within_half_a_level_of_the_equation(name, gloss):
 def test_colour_is_within_the_stated_bound_of_the_true_colour(name, gloss):
     """Against max (c d + gloss s) with c, d, s and gloss real: what the host rounds is counted.
 
-    - Half a level: the shift. With dithering, half a sixteenth for the mean over the thresholds.
+    - Half a level: the shift.
     - kd and ks are each off by half a unit: D + S times half of 2^-shift.
     - D and S are each off by half a unit of an intensity: (c + gloss) max / 2 units of it.
     """
@@ -105,12 +97,11 @@ def test_colour_is_within_the_stated_bound_of_the_true_colour(name, gloss):
     rng = np.random.default_rng(1)
     for material, colour in enumerate(PALETTE / 255.0):
         diffuse, specular, levels = every_intensity(config, tables, material)
-        levels = levels.mean(axis=1) if config.dither else levels[:, 0]
-        final = 1.0 / 32 if config.dither else 0.5
+        levels = levels[:, 0]
         tables_off = 0.5 * (diffuse + specular) / (1 << config.colour_shift)
         intensity_off = 0.5 / full * (colour + gloss) * config.channel_max
-        bound = final + tables_off + intensity_off + NOTHING_SHOWN
-        assert bound.max() < {"rgb18": 1.4, "rgb24": 3.1}.get(name, 0.75)
+        bound = 0.5 + tables_off + intensity_off + NOTHING_SHOWN
+        assert bound.max() < (3.1 if config.channel_bits == 8 else 0.75)
         for _ in range(4):
             true = [
                 np.clip(part + rng.uniform(-0.5, 0.5, part.shape), 0, full) / full
@@ -138,8 +129,5 @@ def test_white_in_full_light_is_the_largest_level_and_black_in_none_the_least(na
     tables = tables_of(config, 0.0)
     *_, white = every_intensity(config, tables, 0)
     *_, black = every_intensity(config, tables, 1)
-    if config.dither:
-        assert white[-1].mean() >= config.channel_max - 0.1
-    else:
-        assert (white[-1] == config.channel_max).all()
+    assert (white[-1] == config.channel_max).all()
     assert (black[0] == 0).all()
