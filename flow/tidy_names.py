@@ -1,8 +1,8 @@
-"""Amaranth's RTLIL with names that every tool takes, and without what only says things twice.
+"""Amaranth's RTLIL with names that every tool takes.
 
-Amaranth names what has no name of its own with ``$`` and a number, writes a wire for each field of
-a layout, and dots into the names of modules. Here all get plain identifiers, ``_7_`` in place of
-``$7``; wires that nothing reads are left out.
+Amaranth names what has no name of its own with ``$`` and a number, and writes dots into the names
+of modules. Here all get plain identifiers, ``_7_`` in place of ``$7``. Wires of no bits are left
+out.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ def tidy(text: str) -> str:
     """
     bodies = {found[1]: found[2] for found in MODULE.finditer(text)}
     modules = _unique({name: name.replace(".", "__") for name in bodies}, set())
-    whole, bodies = bodies, {name: _without_aliases(body) for name, body in bodies.items()}
-    ports = {name: _port_names(bodies[name], CONNECT.findall(whole[name])) for name in whole}
+    bodies = {name: _without_empty_wires(body) for name, body in bodies.items()}
+    ports = {name: _port_names(body) for name, body in bodies.items()}
 
     def rewrite(found: re.Match) -> str:
         body = _rename(bodies[found[1]], ports[found[1]])
@@ -85,16 +85,13 @@ def _unique(wanted: dict[str, str], taken: set[str]) -> dict[str, str]:
     return names
 
 
-def _without_aliases(body: str) -> str:
-    """Drop wires that only repeat others: fields of layouts, other names of the same signal."""
-    inside = {name for _, way, name in WIRE.findall(body) if way}
-    gone = {name for name, _ in CONNECT.findall(body) if name not in inside}
-    for name in NAME.findall(CONNECT.sub(r" \2\n", WIRE.sub("", body))):
-        gone.discard(name)  # something reads it
-    body = CONNECT.sub(lambda found: "" if found[1] in gone else found[0], body)
+def _without_empty_wires(body: str) -> str:
+    """Drop wires of no bits, which Verilog cannot write, and other names of them."""
+    empty = {name for width, _, name in WIRE.findall(body) if width == "0"}
+    body = CONNECT.sub(lambda found: "" if found[1] in empty else found[0], body)
     lines: list[str] = []
     for line in body.splitlines(keepends=True):
-        if line.startswith("  wire ") and line.split()[-1] in gone:
+        if line.startswith("  wire ") and line.split()[-1] in empty:
             while lines and lines[-1].startswith("  attribute "):
                 lines.pop()
         else:
@@ -102,14 +99,14 @@ def _without_aliases(body: str) -> str:
     return "".join(lines)
 
 
-def _port_names(body: str, connects: list[tuple[str, str]]) -> dict[str, str]:
+def _port_names(body: str) -> dict[str, str]:
     """Return new names of a module's wires and cells, where they have none of their own.
 
     An expression gets its number between underscores, as in Yosys' own Verilog. A port that is cut
     from a longer signal is named after the signals of the module that it makes up, else after the
-    one that it is part of: ``connects`` has those as well that were left out.
+    one that it is part of.
     """
-    wires = WIRE.findall(body)
+    wires, connects = WIRE.findall(body), CONNECT.findall(body)
     cells = [name for _, name, _ in CELL.findall(body)]
     names = [name for *_, name in wires] + [n for n in cells if n.startswith("\\")]
     wanted = {}

@@ -15,8 +15,8 @@ from amaranth.lib import data, wiring
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
-from splatline.rtl.engine import Engine
 from splatline.flow.tidy_names import tidy
+from splatline.rtl.engine import Engine
 
 from .memory_files import pack_contents
 

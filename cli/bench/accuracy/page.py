@@ -43,37 +43,37 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
     samples = results["reference_samples"]
     parts = [
         "# Accuracy",
-        f"Made by `splatline bench accuracy` from [accuracy.json](accuracy.json), which it wrote as"
-        f" well; {width} x {height} pixels, the reference with {samples} x {samples} samples a"
+        f"Made by `splatline bench accuracy` from [accuracy.json](accuracy.json). Pictures have"
+        f" {width} x {height} pixels, and the reference has {samples} x {samples} samples a"
         f" pixel. {machine['processor'] or machine['platform']}, {machine['cores']} cores; {tools}."
         f" Times are the fastest of {results['repeats']} warm calls.",
-        "## What it must show",
+        "## Targets",
         *(f"- {name}: {meaning}." for name, meaning in TARGETS.items()),
         _targets(runs),
         "## Run time against error",
-        "Splats of the points' spacing; the mean PSNR and the geometric mean of the costs over all"
-        " scenes and views. Points with a light rim are on the front.",
+        "Splats of the points' spacing. PSNR is the mean over all scenes and views, costs are"
+        " geometric means. Points with a light rim are on the Pareto front.",
         "![Run time against error](pareto.png)",
         "![Each scene](pareto_scenes.png)",
         "## Error budget",
         "PSNR in dB after each step, from one exact sample a pixel to the engine's picture (preset"
-        " `paper`). Each column has all approximations of those to its left. The last is the golden"
-        " renderer's, drawn from code words: what it differs by from the step before it is what"
-        " the budget leaves out.",
+        " `paper`). Each column has all approximations of the columns to its left. The last column"
+        " is the golden renderer's picture of the code words. Its difference from the column before"
+        " is the effect of approximations that the budget leaves out.",
         "![Error budget, mean over the scenes](waterfall.png)",
         *_budget_tables(results),
         "## Splats of the points' spacing",
-        "PSNR in dB over the image, over the pixels that the reference covers for more than a half,"
-        " and of the error blurred by 1.5 pixels, which is what is left of it from afar."
-        " `exact \N{MULTIPLICATION SIGN}4`: four samples a pixel (`render --samples 4`), for all of"
-        " which are the times, words and cycles.",
+        "PSNR in dB over the image, over the pixels whose coverage in the reference is above a"
+        " half, and of the error blurred by 1.5 pixels, as seen from afar."
+        " `exact \N{MULTIPLICATION SIGN}4` has four samples a pixel (`render --samples 4`); its"
+        " times, words and cycles are those of all samples together.",
         _fitted_table(runs),
         "## Splats of other sizes",
         "PSNR in dB; the size is the median diameter in pixels.",
         _sizes_table(runs),
         "## Skips",
-        "Each skip of the host switched the other way, alone; quality and preset as first in the"
-        " default. The first row of a scene is the host's own choice.",
+        "Each row but the first of a scene has one skip switched from its default. The first row"
+        " has the default skips. Quality is the default, preset is `paper`.",
         _skips_table(runs),
         "## Pictures",
         *(f"![{name}]({name})" for name in pictures),

@@ -74,24 +74,24 @@ def page(report: dict[str, Any]) -> str:
     parts = [
         "# Chains of engines",
         f"Made by `splatline bench chain`: {width} x {height} pixels, splats of 2.5 pixels;"
-        f" {versions}. Cycles are counted in the Verilog, in Verilator, from the first code word to"
-        " the end beat; every picture was compared with golden's:"
-        f" {sum(run['mismatched_pixels'] for run in runs):,} pixels differ. Times are those of"
-        f" the rate at which one engine is routed on an ECP5 (`splatline pnr`): {rates};"
+        f" {versions}. Verilator counts cycles from the first code word to the end beat. Every"
+        " picture was compared with the golden renderer's:"
+        f" {sum(run['mismatched_pixels'] for run in runs):,} pixels differ. Times are at"
+        f" the clock rate of one engine routed on an ECP5 (`splatline pnr`): {rates};"
         " no chain was routed.",
-        "A speed-up is over one engine that is given the elements in the same order, and over one"
-        " that is given the frame as the host has sorted it. A word of the raster leaves in a"
-        " cycle, so that no chain is faster than the bound: the cycles of one engine over the"
-        " larger of their share and the raster's words. A scene that is filled shows that bound.",
-        "## What it must show",
+        "Speed-up is relative to one engine that gets the elements in the same order, or in the"
+        " host's own order. One raster word leaves in a cycle, which bounds the speed-up: a chain"
+        " takes at least as many cycles as the raster has words, and at least the share of each"
+        " engine in the cycles of one. A scene that fills the image reaches this bound.",
+        "## Targets",
         table(
             ("engines", "preset", "scene", "speed-up", "at least", "bound", "met"),
             _verdicts(merged),
             words=("preset", "scene", "met"),
         ),
         "## Engines",
-        f"Elements dealt by {DEFAULT_METHOD}, pictures merged. The paper's time is its formula (3):"
-        " max(0.02 s, N / 10^8), for its four engines.",
+        f"Partition method `{DEFAULT_METHOD}`, link `merge`. The paper's time is by its formula"
+        " (3), max(0.02 s, N / 10^8), for its four engines.",
         table(
             (
                 *("scene", "preset", "engines", "elements", "raster words", "cycles", "speed-up"),
@@ -100,13 +100,12 @@ def page(report: dict[str, Any]) -> str:
             (_engines(run) for run in merged if run["method"] == DEFAULT_METHOD),
             words=("scene", "preset"),
         ),
-        "Fill: from the first code word to the raster's first beat. Drain: from the last end word"
-        " to the end beat.",
+        "Fill is the time from the first code word to the raster's first beat. Drain is the time"
+        " from the last end word to the end beat.",
         "## Video",
-        "Frames behind each other, without new tables and with all of them written before each"
-        " frame, which wait until nothing is left of the one before. Idle: an engine takes no code"
-        " word between a frame's end word and the next frame's first; the mean of all engines, of"
-        " which those that are done wait for the last to begin the frame they are at.",
+        "Frames in succession, without table writes and with all tables written before each frame."
+        " Table writes wait until the frame before has left the engine. Idle is the time from an"
+        " engine's end word to its first code word of the next frame, the mean over the engines.",
         table(
             (
                 *("scene", "preset", "engines", "cycles a frame", "frames/s", "idle, cycles"),
@@ -115,13 +114,13 @@ def page(report: dict[str, Any]) -> str:
             (_video(run) for run in merged if run["method"] == DEFAULT_METHOD),
             words=("scene", "preset"),
         ),
-        f"## Dealing, and loading: {first}",
+        f"## Partition methods and links: {first}",
         "\n".join(f"- `{name}`: {meaning}." for name, meaning in METHODS.items())
         + "\n- Link `load`: each engine loads the picture so far and draws over it.",
         table(
-            ("preset", "link", "dealt by", "engines", "cycles", "speed-up", "over host's order"),
+            ("preset", "link", "method", "engines", "cycles", "speed-up", "over host's order"),
             (_dealing(run) for run in runs if run["scene"] == first),
-            words=("preset", "link", "dealt by"),
+            words=("preset", "link", "method"),
         ),
     ]
     return "\n\n".join(parts) + "\n"

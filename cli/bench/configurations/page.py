@@ -44,24 +44,24 @@ def page(report: dict[str, Any]) -> str:
     )
     text = {"engine", "window", "fits XC2V250", "ECP5"}
     parts = [
-        "# Which engine to pick",
+        "# Engines compared",
         f"Made by `splatline bench configurations`: {width} x {height} pixels, quality"
-        f" {report['quality']}; {versions}. Each engine with lanes is the preset"
-        " `paper` with what its row says; see `contract/variants.py`. More bits of depth and"
-        " of columns are taken from the intensities and materials of the 64-bit code word.",
-        "Cycles an element, for each scene and median diameter of its splats. They are the"
-        " Verilog's, counted without running it, from the first code word of an engine's first"
-        " frame (so its window is being cleared) to its end beat. LUTs, flip-flops and block RAMs"
-        " as Yosys maps them to the paper's Virtex-II, an XC2V250 (3,072 LUTs and flip-flops, 24"
-        " block RAMs).",
+        f" {report['quality']}; {versions}. Presets are in `contract/presets.py`, the other engines"
+        " in `contract/variants.py`. More bits of depth and columns leave fewer bits for"
+        " intensities and materials in the 64-bit code word.",
+        "The table has cycles an element for each scene and median diameter of its splats. Cycles"
+        " are counted from the first code word of an engine's first frame to its end beat, with the"
+        " clearing of the window, by the cycle model of the Verilog. LUTs, flip-flops and block"
+        " RAMs are those of Yosys for the paper's Virtex-II, an XC2V250 (3,072 LUTs and flip-flops,"
+        " 24 block RAMs).",
         table(heads, map(list, map(row, points)), text),
         "Cycles of the whole frame:",
         table(["engine", *(_scene(*scene) for scene in scenes)], totals, text),
     ]
     if clocked:
         parts[2] += (
-            " The clock is routed, on the smallest Lattice ECP5 of the slowest grade that has the"
-            " block RAMs, seed 1."
+            " The clock rate is routed with seed 1, on the smallest Lattice ECP5 of the slowest"
+            " grade that has enough block RAMs."
         )
     return "\n\n".join(parts) + "\n"
 

@@ -20,14 +20,14 @@ def page(report: dict[str, Any]) -> str:
     width, height = report["size"]
     versions = ", ".join(f"{name} {number}" for name, number in report["versions"].items())
     parts = [
-        "# How fast the engine is",
-        f"Made by `splatline bench engine`: {width} x {height} pixels; {versions}. Cycles run from"
-        " the first code word of an engine's first frame to its end beat; they are the Verilog's,"
-        " counted without running it. The bound is the fewest that the organisation of the memory"
-        " allows for the same frame: lanes, a window of so many lines, and a beat of the"
-        f" raster a cycle. Rates are those of {report['clock_hz'] / 1e6:g} MHz.",
-        "## What it must show",
-        "The worst run of each kind. A splat's size is the median diameter.",
+        "# Clock cycles of the engine",
+        f"Made by `splatline bench engine`: {width} x {height} pixels; {versions}. Cycles are"
+        " counted from the first code word of an engine's first frame to its end beat, by the cycle"
+        " model of the Verilog. The bound is the fewest cycles that the engine's memory allows for"
+        " the same frame: its lanes, the lines of its window, and one raster beat a cycle. Rates"
+        f" are at {report['clock_hz'] / 1e6:g} MHz.",
+        "## Targets",
+        "The worst run for each target. The size of splats is the median diameter.",
         table(
             ("target", "preset", "limit", "worst", "of", "runs that meet it", "met"),
             (_verdict(row) for row in report["targets"]),
@@ -37,8 +37,8 @@ def page(report: dict[str, Any]) -> str:
     rated = any(run["lut4"] is not None for run in runs)
     if report["rates"]:
         parts += [
-            f"Elements a second for a LUT, `fast`, splats of 2 to 4 pixels; asked for are"
-            f" {LEAST_RATE:,}, and the paper has 11,600:",
+            f"Elements a second per LUT, quality `fast`, splats of 2 to 4 pixels. The target is"
+            f" {LEAST_RATE:,}; the paper's engine has 11,600.",
             table(
                 ("preset", "LUTs", "most", "of", "median", "least", f"runs of {LEAST_RATE:,}"),
                 map(_rate, report["rates"]),
@@ -58,8 +58,8 @@ def page(report: dict[str, Any]) -> str:
         parts.append(table(heads, cells, words={"scene", "splats, px", "quality"}))
     parts += [
         "## Few elements",
-        f"Splats of {PIXELS:g} pixels at random places. The frame is not the engine's first, which"
-        " waits until memory is cleared.",
+        f"Splats of {PIXELS:g} pixels at random positions. The frame is not the engine's first one,"
+        " which would wait for the clearing of the window.",
         table(
             ("preset", "elements", "code words", "raster words", "cycles"),
             ((row["preset"], *(f"{row[key]:,}" for key in FEW)) for row in report["few"]),

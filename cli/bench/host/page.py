@@ -17,11 +17,12 @@ def page(report: dict[str, Any]) -> str:
     width, height = report["size"]
     versions = ", ".join(f"{name} {number}" for name, number in report["versions"].items())
     parts = [
-        "# How fast the host is",
+        "# Rates of the host",
         "",
         f"Made by `splatline bench host`: {width} x {height} pixels, preset {report['preset']},"
-        f" {report['cores']} cores, {versions}. The fastest of some frames; a cloud in memory,"
-        " indexed once. Host is everything from points to sorted code words; golden draws them.",
+        f" {report['cores']} cores, {versions}. Times are the fastest of several frames,"
+        " with the cloud in memory and its index built. Host is the time from points to sorted code"
+        " words, golden that of drawing them.",
         "",
         "## A frame, in milliseconds",
         "",
@@ -42,9 +43,9 @@ def page(report: dict[str, Any]) -> str:
             WORDS,
         ),
         "",
-        "## Time follows what is seen",
+        "## Views of the large cloud",
         "",
-        "The large cloud; host and golden in milliseconds.",
+        "Times of host and golden in milliseconds. They depend on the visible part of the cloud.",
         "",
         table(
             ("view", "quality", "elements", "left out", "host", "golden", "frame"),
@@ -55,9 +56,9 @@ def page(report: dict[str, Any]) -> str:
     if report["peers"]:
         parts += [
             "",
-            "## Beside other renderers",
+            "## Other renderers",
             "",
-            "Milliseconds a frame on the same cores in the same run, and how many times ours"
+            "Milliseconds a frame on the same cores in the same run, and the ratio to ours"
             " (`fast`, host and golden).",
             "",
             table(

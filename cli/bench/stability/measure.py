@@ -32,22 +32,22 @@ NONE = "-"
 INTRODUCTION = """\
 # Numerical stability
 
-Written by `splatline bench stability`; the same cases are the tests under `tests/stability/`. Every
-case is drawn in each quality ({qualities}) and compared with the exact reference of the same input
-({samples} x {samples} rays a pixel, float64). Where a plain input exists whose picture it must
-repeat, it is compared with that, too. A number is the worst of the qualities.
+Made by `splatline bench stability`; the tests in `tests/sim/stress/` use the same cases. Every case
+is drawn in each quality ({qualities}) and compared with the exact reference of the same input
+({samples} x {samples} rays a pixel, float64). If a case has a plain input whose picture it must
+reproduce, it is compared with that picture too. Each number is the worst of the qualities.
 
-- **Pixels changed**: share of the image whose depth or colour differs from the plain picture's.
+- **Pixels changed**: share of pixels whose depth or colour differs from the plain picture.
 - **PSNR**: in dB, against the plain picture (*same*: no difference) and against the reference. With
   three bits a channel the plain clouds have 17 to 23 dB.
-- **Holes**: of the pixels that the reference covers wholly, the share left background.
-- **Stray**: of the pixels drawn, the share further from all that the reference covers than rounding
-  explains: 1 pixel in `exact`, 2 in `paper` and `fast`.
-- **Words**: length of the stream, the most of the qualities.
+- **Holes**: share of background among the pixels that the reference covers fully.
+- **Stray**: share of drawn pixels that are further from the reference's coverage than rounding
+  explains, which is 1 pixel in `exact` and 2 pixels in `paper` and `fast`.
+- **Words**: number of code words, the largest of the qualities.
 
-Of every stream it is also checked that it ends once, that no word lies outside the image or at the
-background's depth, that there are no more words than the discs' sizes can need, and that every
-point is either drawn or counted as left out. Whatever numpy would warn of is an error.
+Every stream is also checked: it ends once, no code word is outside the image or at the background's
+depth, there are no more code words than the sizes of the discs need, and every point is either
+drawn or counted as left out. A floating-point warning of numpy is an error.
 """
 
 

@@ -75,7 +75,7 @@ def test_a_quick_run_writes_numbers_page_plots_and_pictures(quick):
             assert entry["codewords"] > entry["elements"] > 0
 
     page = (out / "accuracy.md").read_text()
-    for heading in ("What it must show", "Error budget", "Skips", "Pictures"):
+    for heading in ("Targets", "Error budget", "Skips", "Pictures"):
         assert f"\n## {heading}\n" in page
     # Every row of a table has as many cells as its head.
     tables = [block.splitlines() for block in page.split("\n\n") if block.startswith("| ")]

@@ -64,7 +64,7 @@ def test_each_frame_has_its_cycles_beside_its_bound(outcome):
 def test_the_page_is_printed_and_its_tables_are_whole(outcome):
     _, page, result = outcome
     assert page in result.stdout
-    for heading in ("What it must show", "Preset paper, 2,000 LUTs", "Preset rgb24, 2,000 LUTs"):
+    for heading in ("Targets", "Preset paper, 2,000 LUTs", "Preset rgb24, 2,000 LUTs"):
         assert f"\n## {heading}\n" in page
     tables = [block.splitlines() for block in page.split("\n\n") if block.startswith("| ")]
     assert len(tables) == 5

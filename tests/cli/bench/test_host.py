@@ -59,7 +59,7 @@ def test_peers_are_ratios_and_those_that_are_missing_say_so(outcome):
     assert all(peer["ratio"] > 1 for peer in peers if peer["peer"] == "slow")
     page = (folder / "host.md").read_text()
     assert page in result.stdout
-    for head in ("A frame", "The index", "Time follows", "Beside other renderers"):
+    for head in ("A frame", "The index", "Views of the large cloud", "Other renderers"):
         assert f"## {head}" in page
 
 
