@@ -44,7 +44,7 @@ def themes() -> dict[str, Theme]:
             "Each field of view must agree with its own reference as 35 degrees does: no holes, and"
             " no stray pixels. `paper` and `fast` use the first order of the projection, with the"
             " shape that the disc has in the middle of the image. From 120 degrees on, their"
-            " streams are sound, but their pictures are far from the reference; the table shows how far.",
+            " streams are sound, but their pictures are far from the reference; see the table.",
             tuple(fov_cases()),
         ),
         "sizes": Theme(

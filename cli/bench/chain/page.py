@@ -119,7 +119,7 @@ def page(report: dict[str, Any]) -> str:
         + "\n- Link `load`: each engine loads the picture so far and draws over it.",
         table(
             ("preset", "link", "method", "engines", "cycles", "speed-up", "over host's order"),
-            (_dealing(run) for run in runs if run["scene"] == first),
+            (_method_row(run) for run in runs if run["scene"] == first),
             words=("preset", "link", "method"),
         ),
     ]
@@ -174,7 +174,7 @@ def _video(run: _Run) -> tuple[str, ...]:
     )
 
 
-def _dealing(run: _Run) -> tuple[str, ...]:
+def _method_row(run: _Run) -> tuple[str, ...]:
     return (
         run["preset"],
         run["link"],
