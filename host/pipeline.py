@@ -13,7 +13,7 @@ import numpy.typing as npt
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
-from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.presets import DEFAULT, PRESETS
 from splatline.contract.variants import VARIANTS
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES
@@ -47,7 +47,7 @@ def make_frames(
     radii: npt.NDArray[np.floating[Any]] | None = None,
     lighting: Lighting | None = None,
     materials: Materials | None = None,
-    config: EngineConfig = PAPER,
+    config: EngineConfig = DEFAULT,
     quality: str = DEFAULT_QUALITY,
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,

@@ -82,7 +82,7 @@ def edit(path, **changes):
             lambda path: edit(
                 path,
                 tables={
-                    "ambient": [0, 0, 1 << 14],
+                    "ambient": [0, 0, 1 << 18],
                     "diffuse": [[0] * 3] * 128,
                     "specular": [[0] * 3] * 128,
                 },

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from splatline.contract.errors import InputError
+from splatline.contract.presets import DEFAULT
 from splatline.host.files.readers import read_cloud
 from splatline.host.pipeline import make_frame
 from splatline.host.shading.lighting import Light, Lighting
@@ -58,7 +59,7 @@ def test_the_nearer_surface_hides_the_further():
             make_frame(shuffled, view, radii=np.array([0.2, 0.2]), lighting=lamp)
         )
         red, _, blue = picture.colour[32, 32]
-        assert red == 7
+        assert red == DEFAULT.channel_max
         assert blue == 0
 
 

@@ -6,7 +6,7 @@ import pytest
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER
 from splatline.contract.variants import SHAPED
-from splatline.host.encode.encode import encode as host_encode
+from splatline.host.encode import encode as host_encode
 from splatline.host.encode.shape_table import shape_table
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility.view import fit_view
