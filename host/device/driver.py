@@ -1,6 +1,6 @@
 """The driver of an engine on its buses: registers by name, tables, frames as beats.
 
-:class:`splatline.host.device.engine.Engine` draws pictures with it. It does not know whether the
+:class:`Engine` draws pictures with it. It does not know whether the
 device is a board or a simulation.
 """
 
@@ -17,13 +17,15 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Tables, check_tables
 from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.raster import Raster
+from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, VERSION, register_map
 from splatline.contract.register_types import RegisterMap
 from splatline.contract.variants import SHAPED, VARIANTS
 
 from .device import Device, DeviceTimeoutError
 
-__all__ = ["Driver", "EngineError", "read_config"]
+__all__ = ["Driver", "Engine", "EngineError", "read_config"]
 
 
 class EngineError(RuntimeError):
@@ -270,3 +272,36 @@ class Driver:
                 words[: len(table), word] |= bits & np.uint64(0xFFFF_FFFF)
                 words[: len(table), word + 1] |= bits >> np.uint64(32)
         return words[:, :-1].astype(np.uint32)
+
+
+class Engine(Driver):
+    """Draws frames of code words with the engine in a device.
+
+    >>> with SimulatedDevice() as device:  # or XdmaDevice(): a board
+    ...     engine = Engine(device)
+    ...     engine.write_tables(frame.tables, frame.width, frame.height)
+    ...     raster = engine.draw(frame.codewords)
+
+    Parameters and errors are those of :class:`Driver`.
+    """
+
+    def draw(self, codewords: npt.NDArray[np.uint64], initial: Raster | None = None) -> Raster:
+        """Draw a frame with the tables and the size that were written.
+
+        Parameters
+        ----------
+        codewords
+            Shape (n,), uint64; the last is the end word.
+        initial
+            The picture to start from; background if not given.
+
+        Raises
+        ------
+        EngineError
+            If the engine found something wrong with the frame; the next is drawn right.
+        ValueError
+            If what came back is no picture of that size.
+        """
+        beats = self.draw_beats(codewords, None if initial is None else to_beats(initial))
+        width, height = self.get("LAST_COLUMN") + 1, self.get("LAST_LINE") + 1
+        return from_beats(beats, width, height, self.config)

@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError, install_hint
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import DEFAULT
 from splatline.contract.register_map import raster_stream_bytes
 from splatline.host.device.device import BusError, DeviceTimeoutError
 from splatline.sim.cosim import simulator
@@ -48,7 +48,7 @@ VISIBLE = [
 _SERVE = "import sys; from splatline.sim.cosim.axi.axi_device import serve; serve(sys.argv[1])"
 
 
-def build_axi(config: EngineConfig = PAPER, simulator_name: str = "verilator") -> Build:
+def build_axi(config: EngineConfig = DEFAULT, simulator_name: str = "verilator") -> Build:
     """Build the simulator of an AXI top, or return its cached build."""
     from splatline.flow.verilog import convert
     from splatline.rtl.bus.axi_top import AxiTop
@@ -85,7 +85,7 @@ class SimulatedDevice:
 
     def __init__(
         self,
-        config: EngineConfig = PAPER,
+        config: EngineConfig = DEFAULT,
         *,
         stall: float = 0.0,
         seed: int = 1,

@@ -6,8 +6,7 @@ import time
 
 from splatline.contract.frame import Frame
 from splatline.contract.raster_beats import from_beats
-from splatline.host.device.driver import EngineError
-from splatline.host.device.engine import Engine
+from splatline.host.device.driver import Engine, EngineError
 from splatline.sim.cosim.player.jobs import Outcome
 from splatline.sim.cosim.simulator import SimulationError
 

@@ -8,8 +8,7 @@ from splatline.contract.presets import PAPER, PRESETS, SWIFT
 from splatline.contract.register_map import raster_stream_bytes, register_map
 from splatline.contract.variants import NARROW_BLOCKS, SHAPED, VARIANTS
 from splatline.host.device.device import DeviceTimeoutError
-from splatline.host.device.driver import EngineError, read_config
-from splatline.host.device.engine import Engine
+from splatline.host.device.driver import Engine, EngineError, read_config
 from splatline.host.device.xdma import XdmaDevice
 from splatline.sim import golden
 from tests.host.device.fake_board import FakeBoard

@@ -9,8 +9,7 @@ import numpy as np
 
 from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.contract.register_map import register_map
-from splatline.host.device.driver import Driver
-from splatline.host.device.engine import Engine
+from splatline.host.device.driver import Driver, Engine
 from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.sim import golden
 from tests.support.random_frames import nonsense, random_raster, shapes, word

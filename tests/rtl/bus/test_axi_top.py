@@ -6,7 +6,7 @@ import pytest
 from splatline.contract.presets import PAPER, RGB24, SWIFT
 from splatline.contract.raster_beats import from_beats
 from splatline.contract.register_map import VERSION, raster_stream_bytes, register_map
-from splatline.host.device.engine import Engine
+from splatline.host.device.driver import Engine
 from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
