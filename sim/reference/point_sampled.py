@@ -22,7 +22,8 @@ from splatline.host.shading.materials import find_materials
 from splatline.host.shading.shade import SHADE_LEVELS, shade_tables
 from splatline.host.visibility.view import View
 
-from .point_sampled_kernel import DEPTHS, PLACES, SIZES, SPLAT, draw_bands, place_splats
+from .footprints import PLACES, SIZES, SPLAT, place_splats
+from .point_sampled_kernel import DEPTHS, draw_bands
 from .reference import face_eye, shade
 
 __all__ = ["Picture", "Steps", "render"]
