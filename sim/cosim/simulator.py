@@ -153,21 +153,15 @@ def build(
         and sum(map(len, sources.values())) > MANY_CHARACTERS
         and not os.environ.get("SPLATLINE_QUICK_BUILD")
     )
-    key = repr(
-        (
-            sorted(sources.items()),
-            top,
-            simulator,
-            sorted((parameters or {}).items()),
-            _arguments(simulator, parts=parts),
-            _make_flags(parts=parts),
-            metadata.version("cocotb"),
-            _version(simulator),
-            sys.prefix,  # the binary refers to this environment's libraries
-            *visible,
-        )
+    digest = _digest(
+        sorted(sources.items()),
+        top,
+        simulator,
+        sorted((parameters or {}).items()),
+        _arguments(simulator, parts=parts),
+        _make_flags(parts=parts),
+        *visible,
     )
-    digest = hashlib.sha256(key.encode()).hexdigest()[:20]
     folder = cache_folder() / "cosim" / f"{top}-{simulator}-{digest}"
     if (folder / "done").exists():
         return Build(folder, top, simulator, reused=True)
@@ -196,6 +190,22 @@ def build(
         with contextlib.suppress(OSError):  # another process finished the same build first
             work.rename(folder)
     return Build(folder, top, simulator, reused=False)
+
+
+def _digest(sources: object, top: str, simulator: str, *inputs: object) -> str:
+    """Return a digest of everything that a build depends on."""
+    key = repr(
+        (
+            sources,
+            top,
+            simulator,
+            *inputs,
+            metadata.version("cocotb"),
+            _version(simulator),
+            sys.prefix,  # the binary refers to this environment's libraries
+        )
+    )
+    return hashlib.sha256(key.encode()).hexdigest()[:20]
 
 
 def _write_sources(
