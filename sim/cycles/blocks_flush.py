@@ -36,8 +36,8 @@ STRETCH = 4
     BEFORE,
     TURN,
 ) = range(12)
-"""Registers of the flush scan: the line whose marks are taken next, whether it is on its way out and
-was written, or was not; a bit a place that was written into; stretches that the line still has,
+"""Registers of the flush scan: the line whose marks are taken next, whether it is on its way out
+and was written, or was not; a bit a place that was written into; stretches that the line still has,
 a bit each, and the first of them; how many beats of the marks taken last are still asked for, and
 their line, or else the first in the window; whether one left one cycle before; stretches reached
 since the window moved on by its own height, and those before; and which of these heights it is in,

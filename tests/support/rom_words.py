@@ -71,7 +71,7 @@ def build_rom(config, edit=None, simulator_name="verilator"):
         text = changed
     sources = {"dut.v": text, PLAYER.name: PLAYER.read_text()}
     for name in ("stream_source.v", "stream_sink.v", "stream_check.v"):
-        sources[name] = resources.files("splatline.sim.cosim").joinpath(name).read_text()
+        sources[name] = resources.files("splatline.sim.cosim.player").joinpath(name).read_text()
     return simulator.build(
         sources, "word_player", simulator=simulator_name, parameters={"END": end_word(config)}
     )

@@ -80,10 +80,10 @@ def test_the_verilog_on_axi_comes_with_its_registers(run, folder):
 @pytest.mark.parametrize(
     ("options", "top"),
     [
-        ("", "splatline_paper"),
+        ("", "splatline_rgb24"),
         ("--preset paper-rom --top axi", "splatline_paper_rom_axi"),
-        ("--top pins", "splatline_paper_pins"),
-        ("--engines 2", "splatline_paper_chain2"),
+        ("--preset paper --top pins", "splatline_paper_pins"),
+        ("--engines 2", "splatline_rgb24_chain2"),
         ("--engines 2 --name painter", "painter"),
     ],
 )
