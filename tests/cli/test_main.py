@@ -124,7 +124,8 @@ SLOW_SYNTHESIS = """
 import sys, tempfile
 from pathlib import Path
 from splatline.cli.main import main
-from splatline.rtl import synth, tools
+from splatline.flow import tools
+from splatline.flow.area import synth
 
 TOOL = "import os, sys, time; os.symlink(str(os.getpid()), sys.argv[1]); time.sleep(300)"
 
