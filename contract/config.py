@@ -351,6 +351,14 @@ class EngineConfig:
         """Bits of a place that lanes need: its lowest say in which row of them the line lies."""
         return self.slot_bits - (self.tile_lines.bit_length() - 1)
 
+    @property
+    def flush_words(self) -> int:
+        """Words that leave lanes at one request: 1, or both of a pair with words of eight pixels.
+
+        The second one leaves through the port that otherwise writes, a cycle later.
+        """
+        return 2 if self.window == "tiles" and self.pixels_per_word == BLOCK else 1
+
     def raster_depth(self, pixel: int) -> Field:
         """Depth of a pixel of the beat; pixel 0 is the leftmost."""
         return Field(pixel * self.depth_bits, self.depth_bits)

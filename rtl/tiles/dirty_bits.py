@@ -49,7 +49,8 @@ class TileDirtyBits(wiring.Component):
         By residue of the line: neither of the two is written, but ``load_word`` may be. Known
         sooner than that it is, as the marks that are taken wait for their address.
     take : In(1)
-        Give and clear a stretch; nothing is touched in that cycle.
+        Give and clear a stretch; nothing is touched in that cycle, or with ``flush_words`` 2 none
+        of the residue of ``line``.
     line : In(slot_bits)
         Place in the window of the line that it is of.
     stretch : In
@@ -118,16 +119,17 @@ class TileDirtyBits(wiring.Component):
                 lone = self.lone[residue]
                 touched |= self.load[residue] & (other[0] == parity)
                 mine = self.wipe | (self.line[:2] == residue)
+                take = self.take & mine if config.flush_words == 2 else self.take
                 address = Mux(
-                    self.take,
+                    take,
                     Cat(self.stretch, self.line[2:]),
                     Cat(Mux(lone, other[1 + low_bits :], stretch), self.group[residue]),
                 )
                 m.d.comb += [
                     read.addr.eq(address),
                     write.addr.eq(address),
-                    write.en.eq(Mux(self.take, mine, touched)),
-                    write.data.eq(Mux(self.take, 0, read.data | Mux(lone, other_bit, bit))),
+                    write.en.eq(Mux(take, mine, touched)),
+                    write.data.eq(Mux(take, 0, read.data | Mux(lone, other_bit, bit))),
                     Cat(kept[residue][parity::2]).eq(read.data),
                 ]
         m.d.comb += self.taken.eq(

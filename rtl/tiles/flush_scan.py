@@ -24,9 +24,11 @@ class TileFlushScan(wiring.Component):
     into leaves in one cycle, and all at once if none was written. Of others the marks are taken a
     stretch at a time, in cycles in which nothing is written (``taking``), and each marked pair of
     words is asked for. A stretch that nothing has reached for long is passed over (``_reached``).
+    With ``flush_words`` 2 a pair is one request, which names its even word, and while marks are
+    taken words of other rows of lanes may be written.
 
-    **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one word a cycle;
-    one cycle more a stretch, or two if it turns out to have no marks, and two a line.
+    **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one request a
+    cycle; one cycle more a stretch, or two if it turns out to have no marks, and two a line.
 
     Members
     -------
@@ -43,7 +45,7 @@ class TileFlushScan(wiring.Component):
         Low: no marks are taken in the next cycle.
     touch : In(4 x 2)
         By residue of the line modulo 4, which of two neighbouring words are written in this cycle;
-        none while ``taking``.
+        none while ``taking``, or with ``flush_words`` 2 none in the row of lanes of ``oldest``.
     group : In(4 x group_bits)
         Places in the window of those lines, but for the two lowest bits.
     words : In(2 x word_bits)
@@ -72,7 +74,7 @@ class TileFlushScan(wiring.Component):
     over : Out(1)
         Nothing of the closed frame is in the window any more.
     taking : Out(1)
-        Marks are taken in this cycle: nothing may be written.
+        Marks are taken in this cycle: nothing may be written, see ``touch``.
     flush : Out(stream of PlaceLayout)
         Words to read and clear.
     """
@@ -169,7 +171,7 @@ class TileFlushScan(wiring.Component):
             self.flush.payload.word.eq(Cat(second_word, pair)),
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
-            moves.eq(~asking | (asked & second_word)),
+            moves.eq(~asking | (asked & second_word if config.flush_words == 1 else asked)),
             dirty_bits.take.eq(self.taking | self.wipe),
             dirty_bits.wipe.eq(self.wipe),
             dirty_bits.line.eq(
@@ -188,8 +190,9 @@ class TileFlushScan(wiring.Component):
         m.d.sync += self.taking.eq(
             leaving & here & ~pairs.any() & wanted.any() & self.enable & ~self.taking
         )
-        with m.If(asked):
-            m.d.sync += second_word.eq(~second_word)
+        if config.flush_words == 1:
+            with m.If(asked):
+                m.d.sync += second_word.eq(~second_word)
         with m.If(moves):
             m.d.sync += [
                 asking.eq(pairs.any()),

@@ -43,8 +43,13 @@ class Lane(wiring.Component):
     A pixel is loaded through the port that reads, which has no other use for that cycle: so it
     takes no multiplexer, and the other port may write at the same time, but not the same pixel.
 
-    **Latency**: 1 cycle to ``old``, 2 to the memory, 1 for a load. **Throughput**: one request a
-    cycle.
+    With ``flush_words`` 2 a pair of pixels is cleared at one request, those of neighbouring words:
+    the even one at once through the port that reads, and the odd one in the next cycle through the
+    port that writes, while the other port may serve the next request. Each port reads
+    what it clears, so the block RAM must read first.
+
+    **Latency**: 1 cycle to ``old``, 2 to the memory, 1 for a load; of a pair 2 to ``odd``.
+    **Throughput**: one request a cycle.
 
     Members
     -------
@@ -55,13 +60,18 @@ class Lane(wiring.Component):
     new : In(PixelLayout)
         What to draw, in the cycle after the request.
     loaded : In(PixelLayout)
-        What to load, in the cycle of the request.
+        What to load, in the cycle of the request; with ``flush_words`` 2 background where one is
+        cleared.
     old : Out(PixelLayout)
         The pixel as it was before the last request taken.
+    odd : Out(PixelLayout)
+        With ``flush_words`` 2: the odd pixel of a pair, two cycles after its request.
     """
 
     def __init__(self, config: EngineConfig):
         self.config = config
+        self.pairs = config.flush_words == 2
+        odd = {"odd": Out(PixelLayout(config))} if self.pairs else {}
         super().__init__(
             {
                 "enable": In(1),
@@ -69,6 +79,7 @@ class Lane(wiring.Component):
                 "new": In(PixelLayout(config)),
                 "loaded": In(PixelLayout(config)),
                 "old": Out(PixelLayout(config)),
+                **odd,
             }
         )
 
@@ -81,8 +92,8 @@ class Lane(wiring.Component):
             shape=pixel,
             depth=1 << lane_address_bits(config),
             init=[],
-            # Nobody uses a pixel that was read while it was being written.
-            attrs={"ram_style": "block", "no_rw_check": 1},
+            # Nobody uses a pixel that was read while it was being written, but of a pair.
+            attrs={"ram_style": "block", **({} if self.pairs else {"no_rw_check": 1})},
         )
         read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
         taken = Signal(LaneRequestLayout(config))
@@ -108,4 +119,21 @@ class Lane(wiring.Component):
             # Written every cycle while standing still, the pixel comes out the same each time.
             write.en.eq(difference[-1]),
         ]
+        if self.pairs:
+            self._clear_pairs(m, ram, load, write, taken, difference[-1])
         return m
+
+    def _clear_pairs(self, m, ram, load, write, taken, passes):
+        """Clear two pixels at a request, one through each port, which reads it first."""
+        request = self.request
+        odd = ram.read_port()
+        m.d.comb += [
+            load.en.eq(self.enable & (request.load | request.clear)),
+            odd.addr.eq(taken.address),
+            odd.en.eq(self.enable),
+            self.odd.eq(odd.data),
+            # Once alone, however long all stands still: it would be read as it was written.
+            write.en.eq(self.enable & passes),
+        ]
+        with m.If(self.enable):
+            m.d.sync += taken.address[0].eq(request.address[0] | request.clear)

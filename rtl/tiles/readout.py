@@ -1,11 +1,12 @@
 """The way out of the lanes: pixels of a word, which leave together, become a raster's beat."""
 
-from amaranth.hdl import Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
 from splatline.rtl.layouts import PixelLayout, PlaceLayout, RasterLayout
+from splatline.rtl.lib.mux import choose
 
 __all__ = ["TileReadout"]
 
@@ -20,16 +21,21 @@ class TileReadout(wiring.Component):
     A word that ``raster`` does not take stops the stages behind it, and the lanes, once a second
     word stands before the port. While ``raster`` is not ready, dropping a word takes a cycle.
 
+    With ``flush_words`` 2 a request stands for a pair of words: the even one comes as ever, and the
+    odd one a cycle later from the lanes' other ports, where it stays until it is taken.
+
     **Latency**: 2 cycles from a request to ``raster``. **Throughput**: one word a cycle.
 
     Members
     -------
     flush : In(1)
-        A word is requested in this cycle; only while ``running``.
+        A word is requested in this cycle; only while ``running``, and not while ``busy``.
     place : In(PlaceLayout)
-        Which word that is.
+        Which word that is; of a pair the even one.
     lanes : In(4 x pixels_per_word x PixelLayout)
         The lanes' outputs, by residue of line and column.
+    odd : In(4 x pixels_per_word x PixelLayout)
+        With ``flush_words`` 2: their other ones.
     last_column : In(x_bits)
         Width of the image less 1.
     end : In(1)
@@ -38,13 +44,18 @@ class TileReadout(wiring.Component):
         The beats.
     running : Out(1)
         Low: the lanes and all requests stand still.
+    busy : Out(1)
+        With ``flush_words`` 2: a pair was requested in the cycle before, but for those in which all
+        stood still. No other may be.
     finished : Out(1)
         High for one cycle: the end beat is taken into the register on the port.
     """
 
     def __init__(self, config: EngineConfig):
         self.config = config
+        self.pairs = config.flush_words == 2
         row = data.ArrayLayout(PixelLayout(config), config.pixels_per_word)
+        pairs = {"odd": In(data.ArrayLayout(row, 4)), "busy": Out(1)} if self.pairs else {}
         super().__init__(
             {
                 "flush": In(1),
@@ -55,6 +66,7 @@ class TileReadout(wiring.Component):
                 "raster": Out(stream.Signature(RasterLayout(config))),
                 "running": Out(1),
                 "finished": Out(1),
+                **pairs,
             }
         )
 
@@ -69,23 +81,33 @@ class TileReadout(wiring.Component):
         dropped = Signal()
         take, over = Signal(), Signal()
         visible = Signal(config.pixels_per_word)
+        leaves, word = flushed, place.word
+        if self.pairs:
+            odd = Signal()
+            leaves, word = flushed | odd, place.word | odd
+            m.d.comb += self.busy.eq(flushed)
+            with m.If(self.running):
+                m.d.sync += odd.eq(flushed)
         m.d.comb += [
             # What is background is known behind the register: the way to it is long enough.
             self.raster.valid.eq(emit_valid & (visible.any() | emit.end)),
             self.raster.payload.eq(emit),
             # Not ~raster.valid: what hangs on ``take`` would wait for the comparisons in it.
             take.eq(~emit_valid | self.raster.ready | dropped),
-            self.running.eq(~(flushed & ~take)),
-            over.eq(self.end & ~flushed),
+            self.running.eq(~(leaves & ~take)),
+            over.eq(self.end & ~leaves),
             self.finished.eq(over & take),
         ]
         m.d.sync += dropped.eq(emit_valid & ~visible.any() & ~emit.end & ~take)
         with m.If(self.running):
             m.d.sync += [flushed.eq(self.flush), place.eq(self.place)]
+            if self.pairs:
+                with m.If(flushed):  # of both words
+                    m.d.sync += place.eq(place)
         with m.If(take):
             m.d.sync += [
-                emit_valid.eq(flushed | over),
-                emit.word.eq(place.word),
+                emit_valid.eq(leaves | over),
+                emit.word.eq(word),
                 emit.line.eq(place.line),
                 emit.end.eq(over),
             ]
@@ -97,9 +119,13 @@ class TileReadout(wiring.Component):
         for column in range(config.pixels_per_word):
             rows = [self.lanes[row][column].as_value() for row in range(4)]
             pixel = Signal(PixelLayout(config), name=f"pixel_{column}")
-            m.d.comb += pixel.as_value().eq(
-                Mux(line[1], Mux(line[0], rows[3], rows[2]), Mux(line[0], rows[1], rows[0]))
-            )
+            if self.pairs:
+                rows += [self.odd[row][column].as_value() for row in range(4)]
+                m.d.comb += pixel.as_value().eq(choose(m, rows, Cat(line, odd)))
+            else:
+                m.d.comb += pixel.as_value().eq(
+                    Mux(line[1], Mux(line[0], rows[3], rows[2]), Mux(line[0], rows[1], rows[0]))
+                )
             with m.If(take):
                 m.d.sync += [
                     emit.pixels.depth[column].eq(pixel.depth),

@@ -31,6 +31,10 @@ class TileWindow(wiring.Component):
     leaves free, or alone (see ``pressing``). A word that ``raster`` does not take stops all three
     stages.
 
+    With ``flush_words`` 2 what is flushed is a pair of words. It keeps tiles from its lanes for one
+    cycle, and takes ``raster`` two: so a tile goes between two pairs, wherever it lies. And a tile
+    goes while marks are taken, if it leaves the row of lanes free whose marks they are.
+
     A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
     the lanes are cleared, which takes as many cycles as a lane has pixels.
 
@@ -95,6 +99,7 @@ class TileWindow(wiring.Component):
         m.submodules.loader = loader = Loader(config)
         m.submodules.readout = readout = TileReadout(config)
         columns = range(config.pixels_per_word)
+        pairs = config.flush_words == 2
         lanes = [[Lane(config) for _ in columns] for _ in range(SIDE)]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
@@ -149,6 +154,11 @@ class TileWindow(wiring.Component):
         refused = Signal()  # a word of the initial raster, in the cycle before
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
+        asks, taking = flush_scan.flush.valid, flush_scan.taking
+        if pairs:
+            taking = flush_scan.taking & meeting
+            asks = Signal()  # not while the pair before has its odd word to give
+            m.d.comb += asks.eq(flush_scan.flush.valid & ~readout.busy)
         m.d.comb += [
             flush_scan.top.eq(tile.top),
             self.oldest.eq(loader.front),
@@ -159,22 +169,18 @@ class TileWindow(wiring.Component):
             flush_scan.wipe_row.eq(sweep),
             flush_scan.restart.eq(self.finished),
             offered.eq(self.i.valid & ~tile.end & ~pressing),
-            going.eq(
-                offered & running & ~swept & ~flush_scan.taking & ~conflict & ~(first & meeting)
-            ),
+            going.eq(offered & running & ~swept & ~taking & ~conflict & ~(first & meeting)),
             # What the lanes read is stale where they are still writing it: of the tile before if
             # that went one cycle ago, and of it or of a word that left if all stood still since.
             conflict.eq((drawn & tile.meets) | stopped),
             self.i.ready.eq(going | close),
-            first.eq(flush_scan.flush.valid & lagging),
+            first.eq(asks & lagging),
             meeting.eq(wanted.bit_select(flush_scan.oldest[:2], 1)),
             # Whether the tile goes is known late; its lanes are kept for it in any case.
             wanted.eq(Cat(row.any() for row in tile.mask)),
             busy.eq(wanted & offered.replicate(SIDE) & ~(line & first.replicate(SIDE))),
             # In turn with words that leave, where one of the two is refused.
-            serving.eq(
-                loader.o.valid & (pressing | ~(flush_scan.flush.valid & (refused | lagging)))
-            ),
+            serving.eq(loader.o.valid & (pressing | ~(asks & (refused | lagging)))),
             # The line whose place it takes may have left since all stood still, while its last word
             # is still cleared: there the port that writes would meet the one that loads.
             loading.eq(
@@ -199,6 +205,9 @@ class TileWindow(wiring.Component):
             readout.flush.eq(flushing),
             readout.place.eq(service),
         ]
+        if pairs:
+            with m.If(readout.busy):
+                m.d.comb += flush_scan.flush.ready.eq(0)
         # Which of them goes first. Elements of up to three lines lie about the fourth line from
         # ``top`` on and leave the row of lanes of the line two above ``top``: that one leaves
         # beside them. So the line three above goes first, modulo 4, and that one itself where
@@ -224,6 +233,7 @@ class TileWindow(wiring.Component):
             m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.shade)]
         pixels = loader.o.payload.pixels
         word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in columns]
+        cleared = (~serving | sweeping).replicate(config.depth_bits)
         group = service.line[2 : config.slot_bits]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
@@ -246,6 +256,14 @@ class TileWindow(wiring.Component):
                     lane.loaded.colour.eq(pixels.colour[j]),
                     readout.lanes[i][j].eq(lane.old),
                 ]
+                if pairs:
+                    # The sweep goes by single pixels.
+                    m.d.comb += [
+                        lane.request.load.eq((loading & line[i]) | sweeping),
+                        lane.request.clear.eq(flushing & line[i]),
+                        lane.loaded.depth.eq(pixels.depth[j] | cleared),
+                        readout.odd[i][j].eq(lane.odd),
+                    ]
         self._touch(m, flush_scan, going)
         m.d.comb += [
             flush_scan.load.eq(line & loading.replicate(SIDE)),

@@ -50,6 +50,8 @@ def bound_cycles(frame: Frame) -> int:
     beats = _groups(drawn, config.raster_pixels)
     upper, lower = _lines(fields, line, frame)
     slid = _slide(upper, lower, costs, beats, config.window_lines)
+    # Of a pair of words the odd one leaves through the other port.
+    leaving = -(-leaving // config.flush_words)
     pixels = _covered_pixels(fields) + config.pixels_per_word * leaving
     return max(slid, -(-pixels // memories))
 

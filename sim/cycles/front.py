@@ -80,6 +80,8 @@ class Machine(NamedTuple):
     pair_lsb
         Place of the bit by which ``sim.golden.compact_words.slots`` tells that the next word is of
         the same one.
+    flush_words
+        Words that leave lanes at one request: of two the second leaves a cycle later.
     """
 
     x_lsb: int
@@ -99,6 +101,7 @@ class Machine(NamedTuple):
     raster_words: int
     rom: bool
     pair_lsb: int
+    flush_words: int
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
@@ -121,6 +124,7 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         raster_words=config.raster_words,
         rom=config.shapes != "none",
         pair_lsb=config.material.lsb,
+        flush_words=config.flush_words,
     )
 
 

@@ -104,7 +104,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     walk = lanes.walk
     walk[TOP], walk[AHEAD] = -ABOVE, -1
     tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
-    given, meets, drawn, ending = NOTHING, False, False, False
+    given, meets, drawn, ending, halfway = NOTHING, False, False, False, False
     lagging = False  # in the cycle before, for lines that leave to go before tiles
     near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
     x, right = 0, 0
@@ -113,24 +113,28 @@ def walk_lanes(words: Any, machine: Machine) -> int:
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         # The last pixels to be cleared are written one cycle after.
         clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
-        if ending and not walk[FLUSHED]:
+        if ending and not (walk[FLUSHED] or halfway):
             return cycle + 2  # the end beat is on the port in the next cycle
         ending = given == END and walk[WRITTEN] == 0
 
         taking = walk[TAKING]
         oldest = walk[OLDEST]
+        # A pair left one cycle before: no other does, and its odd word is still to come.
+        halfway = machine.flush_words == PAIR and walk[FLUSHED]
         conflict = machine.hazard and meets and drawn
-        going = given == TILE and not settling and not taking and not conflict
         rows = 0  # of lanes that are kept for the tile
         for k in range(SIDE):
             if given == TILE and tile[2 + k]:
                 rows |= 1 << (tile[0] + k) % SIDE
         meeting = rows >> walk[OLDEST] % SIDE & 1  # the line that leaves, with the tile
-        first, lagging = lagging, (walk[TOP] - walk[OLDEST]) % SIDE >= SIDE // 2
-        flushing = walk[ASKING] and not clearing and (first or not meeting)
+        # Marks are taken beside a tile where only their own row of lanes must be free for it.
+        waits = taking and (meeting or machine.flush_words == 1)
+        going = given == TILE and not (settling or waits or conflict)
+        first, lagging = lagging and not halfway, (walk[TOP] - walk[OLDEST]) % SIDE >= SIDE // 2
+        flushing = walk[ASKING] and not (clearing or halfway) and (first or not meeting)
         going = going and not (walk[ASKING] and first and meeting)
         reach = _reach(tile, machine) if given == TILE else 0
-        _step(lanes, flushing, reach, not clearing)
+        _step(lanes, flushing, reach, not clearing, machine)
         if going:
             _mark(tile, lanes, machine)
         drawn = going
@@ -281,7 +285,7 @@ def _reach(tile: Any, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
-def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
+def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool, machine: Machine) -> None:
     """Move the flush scan on: by a word, a stretch, a line, or over all lines not written."""
     walk, dirty_bits = lanes.walk, lanes.dirty_bits
     oldest = walk[OLDEST]
@@ -289,11 +293,12 @@ def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool) -> None:
     leaving, written = oldest < walk[TOP], walk[WRITTEN] >> place & 1
     wanted = (walk[NOW] | walk[BEFORE]) & walk[AHEAD]
     walks = leaving and written and walk[PAIRS] == 0
-    moves = not walk[ASKING] or (flushing and walk[SECOND])
+    single = machine.flush_words == 1
+    moves = not walk[ASKING] or (flushing and (walk[SECOND] or not single))
     taking, left = walk[TAKING], walks and moves and not wanted
     walk[TAKING] = walks and wanted and enable and not taking
     walk[FLUSHED] = flushing
-    if flushing:
+    if flushing and single:
         walk[SECOND] ^= 1
     if moves:
         walk[ASKING] = walk[PAIRS] > 0

@@ -4,15 +4,26 @@ import os
 from pathlib import Path
 from unittest import mock
 
+from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER, PRESETS
 from splatline.contract.variants import NARROW_BLOCKS, VARIANTS
 from splatline.sim.cosim import blocks, simulator
 
-__all__ = ["CONFIG", "OTHERS", "run_bench", "run_built"]
+__all__ = ["CONFIG", "OTHERS", "PAIRED", "run_bench", "run_built"]
 
 VARIABLE = "SPLATLINE_TEST_PRESET"
 
-CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, NARROW_BLOCKS)}[
+
+class Paired(EngineConfig):
+    """An engine whose lanes give pairs of words, whatever a word's pixels."""
+
+    flush_words = 2
+
+
+PAIRED = Paired(name="paired")
+"""Paper's lanes, for the same benches: what is particular about those of ``lanes8``."""
+
+CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, NARROW_BLOCKS, PAIRED)}[
     os.environ.get(VARIABLE, PAPER.name)
 ]
 """The engine of this process: ``paper`` unless ``run_bench`` started it."""

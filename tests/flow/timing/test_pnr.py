@@ -2,9 +2,17 @@ import re
 
 import pytest
 
-from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.presets import LANES8, PAPER, PRESETS
 from splatline.contract.variants import VARIANTS
-from splatline.flow.timing.pnr import CONSTRAINTS, RESOURCES, SHORT, placer, read_report, smallest
+from splatline.flow.timing.pnr import (
+    CONSTRAINTS,
+    RESOURCES,
+    SHORT,
+    _script,
+    placer,
+    read_report,
+    smallest,
+)
 from splatline.flow.tools import ToolError
 from splatline.rtl.bus.narrow_top import generate_pins
 
@@ -88,3 +96,14 @@ def test_the_vendor_s_constraints_fit_the_pins():
 def test_only_draws_blocks_are_placed_for_short_wires_alone():
     short = [c.name for c in (*PRESETS.values(), *VARIANTS) if placer(c) == SHORT]
     assert short == ["swift"]
+
+
+def test_block_rams_of_pairs_come_from_a_library_that_promises_more(tmp_path):
+    """Of Yosys' own, but for what nobody counts on; other engines have that as it is."""
+    (synthesis,) = _script(PAPER, "synth", "top", tmp_path)[1:]
+    assert synthesis == "synth -top top -json top.json"
+    assert not list(tmp_path.iterdir())
+    commands = _script(LANES8, "synth", "top", tmp_path)
+    assert commands[1].endswith("-run :map_ram")
+    assert commands[-1] == f"{synthesis} -run map_ram:"
+    assert (tmp_path / "brams.txt").read_text().count("rdwr old; wrtrans all old;") == 1

@@ -3,11 +3,12 @@
 import random
 
 import cocotb
+import pytest
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.tiles.dirty_bits import RESIDUES, TileDirtyBits, mark_bits, stretches
 from splatline.sim.cosim.streams import StreamBench
-from tests.support.bench_config import CONFIG, run_bench
+from tests.support.bench_config import CONFIG, PAIRED, run_bench
 
 WORDS = 1 << CONFIG.word_bits
 PAIRS = 1 << mark_bits(CONFIG)  # of a stretch
@@ -43,6 +44,11 @@ class Touch:
         }
         return pairs if load is None else pairs | {(load[1] % LINES, load[0] // 2)}
 
+    def without(self, residue):
+        """The same, but for what is written into lines of a residue."""
+        touched = [(0, 0) if q == residue else flags for q, flags in enumerate(self.touched)]
+        return Touch(self.words[0], touched, self.groups, self.words[1])
+
     def drive(self, dut, idle=False, load=None):
         """``load``: a word and its line, which nothing else is written into."""
         groups, loads = list(self.groups), 0
@@ -64,13 +70,19 @@ def stretch_of(pairs, line, stretch):
     return {(a, b) for a, b in pairs if (a, b // PAIRS) == (line, stretch)}
 
 
-async def take(dut, bench, rng, line, stretch, wipe=0):
-    """Take a stretch, or wipe it in all lines of the group; return its pairs."""
+async def take(dut, bench, rng, line, stretch, wipe=0, beside=None):
+    """Take a stretch, or wipe it in all lines of the group; return its pairs.
+
+    ``beside``: what is touched meanwhile.
+    """
     noise = Touch.random(rng, rng.randrange(WORDS))
     seen = {}
 
     def drive():
-        noise.drive(dut, idle=True)
+        if beside is None:
+            noise.drive(dut, idle=True)
+        else:
+            beside.drive(dut)
         dut.take.value, dut.wipe.value = 1, wipe
         dut.line.value, dut.stretch.value = line, stretch
 
@@ -119,8 +131,12 @@ async def random_touches(dut):
             if rng.random() < share:
                 line, stretch = rng.randrange(LINES), rng.randrange(STRETCHES)
                 expected = stretch_of(marked, line, stretch)
-                assert await take(dut, bench, rng, line, stretch) == expected
+                beside = None
+                if CONFIG.flush_words == 2:
+                    beside = Touch.random(rng, rng.randrange(WORDS)).without(line % 4)
+                assert await take(dut, bench, rng, line, stretch, beside=beside) == expected
                 marked -= expected
+                marked |= beside.dirty_bits() if beside else set()
             else:
                 touch = Touch.random(rng, (first + rng.randrange(words)) % WORDS)
                 load = rng.randrange(WORDS), rng.randrange(LINES)
@@ -174,5 +190,6 @@ async def a_wipe_takes_four_lines_and_no_more(dut):
             assert await take(dut, bench, rng, line, stretch) == expected
 
 
-def test_marks_are_what_was_touched(block_simulator):
-    run_bench(PAPER, TileDirtyBits, __file__, simulator_name=block_simulator)
+@pytest.mark.parametrize("config", [PAPER, PAIRED], ids=lambda config: config.name)
+def test_marks_are_what_was_touched(config, block_simulator):
+    run_bench(config, TileDirtyBits, __file__, simulator_name=block_simulator)

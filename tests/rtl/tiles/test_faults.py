@@ -17,9 +17,11 @@ from tests.rtl.tiles import test_dirty_bits as test_marks
 from tests.rtl.tiles import test_flush_scan as test_walker
 from tests.rtl.tiles import test_lane, test_tiler
 from tests.rtl.tiles import test_window as test_lane_window
+from tests.support.bench_config import PAIRED
 from tests.support.bench_config import run_bench as run_preset
 from tests.support.faults import LANE_WRITES, fault, rewrite
 
+PAIR = "a_pair_is_cleared_through_both_ports"
 WALK = "drawn_words_are_asked_for_once_and_in_order"
 
 LANE_WINDOW_FAULTS = [
@@ -84,7 +86,7 @@ REWRITTEN = {
     "no conflict": (TileWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
     "drawn while marks are taken": (
         TileWindow,
-        r"~swept\s+& ~flush_scan\.taking",
+        r"~swept\s+& ~taking",
         "~swept",
         "with_stalls",
     ),
@@ -338,7 +340,82 @@ REWRITTEN_COLLISIONS = {
         "a_line_that_leaves_behind_a_tile_that_stood_still",
     ),
 }
+REWRITTEN_PAIRS = {
+    "an odd pixel cleared while it stands still": (
+        Lane,
+        r"self\.enable & passes",
+        "passes",
+        PAIR,
+        "_clear_pairs",
+    ),
+    "an odd pixel read while it stands still": (
+        Lane,
+        r"odd\.en\.eq\(self\.enable\)",
+        "odd.en.eq(1)",
+        PAIR,
+        "_clear_pairs",
+    ),
+    "an even pixel cleared while it stands still": (
+        Lane,
+        r"self\.enable & (\(request)",
+        r"\1",
+        PAIR,
+        "_clear_pairs",
+    ),
+    "an even pixel kept": (
+        Lane,
+        r"request\.load \| request\.clear",
+        "request.load",
+        PAIR,
+        "_clear_pairs",
+    ),
+    "the even pixel twice": (
+        Lane,
+        r"request\.address\[0\] \| request\.clear",
+        "request.address[0]",
+        PAIR,
+        "_clear_pairs",
+    ),
+    "even pixels keep their depth": (
+        TileWindow,
+        r"pixels\.depth\[j\] \| cleared",
+        "pixels.depth[j]",
+        "with_stalls",
+    ),
+    "a pair right behind another": (
+        TileWindow,
+        r"m\.If\(readout\.busy\)",
+        "m.If(0)",
+        "with_stalls",
+    ),
+    "a tile where marks are taken": (
+        TileWindow,
+        r"taking = flush_scan\.taking & meeting",
+        "taking = 0",
+        "with_stalls",
+    ),
+    "the odd word in another's place": (TileReadout, r"m\.If\(flushed\)", "m.If(0)", "with_stalls"),
+    "the end before an odd word": (
+        TileReadout,
+        r"self\.end & ~leaves",
+        "self.end & ~flushed",
+        "with_stalls",
+    ),
+    "an odd word lost while the raster waits": (
+        TileReadout,
+        r"~\(leaves & ~take\)",
+        "~(flushed & ~take)",
+        "with_stalls",
+    ),
+    "marks lost beside what is taken": (
+        TileDirtyBits,
+        r"self\.take & mine if",
+        "self.take if",
+        "random_touches",
+    ),
+}
 BENCHES = {
+    Lane: (Lane, test_lane),
     Tiler: (Tiler, test_tiler),
     TileFlushScan: (TileFlushScan, test_walker),
     TileDirtyBits: (TileDirtyBits, test_marks),
@@ -346,19 +423,26 @@ BENCHES = {
 }
 
 
-def check_rewritten(monkeypatch, part, pattern, replacement, test, method="elaborate", **options):
+def check_rewritten(
+    monkeypatch, part, pattern, replacement, test, method="elaborate", config=PAPER, **options
+):
     """Break a component and run a test on it, or on the window of lanes that it is part of."""
     rewrite(monkeypatch, part, method, pattern, replacement)
     component, bench = BENCHES.get(part, (TileWindow, test_lane_window))
     assert hasattr(bench, test)
     with pytest.raises(SimulationError):
-        run_preset(PAPER, component, bench.__file__, test=test, **options)
+        run_preset(config, component, bench.__file__, test=test, **options)
 
 
 @pytest.mark.parametrize("broken", REWRITTEN.values(), ids=REWRITTEN)
 def test_a_rewritten_window_of_lanes_is_noticed(monkeypatch, broken):
     """Faults in what has no name in the Verilog."""
     check_rewritten(monkeypatch, *broken)
+
+
+@pytest.mark.parametrize("broken", REWRITTEN_PAIRS.values(), ids=REWRITTEN_PAIRS)
+def test_a_fault_in_how_pairs_leave_is_noticed(monkeypatch, broken):
+    check_rewritten(monkeypatch, *broken, config=PAIRED)
 
 
 @pytest.mark.parametrize("broken", REWRITTEN_COLLISIONS.values(), ids=REWRITTEN_COLLISIONS)

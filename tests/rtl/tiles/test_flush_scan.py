@@ -3,6 +3,7 @@
 import random
 
 import cocotb
+import pytest
 from cocotb.triggers import Timer
 
 from splatline.contract.presets import PAPER
@@ -12,7 +13,7 @@ from splatline.rtl.tiles.dirty_bits import RESIDUES
 from splatline.rtl.tiles.flush_scan import TileFlushScan
 from tests.rtl.tiles.test_dirty_bits import STRETCHES, WORDS, Touch
 from tests.rtl.window.slides import Slide
-from tests.support.bench_config import CONFIG, run_bench
+from tests.support.bench_config import CONFIG, PAIRED, run_bench
 
 PLACE = PlaceLayout(CONFIG)
 LOWEST = (1 << CONFIG.line_bits + 1) - 1
@@ -36,9 +37,16 @@ class LaneSlide(Slide):
         """The line from ``lowest`` on that stands in a place of the window."""
         return lowest + (place - lowest) % CONFIG.window_lines
 
+    def words_of(self, bits):
+        """Return what is asked for: the word, or with pairs both of them."""
+        ((line, word),) = super().words_of(bits)
+        assert CONFIG.flush_words == 1 or word % 2 == 0
+        return [(line, word + n) for n in range(CONFIG.flush_words)]
+
     async def cycle(self, top, touch=NOTHING, enable=1, limit=LOWEST, load=None):
         """One cycle; what is to be written waits if marks are taken. Return whether it was not.
 
+        With pairs what lies in other rows of lanes is written all the same.
         ``load``: word and line of the initial raster, in a row that ``touch`` leaves free.
         """
         dut = self.dut
@@ -49,7 +57,10 @@ class LaneSlide(Slide):
         taking = int(dut.taking.value)
         assert self.enabled or not taking
         assert not taking or oldest < top
-        touch.drive(dut, idle=taking, load=load)
+        beside = taking and CONFIG.flush_words == 2
+        if beside:
+            touch, load = touch.without(oldest % 4), None
+        touch.drive(dut, idle=taking and not beside, load=load)
         dut.reaching.value = int(bool(touch.dirty_bits()))
 
         def observe():
@@ -58,7 +69,7 @@ class LaneSlide(Slide):
 
         await self.bench.step(observe=observe)
         self.enabled = enable
-        if not taking:
+        if not taking or beside:
             for place, pair in touch.dirty_bits(load):
                 line = self.line_of(place, oldest)
                 self.expected |= {(line, 2 * pair), (line, 2 * pair + 1)}
@@ -143,6 +154,7 @@ async def loaded_words_too(dut):
 async def a_full_window_takes_a_cycle_a_word(dut):
     """And one for each stretch, and two for each line; lines that wait take none.
 
+    With pairs a cycle a pair, and two for each stretch, as its last one is asked for in one cycle.
     A line's first word is asked for four cycles after the last one of the line before. The marks of
     other stretches are taken while the last word is asked for, and the first of them is picked one
     cycle later.
@@ -155,7 +167,8 @@ async def a_full_window_takes_a_cycle_a_word(dut):
             await slide.cycle(0, Touch(word, [(1, 1)] * 4, [group] * 4))
     begin = slide.bench.cycles
     while int(dut.oldest.value) < lines:
-        assert slide.bench.cycles - begin <= lines * (WORDS + STRETCHES + 2) + 3
+        asked = WORDS // CONFIG.flush_words + STRETCHES * CONFIG.flush_words
+        assert slide.bench.cycles - begin <= lines * (asked + 2) + 3
         await slide.cycle(lines)
     await slide.finish(rng)
 
@@ -228,8 +241,9 @@ async def nothing_leaves_unasked(dut):
         await slide.finish(rng)
 
 
-def test_walker_asks_for_what_was_written(block_simulator):
-    run_bench(PAPER, TileFlushScan, __file__, simulator_name=block_simulator)
+@pytest.mark.parametrize("config", [PAPER, PAIRED], ids=lambda config: config.name)
+def test_walker_asks_for_what_was_written(config, block_simulator):
+    run_bench(config, TileFlushScan, __file__, simulator_name=block_simulator)
 
 
 def test_walker_chooses_among_sixteen_stretches():

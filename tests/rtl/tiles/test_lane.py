@@ -9,6 +9,8 @@ from splatline.rtl.layouts import PixelLayout
 from splatline.rtl.tiles.lane import Lane, LaneRequestLayout, lane_address_bits
 from splatline.sim.cosim.blocks import pack, run_bench, unpack
 from splatline.sim.cosim.streams import StreamBench
+from tests.support.bench_config import CONFIG, PAIRED
+from tests.support.bench_config import run_bench as run_preset
 
 REQUEST, PIXEL = LaneRequestLayout(PAPER), PixelLayout(PAPER)
 PIXELS = 1 << lane_address_bits(PAPER)
@@ -157,6 +159,78 @@ async def a_paused_lane_writes_once(dut):
     await operator.cycle()
     await operator.read(7, (40, 7))
     await operator.read(8, (50, 8))
+
+
+def is_pixel(port, expected):
+    """Whether a pixel stands on a port; a background's colour means nothing."""
+    seen = unpack(PIXEL, int(port.value))
+    return seen.depth == expected[0] and expected[1] in (None, seen.colour)
+
+
+class PairOperator:
+    """Requests of a lane whose clears are of pairs, and the pixels as they ought to be."""
+
+    def __init__(self, dut, rng):
+        self.dut, self.rng = dut, rng
+        self.pixels = {}
+        self.asked = None  # what was requested last, its address and the pixel that was there
+        self.due = None  # the odd pixel of the pair requested before that
+
+    def request(self, kind, address, enable):
+        """Set the ports for a cycle, check what they give in it, and let it pass."""
+        dut, rng, pixels = self.dut, self.rng, self.pixels
+        new, loaded = ((rng.randrange(511), rng.randrange(512)) for _ in range(2))
+        if kind == "clear":
+            loaded = BACKGROUND[0], loaded[1]
+        flags = {name: name == kind for name in ("draw", "clear", "load")}
+        asked, due = self.asked, self.due
+
+        def drive():
+            dut.enable.value = int(enable)
+            dut.request.value = pack(REQUEST, address=address, **flags)
+            dut.new.value = pack(PIXEL, depth=new[0], colour=new[1])
+            dut.loaded.value = pack(PIXEL, depth=loaded[0], colour=loaded[1])
+
+        def observe():
+            assert not asked or asked[0] == "load" or is_pixel(dut.old, asked[2])
+            assert not due or is_pixel(dut.odd, due)
+
+        if enable:
+            self.due = None
+            if asked and asked[0] == "draw" and new[0] < asked[2][0]:
+                pixels[asked[1]] = new
+            if asked and asked[0] == "clear":
+                self.due, pixels[asked[1] | 1] = pixels[asked[1] | 1], BACKGROUND
+            self.asked = (kind, address, pixels.get(address)) if kind else None
+            if kind in ("clear", "load"):
+                pixels[address] = BACKGROUND if kind == "clear" else loaded
+        return drive, observe
+
+
+@cocotb.test(skip=CONFIG.flush_words == 1)
+async def a_pair_is_cleared_through_both_ports(dut):
+    """Any requests, with pauses; none of a pair that the one before is still writing."""
+    for seed, rate in enumerate((1.0, 0.6, 0.2)):
+        rng, bench = random.Random(seed), StreamBench(dut, seed)
+        operator = PairOperator(dut, rng)
+        dut.enable.value = 1
+        dut.request.value = dut.new.value = dut.loaded.value = 0
+        await bench.reset()
+        for n in range(PIXELS + 3000):
+            enable, kind, address = True, "load", n
+            if n >= PIXELS:
+                enable = rng.random() < rate
+                kind = rng.choice(["draw", "draw", "load", "clear", None])
+                address = rng.randrange(4) * (PIXELS // 4) + rng.randrange(4)
+            if kind == "clear":
+                address &= ~1
+            if operator.asked and address | 1 == operator.asked[1] | 1 and n >= PIXELS:
+                kind = None
+            await bench.step(*operator.request(kind, address, enable))
+
+
+def test_a_lane_clears_pairs():
+    run_preset(PAIRED, Lane, __file__, test="a_pair_is_cleared_through_both_ports")
 
 
 def test_lane_keeps_the_nearest(block_simulator):

@@ -8,10 +8,9 @@ import pytest
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.tiles.window import TileWindow
-from splatline.sim.cosim import blocks
 from splatline.sim.cosim.blocks import pack, unpack
 from tests.rtl.tiles.lane_frames import Bench, Painter, random_frame
-from tests.support.bench_config import run_bench
+from tests.support.bench_config import PAIRED, run_bench
 from tests.support.pictures import BACKGROUND, END, RASTER, beats_of, random_image
 
 
@@ -239,8 +238,28 @@ def collide(text):
     return text
 
 
-def test_lane_window_draws_every_frame():
-    blocks.run_bench(TileWindow(PAPER), __file__)
+def collide_pairs(text):
+    """The same for lanes of pairs, whose ports each read what they write, but not the other's."""
+    same, writes = "taken[11:3] == request[11:3]", "enable && request[2:1] != 0"
+    drawn = f"write__en === 1'b1 && {same}"
+    for target, value, meet in (
+        (r"_\d_ <=", r"ram\[request\[11:3\]\]", drawn),
+        (r"_\d_ <=", r"ram\[taken\[11:3\]\]", f"{writes} && {same}"),
+        (r"ram\[request\[11:3\]\] <=", "loaded", drawn),
+        (r"ram\[taken\[11:3\]\] <=", "write__data", f"{writes} && {same}"),
+    ):
+        text, count = re.subn(f"({target}) ({value});", rf"\1 {meet} ? ~\2 : \2;", text)
+        assert count == 16, "the lanes' memories look different now"
+    return text
+
+
+@pytest.mark.parametrize("config", [PAPER, PAIRED], ids=lambda config: config.name)
+def test_lane_window_draws_every_frame(config):
+    run_bench(config, TileWindow, __file__, simulator_name="verilator")
+
+
+def test_no_pixel_of_a_pair_counts_that_two_ports_have_at_once():
+    run_bench(PAIRED, TileWindow, __file__, simulator_name="verilator", edit=collide_pairs)
 
 
 def test_lane_window_in_the_quickest_simulator():

@@ -5,7 +5,7 @@ import pytest
 
 from splatline.cli.bench.engine.few_elements import few_splats
 from splatline.contract.errors import InputError
-from splatline.contract.presets import PAPER, RGB24, SWIFT
+from splatline.contract.presets import LANES8, PAPER, RGB24, SWIFT
 from splatline.host.encode.partition import deal
 from splatline.rtl.engine import engine_latency
 from splatline.rtl.tiles.lane import lane_address_bits
@@ -149,7 +149,7 @@ def test_clearing_the_window_holds_a_first_frame_up(played):
 
 @pytest.mark.parametrize(
     "config",
-    [PAPER, SWIFT, variant("depth12"), variant("lines32"), variant("word2")],
+    [PAPER, LANES8, SWIFT, variant("depth12"), variant("lines32"), variant("word2")],
     ids=lambda config: config.name,
 )
 def test_known_counts(config):
@@ -175,9 +175,11 @@ def test_known_counts(config):
     # dots on the same word wait a cycle each but the first, and a pair of words leaves anyway. With
     # blocks none waits, and dots in beats of their own leave as so many beats.
     for dots in (1, 2) if tiles else (1, 2, 4):
-        columns = [4 + config.pixels_per_word * n for n in range(dots)]
+        # Of lanes the first of a pair of words, and the second.
+        first = 2 * config.pixels_per_word - 4 if tiles else 4
+        columns = [first + config.pixels_per_word * n for n in range(dots)]
         apart = [dot(column) for column in columns]
-        same = [dot(4)] * dots
+        same = [dot(first)] * dots
         start = cw.advance(4, config)
         beats = 1 if tiles else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
         waits = 0 if config.draws_blocks else dots - 1
