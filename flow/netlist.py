@@ -9,8 +9,8 @@ from pathlib import Path
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.flow.area.synth import COMMAND
-from splatline.rtl.bus.narrow_top import generate_pins
 
+from .narrow_verilog import generate_pins
 from .tools import run_yosys
 
 __all__ = ["pin_netlist"]

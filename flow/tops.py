@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from splatline.contract.config import EngineConfig
-from splatline.rtl.bus.narrow_top import generate_pins
 
 from .axi_verilog import generate_axi
+from .narrow_verilog import generate_pins
 from .verilog import generate
 
 __all__ = ["TOPS"]

@@ -14,10 +14,10 @@ from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.encode.encode import encode
-from splatline.host.encode.shape_table import LEVELS
 from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import Materials, find_materials, material_tables
+from splatline.host.shading.normal_levels import LEVELS
 from splatline.host.shading.shade import SHADE_LEVELS, shade_bits
 from splatline.host.visibility.block_index import Index, build_index
 from splatline.host.visibility.project import project

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.flow.narrow_verilog import generate_pins
 from splatline.flow.netlist import pin_netlist
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
-from splatline.rtl.bus.narrow_top import generate_pins
 
 from .virtex2_delays import estimate_timing
 

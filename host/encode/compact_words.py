@@ -9,10 +9,11 @@ import numba as nb
 
 from splatline.contract.config import BLOCK, COMPACT, ROWS
 from splatline.contract.presets import PAPER
+from splatline.host.visibility.view import LARGEST
 
 from .paper_shapes import encode_symmetric
 from .shape_table import SIZES
-from .write_words import LARGEST, corner, put_symmetric
+from .write_words import corner, put_symmetric
 
 __all__ = ["encode_compact"]
 

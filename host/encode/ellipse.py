@@ -14,8 +14,7 @@ from typing import Any
 import numba as nb
 
 from splatline.contract.config import BLOCK, ROWS
-
-from .write_words import LARGEST
+from splatline.host.visibility.view import LARGEST
 
 __all__ = [
     "CLOSED",

@@ -9,12 +9,13 @@ import numpy.typing as npt
 
 from splatline.contract.config import ROWS, EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.host.shading.normal_levels import level_slopes
 from splatline.host.visibility.occlusion import cover, new_pyramid
 from splatline.host.visibility.project import Splats
 from splatline.host.visibility.view import View
 
 from .quality import DEFAULT_QUALITY, QUALITIES
-from .shape_table import level_slopes, shape_table
+from .shape_table import shape_table
 from .splat_loop import Fixed, encode_splats, measure_room
 
 __all__ = ["Encoded", "encode"]

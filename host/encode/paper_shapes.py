@@ -8,9 +8,10 @@ from typing import Any
 import numba as nb
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.host.visibility.view import LARGEST
 
 from .shape_table import SIZES, row_span
-from .write_words import LARGEST, ONE_PIXEL, corner, emit, put_block, turned
+from .write_words import ONE_PIXEL, corner, emit, put_block, turned
 
 __all__ = ["encode_symmetric"]
 

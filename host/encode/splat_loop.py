@@ -9,8 +9,10 @@ import numba as nb
 import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.host.shading.normal_levels import LEVELS, quantise
 from splatline.host.visibility.occlusion import is_hidden
 from splatline.host.visibility.project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
+from splatline.host.visibility.view import LARGEST
 
 from .compact_words import encode_compact
 from .ellipse import conic, covers_own_pixel, in_perspective, one_fraction
@@ -18,8 +20,7 @@ from .half_pixel import encode_turned
 from .large_splats import STEEP, encode_fractions, fraction_size
 from .paper_shapes import encode_symmetric
 from .quality import AS_PAPER, EXACT, FAST
-from .shape_table import LEVELS, quantise
-from .write_words import LARGEST, ONE_PIXEL, emit, quantised_depth
+from .write_words import ONE_PIXEL, emit, quantised_depth
 
 __all__ = ["Fixed", "encode_splats", "measure_room"]
 

@@ -8,11 +8,11 @@ from typing import Any
 import numba as nb
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.host.visibility.view import LARGEST
 
 from .shape_table import EMPTY_SCANS
 
 __all__ = [
-    "LARGEST",
     "ONE_PIXEL",
     "corner",
     "emit",
@@ -22,9 +22,6 @@ __all__ = [
     "quantised_depth",
     "turned",
 ]
-
-LARGEST = float(1 << 24)
-"""Pixels beyond which a coordinate is far outside every image; exact in float32."""
 
 ONE_PIXEL = EMPTY_SCANS & ~63
 """SCANS of a fraction whose only pixel is the first of its first row."""

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.config import EngineConfig
-from splatline.host.encode.shape_table import level_slopes
 
 from .lighting import Lighting
+from .normal_levels import level_slopes
 
 __all__ = ["SHADE_LEVELS", "shade_bits", "shade_tables"]
 

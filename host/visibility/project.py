@@ -11,13 +11,12 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.host.encode.shape_table import quantise
-from splatline.host.encode.write_words import LARGEST
+from splatline.host.shading.normal_levels import quantise
 
 from .block_index import BLOCK_POINTS, Index
 from .cull import cull_blocks, faces_away, lies_outside, misses_centre
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
-from .view import View
+from .view import LARGEST, View
 
 __all__ = ["SPLAT", "Splats", "project"]
 

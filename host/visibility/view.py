@@ -11,7 +11,10 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
 
-__all__ = ["View", "fit_view"]
+__all__ = ["LARGEST", "View", "fit_view"]
+
+LARGEST = float(1 << 24)
+"""Pixels beyond which a coordinate is far outside every image; exact in float32."""
 
 UP_AXES = {
     "x": (1.0, 0.0, 0.0),

@@ -8,12 +8,11 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
-from splatline.flow.verilog import convert, describe, header
 from splatline.rtl.engine import Engine
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 from splatline.rtl.lib.mux import pick
 
-__all__ = ["IO_PINS", "Gatherer", "PieceLayout", "PinTop", "Splitter", "generate_pins"]
+__all__ = ["IO_PINS", "Gatherer", "PieceLayout", "PinTop", "Splitter"]
 
 IO_PINS = 172
 """Pins of the XC2V250-FG256 that a design may use."""
@@ -23,12 +22,6 @@ WORD_PIECE = 16
 
 BEAT_PIECE = 18
 """Bits of a raster's beat that enter or leave in a clock: five times for the ``paper`` preset."""
-
-MEANINGS = {
-    "words": "pieces of code words and table writes, in the order in which they take effect",
-    "initial": "pieces of the raster that the frame starts from, if the control register asks",
-    "raster": "pieces of the words of the picture with their places, then of the frame's end",
-}
 
 
 class PieceLayout(data.StructLayout):
@@ -236,12 +229,3 @@ class PinTop(wiring.Component):
             engine.raster.ready.eq(raster.i.ready),
         ]
         return m
-
-
-def generate_pins(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
-    """Return the Verilog and the description of an engine with its pins.
-
-    Parameters and results are those of :func:`splatline.rtl.verilog.generate`.
-    """
-    top = PinTop(config)
-    return header(config) + convert(top, name), describe(top, name, MEANINGS)

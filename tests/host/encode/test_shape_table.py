@@ -1,6 +1,7 @@
 import numpy as np
 
-from splatline.host.encode.shape_table import EMPTY_SCANS, level_slopes, quantise, shape_table
+from splatline.host.encode.shape_table import EMPTY_SCANS, shape_table
+from splatline.host.shading.normal_levels import level_slopes, quantise
 
 
 def bitmaps(size):

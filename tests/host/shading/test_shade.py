@@ -3,9 +3,9 @@ import math
 import numpy as np
 
 from splatline.contract.presets import PAPER
-from splatline.host.encode.shape_table import level_slopes
 from splatline.host.pipeline import make_frame
 from splatline.host.shading.lighting import Light, Lighting
+from splatline.host.shading.normal_levels import level_slopes
 from splatline.host.shading.shade import SHADE_LEVELS, shade_bits, shade_tables
 from splatline.host.visibility.block_index import build_index
 from splatline.host.visibility.project import project

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from splatline.host.encode.shape_table import level_slopes
+from splatline.host.shading.normal_levels import level_slopes
 from splatline.host.visibility.block_index import build_index
 from splatline.host.visibility.project import project
 from splatline.host.visibility.skips import DEFAULT_SKIPS

@@ -6,7 +6,8 @@ from amaranth.sim import Simulator
 
 from splatline.contract.presets import PRESETS
 from splatline.contract.raster_beats import from_beats, to_beats
-from splatline.rtl.bus.narrow_top import IO_PINS, Gatherer, PinTop, Splitter, generate_pins
+from splatline.flow.narrow_verilog import generate_pins
+from splatline.rtl.bus.narrow_top import IO_PINS, Gatherer, PinTop, Splitter
 from splatline.sim import golden
 from splatline.sim.cosim.player.jobs import table_writes
 from tests.support.random_frames import random_raster, shapes
