@@ -16,8 +16,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.presets import DEFAULT, PRESETS
 from splatline.contract.variants import VARIANTS
 from splatline.host.cloud.cloud import Cloud
-from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES
-from splatline.host.encode.shape_source import check_shapes
+from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, check_shapes
 from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import Materials
 from splatline.host.visibility.block_index import Index

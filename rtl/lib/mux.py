@@ -1,8 +1,8 @@
-"""Multiplexers, and the number of the bit that is set."""
+"""Multiplexers, the number of the bit that is set, and wide gates."""
 
-from amaranth.hdl import Cat, Mux, Signal, Value
+from amaranth.hdl import Cat, Const, Mux, Signal, Value
 
-__all__ = ["choose", "number_of", "pick"]
+__all__ = ["all_of", "any_of", "choose", "number_of", "pick"]
 
 
 def choose(m, values, index, pairs=None) -> Signal:
@@ -68,3 +68,27 @@ def number_of(one_hot, bits: int | None = None) -> Cat:
     return Cat(
         Cat(one_hot[i] for i in range(len(one_hot)) if i >> bit & 1).any() for bit in range(bits)
     )
+
+
+def all_of(bits):
+    """Return whether all bits are set, by a carry chain.
+
+    A LUT of four inputs tests four bits. The carry leaves the chain if it passes every four.
+    """
+    fours = Cat(Cat(four).all() for four in _fours(bits))
+    return (Cat(1, fours) + Const(1, len(fours) + 1))[-1]
+
+
+def any_of(bits):
+    """Return whether any bit is set, by a carry chain.
+
+    A LUT of four inputs tests four bits. The last four with a bit set starts a carry.
+    """
+    fours = Cat(Cat(four).any() for four in _fours(bits))
+    return (fours + Const((1 << len(fours)) - 1, len(fours)))[-1]
+
+
+def _fours(bits):
+    """Return the bits in groups of four."""
+    bits = list(bits)
+    return [bits[n : n + 4] for n in range(0, len(bits), 4)]

@@ -4,7 +4,7 @@ import pytest
 from amaranth.hdl import Module, Signal
 from amaranth.sim import Simulator
 
-from splatline.rtl.lib.reduce import all_of, any_of
+from splatline.rtl.lib.mux import all_of, any_of
 
 
 @pytest.mark.parametrize("width", range(1, 10))
