@@ -2,10 +2,9 @@
 
 from amaranth.hdl import Cat, Const, Mux, Signal
 
-from splatline.contract.presets import SWIFT
 from splatline.rtl.blocks.lane_row import HALVES, LaneRow, RowRequestLayout, row_address_bits
 from splatline.rtl.layouts import PixelLayout
-from tests.formal.properties import OneWord, Properties, any_constant
+from tests.formal.properties import SWIFT_NINE, OneWord, Properties, any_constant
 from tests.formal.prove import Fault, Proof
 
 __all__ = ["PROOFS"]
@@ -138,7 +137,7 @@ PROOFS = [
     Proof(
         name="lane row: pixel",
         shows="a pixel is what was drawn nearest since it was loaded or cleared",
-        build=lambda: LaneRowProperties(SWIFT),
+        build=lambda: LaneRowProperties(SWIFT_NINE),
         depth=12,
         engine="abc bmc3",
         faults=(

@@ -1,24 +1,23 @@
-"""The readout of beats asks for no more than its queue has room for."""
+"""The readout of blocks asks for no more beats than its fifo has room for."""
 
 from amaranth.hdl import Cat, Module, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from splatline.contract.presets import SWIFT
 from splatline.rtl.blocks.readout import DEPTH, BlockReadout
 from splatline.rtl.layouts import RasterLayout
-from tests.formal.properties import Properties, any_value, parts
+from tests.formal.properties import SWIFT_NINE, Properties, any_value, parts
 from tests.formal.prove import Fault, Proof
 
 __all__ = ["PROOFS", "Counting"]
 
 
 MORE = 5
-"""Beats above half of the queue that may be on their way before it is known to be half full."""
+"""Beats above half of the fifo that may be on their way before it is known to be half full."""
 
 
 class Counting(wiring.Component):
-    """In place of the queue: it knows how many beats it has, and gives any.
+    """In place of the fifo: it knows how many beats it has, and gives any.
 
     Its latency is whatever it likes.
     """
@@ -43,13 +42,13 @@ class Counting(wiring.Component):
         return m
 
 
-class BeatEmitterProperties(Properties):
-    """How many beats are on their way, from their request to where they leave the queue.
+class BlockReadoutProperties(Properties):
+    """How many beats are on their way, from their request to where they leave the fifo.
 
     Parameters
     ----------
     places
-        Of the queue.
+        Of the fifo.
     """
 
     def __init__(self, places):
@@ -57,28 +56,31 @@ class BeatEmitterProperties(Properties):
 
     def describe(self, m):
         """Add the readout and its properties."""
-        dut = BlockReadout(SWIFT)
+        dut = BlockReadout(SWIFT_NINE)
         fragment = self.add(m, dut)
-        (queue,) = parts(fragment, Counting)
+        (fifo,) = parts(fragment, Counting)
         self.free(m, dut)
         self.given(m, "asks", ~dut.flush | (dut.room & ~dut.end))
         coming = Signal(3)  # requests of the last cycles
         m.d.sync += coming.eq(Cat(dut.flush, coming))
-        self.always(m, "room", ~queue.i.valid | queue.i.ready)
-        self.always(m, "comes", queue.i.valid == (coming[-1] | dut.finished))
+        self.always(m, "room", ~fifo.i.valid | fifo.i.ready)
+        self.always(m, "comes", fifo.i.valid == (coming[-1] | dut.finished))
         self.always(m, "finished", ~dut.finished | (dut.end & (coming == 0)))
         most = self.places // 2 + MORE
-        self.lemma(m, "most", queue.level + sum(coming) + dut.finished <= most)
+        self.lemma(m, "most", fifo.level + sum(coming) + dut.finished <= most)
+
+
+OURS = '__import__("importlib").import_module("tests.formal.blocks_readout_proof")'
 
 
 def changes(places):
-    """Return what is changed: the queue, and how many places it has."""
+    """Return what is changed: the fifo, and how many places it has."""
     return (
         Fault(
             "counted alone",
             BlockReadout,
             r"Fifo\(config, DEPTH\)",
-            '__import__("beat_emitter_proof").Counting(config, DEPTH)',
+            f"{OURS}.Counting(config, DEPTH)",
         ),
         Fault("short", BlockReadout, r"m = Module\(\)", f"m = Module(); DEPTH = {places}"),
     )
@@ -88,9 +90,9 @@ BEHIND = Fault("over before its beats", BlockReadout, r" & ~valid\.any\(\)", "")
 
 PROOFS = [
     Proof(
-        name=f"beat emitter: room, {places} beats",
-        shows="no more beats are asked for than the queue holds, and a frame ends behind them",
-        build=lambda places=places: BeatEmitterProperties(places),
+        name=f"blocks: readout, {places} beats",
+        shows="no more beats are asked for than the fifo holds, and a frame ends behind them",
+        build=lambda places=places: BlockReadoutProperties(places),
         depth=depth,
         endless=True,
         changes=changes(places),

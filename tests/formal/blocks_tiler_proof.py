@@ -3,9 +3,9 @@
 from amaranth.hdl import Cat, Signal
 
 from splatline.contract.config import ROWS
-from splatline.contract.presets import SWIFT
 from splatline.rtl.blocks.tiler import BlockTiler
 from tests.formal.blocks_window_proof import comes_to_top, lines_are_there
+from tests.formal.properties import SWIFT_NINE
 from tests.formal.prove import Fault, Proof
 from tests.formal.tiles_tiler_proof import TilerProperties
 
@@ -61,7 +61,7 @@ PROOFS = [
     Proof(
         name="block tiler: pixels",
         shows="an element's block has the contract's pixels, each once, in order, in the window",
-        build=lambda: BlockTilerProperties(SWIFT),
+        build=lambda: BlockTilerProperties(SWIFT_NINE),
         depth=9,
         engine="abc bmc3",
         slow=True,

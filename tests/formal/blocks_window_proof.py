@@ -1,4 +1,4 @@
-"""The window of rows of lanes: its lines never mix, and no pixel is lost or invented."""
+"""The window of blocks: its lines never mix, and no pixel is lost or invented."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
@@ -15,13 +15,12 @@ from splatline.rtl.window.frame_overlap import FrameOverlap
 from splatline.rtl.window.loader import Loader
 from tests.formal.properties import OneWord, any_value
 from tests.formal.prove import Fault, Proof
-from tests.formal.tiles_window_proof import LaneWindowProperties, Narrow
+from tests.formal.tiles_window_proof import Narrow, TileWindowProperties
 
 __all__ = ["PROOFS", "Passing", "any_value", "comes_to_top", "lines_are_there"]
 
 TINY = Narrow(
-    lanes=True,
-    banks=16,
+    window="blocks",
     raster_words=2,
     pixels_per_word=2,
     x_bits=3,
@@ -36,7 +35,7 @@ So the blocks are two columns wide. A column knows nothing of the others.
 
 
 class Passing(wiring.Component):
-    """In place of the queue: a register, as all that it offers is taken."""
+    """In place of the fifo: a register, as all that it offers is taken."""
 
     def __init__(self, config):
         beats = stream.Signature(RasterLayout(config))
@@ -77,15 +76,15 @@ def comes_to_top(m, window, offered, top):
     return ~told | (window.oldest == Mux(top > oldest, top, oldest))
 
 
-class BlockWindowProperties(LaneWindowProperties):
+class BlockWindowProperties(TileWindowProperties):
     """Any one pixel of any one place in the window, followed from line to line.
 
-    As with lanes, but of blocks only what :class:`BlockLayout` says is assumed, which
-    ``block_tiler_proof`` proves. The queue on the way out has room when it likes; that it holds
-    what it then must is in ``beat_emitter_proof`` and ``queue_proof``.
+    As of tiles, but of blocks only what :class:`BlockLayout` says is assumed, which
+    ``blocks_tiler_proof`` proves. The fifo of the readout has room when it likes; that it holds
+    what it then must is in ``blocks_readout_proof`` and ``fifo_proof``.
     """
 
-    delay = 5  # two stages more than with lanes: requests and what leaves stand in registers
+    delay = 5  # two stages more than with tiles: requests and what leaves stand in registers
     window = BlockWindow
     flush_scan = BlockFlushScan
 
@@ -101,7 +100,7 @@ class BlockWindowProperties(LaneWindowProperties):
         return OneWord(address, init=self.config.background_depth)
 
     def _mark(self, m, flush_scan):
-        """Assert what the flush scan takes for granted while it may take marks.
+        """Assert what the flush scan takes for granted while it may take dirty bits.
 
         Nothing is loaded, or drawn into lines of that residue.
         """
@@ -150,9 +149,9 @@ class BlockWindowProperties(LaneWindowProperties):
         return tile.odd[row].bit_select(column, 1) ^ tile.words[0][0]
 
 
-OURS = '__import__("block_window_proof")'
+OURS = '__import__("importlib").import_module("tests.formal.blocks_window_proof")'
 CHANGES = (
-    Fault("no queue", BlockReadout, r"Fifo\(config, DEPTH\)", f"{OURS}.Passing(config)"),
+    Fault("no fifo", BlockReadout, r"Fifo\(config, DEPTH\)", f"{OURS}.Passing(config)"),
     Fault(
         "room", BlockReadout, r"queue\.level < DEPTH // 2", f'{OURS}.any_value(m, 1, "any_room")'
     ),
@@ -166,7 +165,7 @@ CHANGES = (
     Fault("nothing was caught before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
     Fault("nothing was drawn before", LaneRow, r"(draws = .*), init=-1, reset_less=True", r"\1"),
 )
-"""The queue is as said above, and the lanes have been cleared but for their last pixels.
+"""The fifo is as said above, and the lanes have been cleared but for their last pixels.
 
 What a row writes in the three cycles after a reset, as these registers have none, comes before the
 sweep's first pixel is written.
@@ -190,7 +189,7 @@ def plan(name, shows, load, depth, *faults, long=False):
 
 PROOFS = [
     plan(
-        "block window",
+        "window of blocks",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
         15,
@@ -205,7 +204,7 @@ PROOFS = [
             "_follow",
         ),
         Fault("not told what was drawn", BlockWindow, r"other\.drawn & same", "0", "_follow"),
-        Fault("a block goes where marks do", BlockWindow, r"& ~\(marks_first & marking\)", ""),
+        Fault("a block goes where dirty bits do", BlockWindow, r"& ~\(marks_first & marking\)", ""),
         Fault(
             "a row not kept for a block",
             BlockWindow,
@@ -213,12 +212,12 @@ PROOFS = [
             "1",
         ),
         Fault(
-            "marks taken where a block is drawn",
+            "dirty bits taken where a block is drawn",
             BlockWindow,
             r"\(marks_first \| ~\(offered & marking\)\)",
             "1",
         ),
-        Fault("marks taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", ""),
+        Fault("dirty bits taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", ""),
         Fault("not held by its beats", BlockFlushScan, r"m\.Elif\(turns\)", "m.Elif(1)"),
         Fault("jumps over what is written", BlockFlushScan, r"self\.jump & clean", "self.jump"),
         Fault("comes while beats are behind", BlockFlushScan, r"~behind\.any\(\) & free", "free"),
@@ -237,7 +236,7 @@ PROOFS = [
         Fault("not clipped", BlockWindow, r"is_last & ", "0 & ", "_outside"),
     ),
     plan(
-        "block window, further",
+        "window of blocks, further",
         "the same, until every fault that is known of shows",
         0,
         16,
@@ -245,7 +244,7 @@ PROOFS = [
         long=True,
     ),
     plan(
-        "block window, initial raster",
+        "window of blocks, initial raster",
         "the same for frames that start from an initial raster",
         1,
         14,

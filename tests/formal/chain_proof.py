@@ -19,7 +19,7 @@ from tests.formal.tiles_window_proof import Narrow
 
 __all__ = ["PROOFS"]
 
-LITTLE = Narrow(lanes=True, x_bits=2, pixels_per_word=2, line_bits=1, depth_bits=1, channel_bits=1)
+LITTLE = Narrow(x_bits=2, pixels_per_word=2, line_bits=1, depth_bits=1, channel_bits=1)
 """Two words a line and two lines: what a merger compares, and no more."""
 
 
@@ -97,7 +97,7 @@ class AnyEngine(wiring.Component):
 
 
 class Contents:
-    """The ends that entered a queue of two beats and one more, that left it, and that are inside.
+    """The ends that entered a fifo of two beats and one more, that left it, and that are inside.
 
     Attributes
     ----------
@@ -192,7 +192,7 @@ class ChainProperties(Properties):
                 )
             )
         ]
-        # A queue for each engine, and but for the first one's a merger's behind it.
+        # A fifo for each engine, and but for the first one's a merger's behind it.
         queues, mergers = fifos[:1] + fifos[1::2], fifos[2::2]
         rounds = Signal(COUNT)  # frames that all have begun
         ahead = dut.ahead

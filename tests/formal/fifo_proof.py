@@ -1,4 +1,4 @@
-"""A queue of beats loses none, invents none, and gives them in order."""
+"""A fifo of beats loses none, invents none, and gives them in order."""
 
 from amaranth.hdl import Mux, Signal, Value
 from amaranth.lib.fifo import SyncFIFOBuffered
@@ -12,7 +12,7 @@ from tests.formal.prove import Fault, Proof
 __all__ = ["PROOFS"]
 
 
-class QueueProperties(Properties):
+class FifoProperties(Properties):
     """Any one beat, followed from where it comes in to where it goes out.
 
     The beats before it are counted when it comes; after as many it must be there, unchanged. All
@@ -24,7 +24,7 @@ class QueueProperties(Properties):
         self.depth = depth
 
     def describe(self, m):
-        """Add the queue and its properties."""
+        """Add the fifo and its properties."""
         address = any_constant(m, range(self.depth), "address")
         self.memories = OneWord(address, styles=(None,))
         dut = Fifo(self.config, self.depth)
@@ -63,7 +63,7 @@ class QueueProperties(Properties):
         self.always(m, "unchanged", ~mine | (Value.cast(dut.o.payload) == beat))
 
         # What makes the induction close: where the beats are, and where this one is.
-        held = self.depth > SHORT and dut.o.valid  # in the register behind a long queue
+        held = self.depth > SHORT and dut.o.valid  # in the register behind a long fifo
         outside = Signal(2)  # beats that have left the memory
         inside = Signal.like(count)
         place = Signal.like(count)  # of the beat among those in the memory
@@ -91,9 +91,9 @@ class QueueProperties(Properties):
 
 PROOFS = [
     Proof(
-        name=f"queue: order, {depth} beats",
+        name=f"fifo: order, {depth} beats",
         shows="every beat comes out, once, in order and unchanged, and none waits for another",
-        build=lambda depth=depth: QueueProperties(PAPER, depth),
+        build=lambda depth=depth: FifoProperties(PAPER, depth),
         depth=3,
         endless=True,
         faults=(

@@ -18,7 +18,16 @@ from amaranth.hdl import (
 )
 from amaranth.lib.wiring import Out
 
-__all__ = ["OneWord", "Properties", "any_constant", "any_value", "covers", "parts"]
+from splatline.contract.presets import PAPER, SWIFT
+
+__all__ = ["SWIFT_NINE", "OneWord", "Properties", "any_constant", "any_value", "covers", "parts"]
+
+SWIFT_NINE = SWIFT.replace(
+    channel_bits=PAPER.channel_bits,
+    coefficient_bits=PAPER.coefficient_bits,
+    colour_shift=PAPER.colour_shift,
+)
+"""``swift`` with 9 bits of colour: no property depends on how many there are, but its time does."""
 
 
 def any_value(m, shape, name):

@@ -1,7 +1,7 @@
 """Every proof of the hardware, with its planted faults: a line each.
 
 python -m tests.formal.prove_all                as ``make formal`` does
-python -m tests.formal.prove_all bank --keep DIR  those with bank in the name
+python -m tests.formal.prove_all tiler --keep DIR  those with tiler in the name
 """
 
 import argparse

@@ -6,9 +6,8 @@ from amaranth.hdl import Cat, Const, Mux, Signal, signed
 from amaranth.lib.wiring import Out
 
 from splatline.contract.config import BLOCK
-from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.presets import PAPER
 from splatline.contract.register_map import register_map
-from splatline.rtl.bank_walker import BankWalker
 from splatline.rtl.blocks.readout import BlockReadout
 from splatline.rtl.bus.axi_lite import AxiLiteFront
 from splatline.rtl.bus.axi_registers import RegisterFile
@@ -19,22 +18,18 @@ from splatline.rtl.bus.stream_guard import StreamGuard
 from splatline.rtl.engine import Engine
 from splatline.rtl.front.colour import ColourUnit
 from splatline.rtl.front.sequencer import Sequencer
-from splatline.rtl.halver import Halver
 from splatline.rtl.layouts import CodeWordLayout
-from splatline.rtl.readout import Emitter
 from splatline.rtl.shapes.rom import ShapeRom
 from splatline.rtl.tiles.dirty_bits import RESIDUES
 from splatline.rtl.tiles.flush_scan import TileFlushScan
 from splatline.rtl.tiles.readout import TileReadout
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.window.loader import Loader
-from tests.formal.properties import OneWord, Properties, any_constant, parts
+from tests.formal.properties import SWIFT_NINE, OneWord, Properties, any_constant, parts
 from tests.formal.prove import Fault, Proof
 
 __all__ = ["PROOFS"]
 
-WIDE = PRESETS["wide"]
-DEEP_COLOUR = PRESETS["rgb24"]
 NARROW = {
     "x_bits": 4,
     "line_bits": 5,
@@ -106,7 +101,7 @@ def window_stays(properties, m, dut):
     """The window does not move past a word that is offered, and its frame goes on.
 
     It does not move back during a frame. So nothing comes for the lines above ``limit``, which then
-    does not fall but among lines that lie before the frame, and is none of a beat that is held.
+    does not fall but among lines that lie before the frame.
     """
     oldest, limit = Signal.like(dut.oldest), Signal.like(dut.limit)
     began, finished = Signal(init=1), Signal()
@@ -125,20 +120,8 @@ def window_stays(properties, m, dut):
     properties.given(m, "active", ~dut.o.valid | (dut.active & ~dut.restart))
     properties.always(m, "limit", began | (limit <= dut.limit) | (limit <= 0))
     skip = dut.config.raster_words - 1
-    held = dut.held if skip else Const(0)
-    went, holding = Signal(), Signal()
-    line_held = Signal.like(beat.line)
-    m.d.sync += [went.eq(dut.o.valid & dut.o.ready), holding.eq(held)]
-    with m.If(dut.o.valid & dut.o.ready):
-        m.d.sync += line_held.eq(beat.line)
-    # A beat of two words is held from the cycle after it was taken on.
-    if skip:
-        properties.given(m, "held", (held >= went) & (held <= went | holding))
-    properties.always(m, "held_line", ~held | (dut.limit <= line_held))
-    properties.always(m, "held_end", ~held | ~dut.finished)
     properties.always(m, "open", ~dut.o.valid | ~(dut.finished | beat.end))
-    later = held | holding  # what is said of lines
-    comes = (beat.line == dut.limit) | (later & (beat.line >= dut.limit))
+    comes = beat.line == dut.limit
     properties.always(m, "comes", ~dut.o.valid | (comes & (beat.line <= reaches)))
     within = (beat.line <= dut.last_line) & (beat.word[skip:] <= dut.last_word[skip:])
     kept = ~beat.end & within
@@ -253,9 +236,13 @@ PROOFS = [
     ),
     plan(
         "loader, beats of two words",
-        lambda: Loader(WIDE),
-        Fault("a line ahead of what is held", Loader, r"~self\.held \| \(self\.o", "1 | (self.o"),
-        Fault("ended while a beat is held", Loader, r"waits &= ~\(beat.*\)", "waits &= 1"),
+        lambda: Loader(SWIFT_NINE),
+        Fault(
+            "half outside, and dropped",
+            Loader,
+            r"beat\.word\[skip:\] > self\.last_word\[skip:\]",
+            "beat.word > self.last_word",
+        ),
         given=window_stays,
     ),
     plan(
@@ -265,12 +252,7 @@ PROOFS = [
         given=window_stays,
     ),
     plan(
-        "halver",
-        lambda: Halver(WIDE),
-        Fault("not held", Halver, r"Elif\(self\.o\.ready\)", "Else()"),
-    ),
-    plan(
-        "flush_scan",
+        "flush scan",
         lambda: TileFlushScan(PAPER),
         Fault("next word unasked", TileFlushScan, r"If\(asked\)", "If(asking)"),
         given=within_reach,
@@ -278,39 +260,14 @@ PROOFS = [
         endless=False,
     ),
     plan(
-        "bank walker",
-        lambda: BankWalker(WIDE),
-        Fault("next word unasked", BankWalker, r"~self\.flush\.valid \| self\.flush\.ready", "1"),
-        given=not_over,
-        fault_engine="abc bmc3",
-    ),
-    plan(
-        "readout",
-        lambda: Emitter(WIDE),
-        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
-        given=while_running,
-    ),
-    plan(
-        "emitter, one word",
-        lambda: Emitter(PRESETS["deep"]),
-        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
-        given=while_running,
-    ),
-    plan(
-        "emitter, further planes",
-        lambda: Emitter(DEEP_COLOUR),
-        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready\)", "1)"),
-        given=while_running,
-    ),
-    plan(
-        "lane emitter",
+        "tiles: readout",
         lambda: TileReadout(PAPER),
         Fault("taken too early", TileReadout, r"~emit_valid \| self\.raster\.ready", "1"),
         given=while_running,
     ),
     plan(
-        "beat emitter",
-        lambda: BlockReadout(SWIFT),
+        "blocks: readout",
+        lambda: BlockReadout(SWIFT_NINE),
         Fault(
             "gone again", BlockReadout, r"blank\.eq\(out\.valid & ~visible", "blank.eq(out.valid"
         ),
@@ -333,7 +290,7 @@ PROOFS = [
     ),
     plan(
         "full shape ROM",
-        lambda: ShapeRom(WIDE.with_shapes("full")),
+        lambda: ShapeRom(PAPER.with_shapes("full")),
         Fault("moved too early", ShapeRom, r"~valid\[2\] \| gone \| self\.o\.ready", "1"),
     ),
     plan(
@@ -383,7 +340,7 @@ PROOFS = [
         Fault("not held", Splitter, r"room\.eq\(.*\)", "room.eq(1)"),
     ),
     plan(
-        "engine with lanes",
+        "engine with tiles",
         lambda: Engine(PAPER.replace(window_lines=8, **NARROW)),
         Fault("taken too early", TileReadout, r"~emit_valid \| self\.raster\.ready", "1"),
         Fault("a size while the end waits", Engine, r"0\) & ~\(self\.raster.*\)\)", "0))"),
@@ -392,12 +349,6 @@ PROOFS = [
         depth=14,
         endless=False,
         engine="abc bmc3",
-        slow=True,
-    ),
-    plan(
-        "engine with banks",
-        lambda: Engine(WIDE.replace(**NARROW)),
-        Fault("taken too early", Emitter, r"~emit_valid \| self\.raster\.ready \| blank", "1"),
         slow=True,
     ),
 ]

@@ -79,7 +79,9 @@ PROOFS = [
         depth=8,
         endless=True,
         faults=(
-            Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
+            Fault(
+                "no depth test", Lane, r"en\.eq\(difference\[-1\]", "en.eq(taken.draw | taken.clear"
+            ),
             Fault("ties drawn", Lane, r"\+ ~Cat\(", "+ 1 + ~Cat("),
             Fault("does not stand still", Lane, r"m\.If\(self\.enable\)", "m.If(1)"),
             Fault("read while it stands still", Lane, r"en\.eq\(self\.enable\)", "en.eq(1)"),

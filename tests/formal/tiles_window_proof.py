@@ -1,4 +1,4 @@
-"""The window of lanes: its lines never mix, and no pixel is lost or invented."""
+"""The window of tiles: its lines never mix, and no pixel is lost or invented."""
 
 from amaranth.hdl import Cat, Const, Mux, Signal, signed
 from amaranth.lib import data
@@ -13,7 +13,7 @@ from splatline.rtl.window.loader import Loader
 from tests.formal.properties import OneWord, Properties, any_constant, parts
 from tests.formal.prove import Fault, Proof
 
-__all__ = ["PROOFS", "LaneWindowProperties", "Narrow"]
+__all__ = ["PROOFS", "Narrow", "TileWindowProperties"]
 
 
 class Narrow(EngineConfig):
@@ -24,7 +24,6 @@ class Narrow(EngineConfig):
 
 
 TINY = Narrow(
-    lanes=True,
     window_lines=8,
     pixels_per_word=2,
     x_bits=3,
@@ -35,11 +34,11 @@ TINY = Narrow(
 """Four words of two pixels a line, eight lines in the window, an image of up to sixteen."""
 
 
-class LaneWindowProperties(Properties):
+class TileWindowProperties(Properties):
     """Any one pixel of any one place in the window, followed from line to line.
 
-    Of the tiles only what :class:`TileLayout` says is assumed, which ``tiler_proof`` proves. A
-    colour says what depth it belongs to, so that they cannot part.
+    Of the tiles only what :class:`TileLayout` says is assumed, which ``tiles_tiler_proof`` proves.
+    A colour says what depth it belongs to, so that they cannot part.
 
     Parameters
     ----------
@@ -95,7 +94,7 @@ class LaneWindowProperties(Properties):
         return OneWord(address, init=-1)
 
     def _mark(self, m, flush_scan):
-        """Assert what the flush scan takes for granted: nothing is loaded while it takes marks."""
+        """Assert that nothing is loaded while dirty bits are taken, as the flush scan assumes."""
         self.always(m, "markable", ~(flush_scan.taking & flush_scan.load.any()))
 
     def _second(self, tile, row, column):
@@ -374,7 +373,7 @@ def plan(name, shows, load, depth, *faults, ordered=True, long=False):
     return Proof(
         name=name,
         shows=shows,
-        build=lambda: LaneWindowProperties(TINY, load, ordered),
+        build=lambda: TileWindowProperties(TINY, load, ordered),
         depth=depth,
         engine="abc bmc3",
         changes=(SWEPT,),
@@ -386,7 +385,7 @@ def plan(name, shows, load, depth, *faults, ordered=True, long=False):
 
 PROOFS = [
     plan(
-        "lane window",
+        "window of tiles",
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
         15,
@@ -410,19 +409,19 @@ PROOFS = [
         Fault("frames meet", FrameOverlap, r"turns\[1:\], self\.closing", "turns[1:], 0"),
         Fault("over too early", FrameOverlap, r"self\.clean \| self", "1 | self"),
         Fault("a frame closed twice", TileWindow, r" & ~flush_scan\.closing", ""),
-        Fault("no depth test", Lane, r"difference\[-1\]", "taken.draw | taken.clear"),
+        Fault("no depth test", Lane, r"en\.eq\(difference\[-1\]", "en.eq(taken.draw | taken.clear"),
     ),
     plan(
-        "lane window, further",
+        "window of tiles, further",
         "the same, until every fault that is known of shows",
         0,
         18,
-        Fault("drawn while marks are taken", TileWindow, r"swept\s+& ~flush_scan\.taking", "swept"),
+        Fault("drawn while dirty bits are taken", TileWindow, r"swept & ~taking", "swept"),
         Fault("a tile goes where a word does", TileWindow, r"& ~\(first & meeting\)", ""),
         long=True,
     ),
     plan(
-        "lane window, initial raster",
+        "window of tiles, initial raster",
         "the same for frames that start from an initial raster",
         1,
         14,
@@ -445,7 +444,7 @@ PROOFS = [
             r"\1",
         ),
         Fault(
-            "loaded while marks are taken",
+            "loaded while dirty bits are taken",
             TileWindow,
             r"(& ~stopped\s+)& ~flush_scan\.taking",
             r"\1",
