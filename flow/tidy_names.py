@@ -74,9 +74,13 @@ def tidy(text: str) -> str:
 
 
 def _unique(wanted: dict[str, str], taken: set[str]) -> dict[str, str]:
-    """Return names of which none is taken or comes twice, numbers behind those that would."""
+    """Return names of which none is taken or comes twice.
+
+    A keyword gets ``_`` behind it, and what would come twice a number.
+    """
     names = {}
     for key, name in wanted.items():
+        name = f"{name}_" if name in KEYWORDS else name
         free, number = name, 2
         while free in taken or not is_identifier(free):
             free, number = f"{name}_{number}", number + 1

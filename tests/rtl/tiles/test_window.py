@@ -228,7 +228,7 @@ def collide(text):
     # Before the first read the enable is unknown: then nothing is written.
     meet = "write__en === 1'b1 && write__addr == request[11:3]"
     for target, value in (
-        (r"_0_ <=", r"ram\[request\[11:3\]\]"),
+        (r"_\d+_ <=", r"ram\[request\[11:3\]\]"),
         (r"ram\[request\[11:3\]\] <=", "loaded"),
         (r"ram\[taken\[11:3\]\] <=", "write__data"),
     ):
@@ -243,8 +243,8 @@ def collide_pairs(text):
     same, writes = "taken[11:3] == request[11:3]", "enable && request[2:1] != 0"
     drawn = f"write__en === 1'b1 && {same}"
     for target, value, meet in (
-        (r"_\d_ <=", r"ram\[request\[11:3\]\]", drawn),
-        (r"_\d_ <=", r"ram\[taken\[11:3\]\]", f"{writes} && {same}"),
+        (r"_\d+_ <=", r"ram\[request\[11:3\]\]", drawn),
+        (r"_\d+_ <=", r"ram\[taken\[11:3\]\]", f"{writes} && {same}"),
         (r"ram\[request\[11:3\]\] <=", "loaded", drawn),
         (r"ram\[taken\[11:3\]\] <=", "write__data", f"{writes} && {same}"),
     ):
