@@ -112,17 +112,14 @@ class AxiTop(wiring.Component):
         m.d.comb += [sync.clk.eq(self.aclk), sync.rst.eq(~self.aresetn)]
 
         m.submodules.engine = engine = self.engine
-        m.submodules.registers = registers = RegisterFile(self.registers)
-        for name, wire in self.buses["s_axi_ctrl"].signature.members.items():
-            port, inner = getattr(self, f"s_axi_ctrl_{name}"), getattr(registers.bus, name)
-            m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
+        registers = self._registers(m)
         connect(m, registers.tables, engine.tables)
 
         m.submodules.codewords = codewords = self._codewords(m)
         m.submodules.initial = initial = self._initial(m)
         connect(m, codewords.o, engine.codewords)
         connect(m, initial.o, engine.initial)
-        values, events, pulses = registers.values, registers.events, registers.pulses
+        values, pulses = registers.values, registers.pulses
 
         # A frame is open from its first code word in the guard to its end beat, one at a time: the
         # engine would take the next while this one's end beat still waits.
@@ -164,24 +161,10 @@ class AxiTop(wiring.Component):
 
         end_left, word_left = self._raster(m, aborting)
 
-        m.submodules.check = check = CodeWordCheck(self.config)
-        m.d.comb += [
-            check.codeword.eq(engine.codewords.payload),
-            check.taken.eq(word_taken),
-            check.last_column.eq(values.last_column_value),
-            check.last_line.eq(values.last_line_value),
-            events.error_x_outside.eq(check.x_outside),
-            events.error_line_past.eq(check.line_past),
-            events.error_frame_ended_early.eq(codewords.early),
-            events.error_end_without_last.eq(codewords.late),
-            events.error_partial_word.eq(codewords.partial),
-            events.error_initial_ended_early.eq(initial.early),
-            events.error_initial_without_last.eq(initial.late),
-            events.error_initial_partial.eq(initial.partial),
-            events.error_aborted.eq(abort),
-            events.irq_status_frame_done.eq(end_left),
-        ]
-        live = registers.live
+        check = self._check(m, registers, word_taken)
+        self._report_packets(m, registers.events, codewords, initial)
+        events, live = registers.events, registers.live
+        m.d.comb += [events.error_aborted.eq(abort), events.irq_status_frame_done.eq(end_left)]
         m.d.comb += [
             live.status_busy.eq(busy),
             live.status_dropping.eq(codewords.dropping),
@@ -197,13 +180,7 @@ class AxiTop(wiring.Component):
             "output_stalls": self.m_axis_raster_tvalid & ~self.m_axis_raster_tready,
             "words": word_left,
         }
-        for name, event in counted.items():
-            counter = Signal(32, name=name)
-            m.d.comb += live[f"{name}_value"].eq(counter)
-            with m.If(pulses.control_clear):
-                m.d.sync += counter.eq(0)
-            with m.Elif(event):
-                m.d.sync += counter.eq(counter + 1)
+        self._count(m, registers, counted)
 
         irq = Signal()
         m.d.sync += irq.eq(
@@ -212,6 +189,49 @@ class AxiTop(wiring.Component):
         )
         m.d.comb += self.irq.eq(irq)
         return m
+
+    def _registers(self, m):
+        """Return the register file behind the AXI4-Lite port."""
+        m.submodules.registers = registers = RegisterFile(self.registers)
+        for name, wire in self.buses["s_axi_ctrl"].signature.members.items():
+            port, inner = getattr(self, f"s_axi_ctrl_{name}"), getattr(registers.bus, name)
+            m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
+        return registers
+
+    def _check(self, m, registers, word_taken):
+        """Return the check of code words; what it finds sets bits of ERROR."""
+        m.submodules.check = check = CodeWordCheck(self.config)
+        values, events = registers.values, registers.events
+        m.d.comb += [
+            check.codeword.eq(self.engine.codewords.payload),
+            check.taken.eq(word_taken),
+            check.last_column.eq(values.last_column_value),
+            check.last_line.eq(values.last_line_value),
+            events.error_x_outside.eq(check.x_outside),
+            events.error_line_past.eq(check.line_past),
+        ]
+        return check
+
+    def _report_packets(self, m, events, codewords, initial):
+        """Set the bits of ERROR for packets that the guards mend."""
+        m.d.comb += [
+            events.error_frame_ended_early.eq(codewords.early),
+            events.error_end_without_last.eq(codewords.late),
+            events.error_partial_word.eq(codewords.partial),
+            events.error_initial_ended_early.eq(initial.early),
+            events.error_initial_without_last.eq(initial.late),
+            events.error_initial_partial.eq(initial.partial),
+        ]
+
+    def _count(self, m, registers, counted):
+        """Count the cycles of each event, by its register's name, until CONTROL.CLEAR."""
+        for name, event in counted.items():
+            counter = Signal(32, name=name)
+            m.d.comb += registers.live[f"{name}_value"].eq(counter)
+            with m.If(registers.pulses.control_clear):
+                m.d.sync += counter.eq(0)
+            with m.Elif(event):
+                m.d.sync += counter.eq(counter + 1)
 
     def _codewords(self, m):
         """Return the guard of the code words, behind the port's registers."""

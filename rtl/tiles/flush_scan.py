@@ -172,20 +172,9 @@ class TileFlushScan(wiring.Component):
             self.flush.payload.line.eq(self.oldest),
             asked.eq(self.flush.valid & self.flush.ready),
             moves.eq(~asking | (asked & second_word if config.flush_words == 1 else asked)),
-            dirty_bits.take.eq(self.taking | self.wipe),
-            dirty_bits.wipe.eq(self.wipe),
-            dirty_bits.line.eq(
-                Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)
-            ),
-            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[:stretch_bits], next_stretch)),
-            dirty_bits.touch.eq(self.touch),
-            dirty_bits.group.eq(self.group),
-            dirty_bits.words.eq(self.words),
-            dirty_bits.load.eq(self.load),
-            dirty_bits.load_word.eq(self.load_word),
-            dirty_bits.lone.eq(self.lone),
-            left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any()),
         ]
+        self._connect_dirty_bits(m, dirty_bits, place, next_stretch)
+        m.d.comb += left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any())
         # Known a cycle ahead, because whatever is drawn waits for it.
         m.d.sync += self.taking.eq(
             leaving & here & ~pairs.any() & wanted.any() & self.enable & ~self.taking
@@ -205,10 +194,7 @@ class TileFlushScan(wiring.Component):
         with m.If(left):
             m.d.sync += ahead.eq(-1)
 
-        for slot in range(config.window_lines):
-            touched = self._written(slot % 4) & (self.group[slot % 4] == slot // 4)
-            gone = left & (place == slot)
-            m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
+        self._mark_lines(m, written, left, place)
         with m.If(leaving & self.jump & clean & ~frame_overlap.closing):
             m.d.sync += self.oldest.eq(self.top)
         with m.Elif(frame_overlap.leaves & ~frame_overlap.last):
@@ -216,6 +202,31 @@ class TileFlushScan(wiring.Component):
         with m.If(self.restart):
             m.d.sync += self.oldest.eq(0)
         return m
+
+    def _connect_dirty_bits(self, m, dirty_bits, place, next_stretch):
+        """Pass the written words to the dirty bits, and the address of the stretch to take."""
+        stretch_bits = len(next_stretch)
+        m.d.comb += [
+            dirty_bits.take.eq(self.taking | self.wipe),
+            dirty_bits.wipe.eq(self.wipe),
+            dirty_bits.line.eq(
+                Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)
+            ),
+            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[:stretch_bits], next_stretch)),
+            dirty_bits.touch.eq(self.touch),
+            dirty_bits.group.eq(self.group),
+            dirty_bits.words.eq(self.words),
+            dirty_bits.load.eq(self.load),
+            dirty_bits.load_word.eq(self.load_word),
+            dirty_bits.lone.eq(self.lone),
+        ]
+
+    def _mark_lines(self, m, written, left, place):
+        """Set the bit of each line that is written, and clear that of the line that leaves."""
+        for slot in range(self.config.window_lines):
+            touched = self._written(slot % 4) & (self.group[slot % 4] == slot // 4)
+            gone = left & (place == slot)
+            m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
 
     def _wraps(self, residue):
         """Return whether a line is written whose place is before that of ``oldest``."""

@@ -137,10 +137,7 @@ class Tiler(wiring.Component):
             m.d.sync += near.eq(
                 Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
             )
-        shape = ShapeRows(m, element)
-        raised, shifted = (Signal(name=name, reset_less=True) for name in ("raised", "shifted"))
-        with m.If(self.i.ready):
-            m.d.sync += [raised.eq(shape.raised), shifted.eq(shape.shifted)]
+        shape, raised, shifted = self._shape(m, element)
         # Where the tile begins, from the left edge of the word that X lies in, and on which line
         # modulo 4: the rows of lower ones may lie a line higher or a column further right.
         place, turn = Signal(self.config.pixel_bits + 1), Signal(2)
@@ -156,6 +153,14 @@ class Tiler(wiring.Component):
             for j in range(self.config.pixels_per_word):
                 m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
         return m
+
+    def _shape(self, m, element):
+        """Return the offered element's rows, and whether the one at hand is raised, or shifted."""
+        shape = ShapeRows(m, element)
+        raised, shifted = (Signal(name=name, reset_less=True) for name in ("raised", "shifted"))
+        with m.If(self.i.ready):
+            m.d.sync += [raised.eq(shape.raised), shifted.eq(shape.shifted)]
+        return shape, raised, shifted
 
     def _rows(self, m, element, shape, left):
         """Return the upper rows as masks, and note which tiles have a pixel."""

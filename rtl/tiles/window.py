@@ -98,12 +98,8 @@ class TileWindow(wiring.Component):
         m.submodules.flush_scan = flush_scan = TileFlushScan(config)
         m.submodules.loader = loader = Loader(config)
         m.submodules.readout = readout = TileReadout(config)
-        columns = range(config.pixels_per_word)
         pairs = config.flush_words == 2
-        lanes = [[Lane(config) for _ in columns] for _ in range(SIDE)]
-        for i, row in enumerate(lanes):
-            for j, lane in enumerate(row):
-                m.submodules[f"lane_{i}_{j}"] = lane
+        lanes = self._lanes(m)
         running = readout.running
         close = Signal()  # the end token is taken
         ending = Signal()
@@ -117,13 +113,8 @@ class TileWindow(wiring.Component):
 
         connect(m, flipped(self.initial), loader.i)
         connect(m, readout.raster, flipped(self.raster))
+        self._connect_loader(m, loader, flush_scan.front, close)
         m.d.comb += [
-            loader.enable.eq(self.load),
-            loader.active.eq(self.active),
-            loader.last_line.eq(self.last_line),
-            loader.last_word.eq(self.last_column[config.pixel_bits :]),
-            loader.oldest.eq(flush_scan.front),
-            loader.restart.eq(close),
             readout.last_column.eq(self.last_column),
             readout.end.eq(ending),
             self.finished.eq(readout.finished),
@@ -133,15 +124,9 @@ class TileWindow(wiring.Component):
         ]
         m.d.sync += ending.eq(flush_scan.over & ~self.finished)
 
-        # What is served beside the tile: a word of the initial raster, or one that leaves.
-        service = Signal(PlaceLayout(config))
-        serving = Signal()  # the former
-        m.d.comb += service.eq(flush_scan.flush.payload)
-        with m.If(serving):
-            m.d.comb += [
-                service.word.eq(loader.o.payload.word),
-                service.line.eq(loader.o.payload.line),
-            ]
+        # The service beside the tile: a load, or a flush.
+        serving = Signal()  # a load
+        service = self._service(m, flush_scan.flush.payload, loader.o.payload, serving)
         line = Signal(SIDE)  # the row of lanes that it lies in
         m.d.comb += line.eq(1 << service.line[:2])
 
@@ -159,15 +144,8 @@ class TileWindow(wiring.Component):
             taking = flush_scan.taking & meeting
             asks = Signal()  # not while the pair before has its odd word to give
             m.d.comb += asks.eq(flush_scan.flush.valid & ~readout.busy)
+        self._connect_flush_scan(m, flush_scan, loader, sweeping, sweep)
         m.d.comb += [
-            flush_scan.top.eq(tile.top),
-            self.oldest.eq(loader.front),
-            flush_scan.limit.eq(loader.limit),
-            flush_scan.jump.eq(loader.finished),
-            flush_scan.enable.eq(~sweeping),
-            flush_scan.wipe.eq(sweeping),
-            flush_scan.wipe_row.eq(sweep),
-            flush_scan.restart.eq(self.finished),
             offered.eq(self.i.valid & ~tile.end & ~pressing),
             going.eq(offered & running & ~swept & ~taking & ~conflict & ~(first & meeting)),
             # What the lanes read is stale where they are still writing it: of the tile before if
@@ -208,21 +186,12 @@ class TileWindow(wiring.Component):
         if pairs:
             with m.If(readout.busy):
                 m.d.comb += flush_scan.flush.ready.eq(0)
-        # Which of them goes first. Elements of up to three lines lie about the fourth line from
-        # ``top`` on and leave the row of lanes of the line two above ``top``: that one leaves
-        # beside them. So the line three above goes first, modulo 4, and that one itself where
-        # larger elements want its row. Were all to go first, there would be none left to leave
-        # beside the elements, and each would hold up those of the line that completes it.
-        # Of what is loaded the line ten below ``top`` goes beside them, in that same row of lanes.
-        # The two before it go first, so that it comes to that; and the two before those, which
-        # tiles may wait for.
-        distance = Signal(3)
-        m.d.comb += distance.eq(loader.o.payload.line[:3] - tile.top[:3])
+        m.d.sync += stopped.eq(~running)
+        flush_first, load_first = self._priorities(m, flush_scan, loader)
+        # Registers, because every stage before the window waits for a tile to go.
         m.d.sync += [
-            stopped.eq(~running),
-            lagging.eq((tile.top[:2] - flush_scan.oldest[:2])[1]),
-            # Known a cycle ahead, as all before a tile waits for it.
-            pressing.eq(serving & ~loading & ((distance < 2) | (distance > 5))),
+            lagging.eq(flush_first),
+            pressing.eq(serving & ~loading & load_first),
         ]
         with m.If(running):
             m.d.sync += drawn.eq(going)
@@ -231,39 +200,25 @@ class TileWindow(wiring.Component):
         drawing = Signal(PixelLayout(config), reset_less=True)
         with m.If(running):
             m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.shade)]
-        pixels = loader.o.payload.pixels
-        word = [Mux(tile.next[j], tile.words[1], tile.words[0]) for j in columns]
         cleared = (~serving | sweeping).replicate(config.depth_bits)
-        group = service.line[2 : config.slot_bits]
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):
-                address = Signal(lane_address_bits(config), name=f"address_{i}_{j}")
+                address = self._address(m, i, j, busy, service)
                 m.d.comb += [
-                    address.eq(
-                        Mux(
-                            busy[i],
-                            Cat(word[j], tile.group[i]),
-                            Cat(service.word, group),
-                        )
-                    ),
                     lane.enable.eq(running),
                     lane.request.address.eq(Mux(sweeping, sweep, address)),
                     lane.request.draw.eq(going & tile.mask[i][j]),
                     lane.request.load.eq(loading & line[i]),
                     lane.request.clear.eq((flushing & line[i]) | sweeping),
                     lane.new.eq(drawing),
-                    lane.loaded.depth.eq(pixels.depth[j]),
-                    lane.loaded.colour.eq(pixels.colour[j]),
-                    readout.lanes[i][j].eq(lane.old),
                 ]
                 if pairs:
-                    # The sweep goes by single pixels.
+                    # Clearing after reset takes one pixel a cycle.
                     m.d.comb += [
                         lane.request.load.eq((loading & line[i]) | sweeping),
                         lane.request.clear.eq(flushing & line[i]),
-                        lane.loaded.depth.eq(pixels.depth[j] | cleared),
-                        readout.odd[i][j].eq(lane.odd),
                     ]
+                self._connect_pixels(m, i, j, lane, loader, readout, cleared)
         self._touch(m, flush_scan, going)
         m.d.comb += [
             flush_scan.load.eq(line & loading.replicate(SIDE)),
@@ -275,6 +230,91 @@ class TileWindow(wiring.Component):
             with m.If(flush_scan.lone[i]):
                 m.d.comb += flush_scan.group[i].eq(loader.o.payload.line[2 : config.slot_bits])
         return m
+
+    def _lanes(self, m):
+        """Return the lanes, by residue of line and column."""
+        lanes = [
+            [Lane(self.config) for _ in range(self.config.pixels_per_word)] for _ in range(SIDE)
+        ]
+        for i, row in enumerate(lanes):
+            for j, lane in enumerate(row):
+                m.submodules[f"lane_{i}_{j}"] = lane
+        return lanes
+
+    def _connect_loader(self, m, loader, oldest, close):
+        """Pass the frame's size and state to the loader."""
+        m.d.comb += [
+            loader.enable.eq(self.load),
+            loader.active.eq(self.active),
+            loader.last_line.eq(self.last_line),
+            loader.last_word.eq(self.last_column[self.config.pixel_bits :]),
+            loader.oldest.eq(oldest),
+            loader.restart.eq(close),
+        ]
+
+    def _connect_flush_scan(self, m, flush_scan, loader, sweeping, sweep):
+        """Tell the flush scan which lines may leave, and have it clear all marks after reset."""
+        m.d.comb += [
+            flush_scan.top.eq(self.i.payload.top),
+            self.oldest.eq(loader.front),
+            flush_scan.limit.eq(loader.limit),
+            flush_scan.jump.eq(loader.finished),
+            flush_scan.enable.eq(~sweeping),
+            flush_scan.wipe.eq(sweeping),
+            flush_scan.wipe_row.eq(sweep),
+            flush_scan.restart.eq(self.finished),
+        ]
+
+    def _service(self, m, flush, load, serving):
+        """Return the word that is served: that of the load if ``serving``, else the flush's."""
+        service = Signal(PlaceLayout(self.config))
+        m.d.comb += service.eq(flush)
+        with m.If(serving):
+            m.d.comb += [service.word.eq(load.word), service.line.eq(load.line)]
+        return service
+
+    def _priorities(self, m, flush_scan, loader):
+        """Return whether a flush has priority over a tile, and whether a load has.
+
+        Elements of up to three lines leave one row of lanes free: that of the line two above
+        ``top``. A flush of this line goes beside them. A flush of the line three above, modulo 4,
+        has priority, and so has one of the line two above, whose row larger elements use. With
+        priority for all lines no flush would be left to go beside the elements, and each would
+        delay the elements of the line that completes it.
+
+        A load of the line ten below ``top`` goes beside the elements, in the same row of lanes.
+        Loads of the two lines before it have priority, so that its turn comes. So have loads of
+        the two lines before those, because tiles may wait for them.
+        """
+        top = self.i.payload.top
+        distance = Signal(3)
+        m.d.comb += distance.eq(loader.o.payload.line[:3] - top[:3])
+        return (top[:2] - flush_scan.oldest[:2])[1], (distance < 2) | (distance > 5)
+
+    def _address(self, m, i, j, busy, service):
+        """Return the address of a lane: of the tile's pixel, or of the word that is served."""
+        tile = self.i.payload
+        word = Mux(tile.next[j], tile.words[1], tile.words[0])
+        group = service.line[2 : self.config.slot_bits]
+        address = Signal(lane_address_bits(self.config), name=f"address_{i}_{j}")
+        m.d.comb += address.eq(
+            Mux(busy[i], Cat(word, tile.group[i]), Cat(service.word, group)),
+        )
+        return address
+
+    def _connect_pixels(self, m, i, j, lane, loader, readout, cleared):
+        """Connect a lane to its pixel of the loader, and its outputs to the readout."""
+        pixels = loader.o.payload.pixels
+        m.d.comb += [
+            lane.loaded.depth.eq(pixels.depth[j]),
+            lane.loaded.colour.eq(pixels.colour[j]),
+            readout.lanes[i][j].eq(lane.old),
+        ]
+        if self.config.flush_words == 2:
+            m.d.comb += [
+                lane.loaded.depth.eq(pixels.depth[j] | cleared),
+                readout.odd[i][j].eq(lane.odd),
+            ]
 
     def _touch(self, m, flush_scan, going):
         """Tell the flush scan which words the tile writes."""
