@@ -7,13 +7,21 @@ a block only where each of its points would be.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 
 from .skips import REASONS
+from .view import View
 
-__all__ = ["cull_blocks", "faces_away", "lies_outside", "misses_centre"]
+__all__ = [
+    "Camera",
+    "cull_blocks",
+    "faces_away",
+    "in_camera",
+    "lies_outside",
+    "misses_centre",
+]
 
 MARGIN = 1.5
 """Pixels by which a drawn footprint may reach beyond its true circle: a centre rounded to a whole
@@ -25,6 +33,61 @@ ROUNDING = 1e-3
 OUTSIDE = REASONS["outside"]
 FACING_AWAY = REASONS["facing_away"]
 NO_PIXEL = REASONS["no_pixel"]
+
+
+class Camera(NamedTuple):
+    """A view for compiled code: numbers alone, so that numba counts no references.
+
+    Parameters
+    ----------
+    eye_x, eye_y, eye_z
+        The centre of projection.
+    right_x, right_y, right_z, down_x, down_y, down_z, ahead_x, ahead_y, ahead_z
+        The directions right, down and forward.
+    focal, middle_x, middle_y
+        The focal length, and the column and line of the view's axis, in pixels.
+    width, height
+        Of the image in pixels.
+    near
+        Nearest distance along the view that is drawn.
+    """
+
+    eye_x: float
+    eye_y: float
+    eye_z: float
+    right_x: float
+    right_y: float
+    right_z: float
+    down_x: float
+    down_y: float
+    down_z: float
+    ahead_x: float
+    ahead_y: float
+    ahead_z: float
+    focal: float
+    middle_x: float
+    middle_y: float
+    width: int
+    height: int
+    near: float
+
+    @classmethod
+    def of(cls, view: View) -> Camera:
+        """Return a view's camera."""
+        vectors = (*map(float, view.eye), *map(float, view.axes.ravel()))
+        middle = map(float, view.middle)
+        image = (float(view.focal), *middle, view.width, view.height, float(view.near))
+        return cls._make((*vectors, *image))
+
+
+@nb.njit(inline="always")
+def in_camera(camera: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a vector in camera coordinates: right, down and forward."""
+    return (
+        camera.right_x * x + camera.right_y * y + camera.right_z * z,
+        camera.down_x * x + camera.down_y * y + camera.down_z * z,
+        camera.ahead_x * x + camera.ahead_y * y + camera.ahead_z * z,
+    )
 
 
 @nb.njit(inline="always")
@@ -79,24 +142,23 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
     bounds
         Of the blocks, see ``host.visibility.block_index.BOUND``.
     camera
-        Eye, axes, focal length, middle, width, height and near distance of the view.
+        The view.
     rules
         Whether each reason counts, by its number.
     status
         Set: shape (blocks,), uint8.
     """
-    eye, axes, focal, middle_x, middle_y, width, height, near = camera
+    focal, near = camera.focal, camera.near
+    middle_x, middle_y = camera.middle_x, camera.middle_y
     # To the border that is further from the axis.
-    wide = max(middle_x, width - middle_x) + MARGIN
-    high = max(middle_y, height - middle_y) + MARGIN
+    wide = max(middle_x, camera.width - middle_x) + MARGIN
+    high = max(middle_y, camera.height - middle_y) + MARGIN
     for block in nb.prange(len(bounds)):
         bound = bounds[block]
-        dx = bound.centre[0] - eye[0]
-        dy = bound.centre[1] - eye[1]
-        dz = bound.centre[2] - eye[2]
-        x = axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz
-        y = axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz
-        z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
+        dx = bound.centre[0] - camera.eye_x
+        dy = bound.centre[1] - camera.eye_y
+        dz = bound.centre[2] - camera.eye_z
+        x, y, z = in_camera(camera, dx, dy, dz)
         reach, disc = bound.reach, focal * bound.largest
         status[block] = 0
         if z + reach < near or (

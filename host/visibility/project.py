@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from splatline.host.shading.normal_levels import quantise
 
 from .block_index import BLOCK_POINTS, Index
-from .cull import cull_blocks, faces_away, lies_outside, misses_centre
+from .cull import Camera, cull_blocks, faces_away, in_camera, lies_outside, misses_centre
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
 from .view import LARGEST, View
 
@@ -140,7 +140,7 @@ def project(
     Splats
         In the index's order.
     """
-    camera = (view.eye, view.axes, view.focal, *view.middle, view.width, view.height, view.near)
+    camera = Camera.of(view)
     rules = np.array([False, *(name in skips for name in SKIPS)])
     status = np.empty(len(index.bounds), np.uint8)
     cull_blocks(index.bounds, camera, rules, status)
@@ -156,16 +156,12 @@ def project(
     data = np.empty(BLOCK_POINTS * len(visible), SPLAT)
     splats = Splats(data, starts, stops, limits[:, 0], (0.0, 0.0), {})
     reasons = np.zeros((CHUNKS, 1 + len(SKIPS)), np.int64)
-    points = (index.positions, index.normals, index.two_sided, index.radii, index.materials.index)
     _project(
-        points,
-        (index.bounds, visible, cuts),
+        Points(index.positions, index.normals, index.two_sided, index.radii, index.materials.index),
+        Blocks(index.bounds, visible, cuts),
         camera,
-        (rules, shades, material_shift),
-        *splats.views(),
-        stops,
-        limits,
-        reasons,
+        Look(rules, shades, material_shift),
+        Slots(*splats.views(), stops, limits, reasons),
     )
     tally += reasons.sum(axis=0)
     low, high = float(limits[:, 0].min()), float(limits[:, 1].max())
@@ -176,27 +172,82 @@ def project(
     )
 
 
+class Points(NamedTuple):
+    """The points of an index; see ``Index``."""
+
+    positions: npt.NDArray[np.float64]
+    normals: npt.NDArray[np.float32]
+    two_sided: npt.NDArray[np.bool_]
+    radii: npt.NDArray[np.float64]
+    material: npt.NDArray[np.uint8]
+
+
+class Blocks(NamedTuple):
+    """The blocks of an index.
+
+    Parameters
+    ----------
+    bounds
+        Bounds of every block; see ``BOUND``.
+    visible
+        Numbers of the blocks that were not culled.
+    cuts
+        Where each chunk begins in ``visible``, and the end: shape (CHUNKS + 1,).
+    """
+
+    bounds: npt.NDArray[Any]
+    visible: npt.NDArray[np.int64]
+    cuts: npt.NDArray[np.int64]
+
+
+class Look(NamedTuple):
+    """What decides whether a point is drawn, and in which shade.
+
+    Parameters
+    ----------
+    rules
+        Whether each reason to leave a point out counts, by its number.
+    shades, material_shift
+        See :func:`project`.
+    """
+
+    rules: npt.NDArray[np.bool_]
+    shades: npt.NDArray[np.uint32]
+    material_shift: int
+
+
+class Slots(NamedTuple):
+    """The results of the projection.
+
+    Parameters
+    ----------
+    floats, bits, doubles
+        Views of the splats' slots; see ``Splats.views``.
+    stops, limits
+        Of each chunk the end of its slots, and its least and greatest depth.
+    reasons
+        Points of each chunk that were left out, by reason.
+    """
+
+    floats: npt.NDArray[Any]
+    bits: npt.NDArray[Any]
+    doubles: npt.NDArray[Any]
+    stops: npt.NDArray[np.int64]
+    limits: npt.NDArray[np.float64]
+    reasons: npt.NDArray[np.int64]
+
+
 @nb.njit(parallel=True, cache=True, error_model="numpy")
-def _project(
-    points: Any,
-    blocks: Any,
-    camera: Any,
-    look: Any,
-    floats: Any,
-    bits: Any,
-    doubles: Any,
-    stops: Any,
-    limits: Any,
-    reasons: Any,
-) -> None:
+def _project(points: Any, blocks: Any, camera: Any, look: Any, slots: Any) -> None:
     """Project the visible blocks, chunk by chunk, each into its own slots.
 
-    All tuples are taken apart before the loops: inside, each counts references for every point.
+    Tuples of arrays are unpacked before the loops: inside, numba would count references for every
+    point.
     """
     bounds, visible, cuts = blocks
     positions, normals, two_sided, radii, material = points
-    eye, axes, focal, middle_x, middle_y, width, height, near = camera
     rules, shades, material_shift = look
+    floats, bits, doubles, stops, limits, reasons = slots
     for chunk in nb.prange(len(cuts) - 1):
         at = BLOCK_POINTS * cuts[chunk]
         low, high = np.inf, -np.inf
@@ -207,37 +258,24 @@ def _project(
             stop = min(start + BLOCK_POINTS, len(positions))
             stride, growth = 1, 1.0
             if rules[CROWDED_OUT]:
-                stride = _stride(bounds[block], eye, axes, focal, near)
+                stride = _stride(bounds[block], camera)
                 growth = math.sqrt(stride)
                 tally[CROWDED_OUT] += stop - start - (stop - start + stride - 1) // stride
             for i in range(start, stop, stride):
-                reason = _project_point(
-                    i,
-                    growth,
-                    positions,
-                    normals,
-                    two_sided,
-                    radii,
-                    material,
-                    eye,
-                    axes,
-                    focal,
-                    middle_x,
-                    middle_y,
-                    width,
-                    height,
-                    near,
-                    rules,
-                    shades,
-                    material_shift,
-                    at,
-                    floats,
-                    bits,
-                    doubles,
-                )
+                position = positions[i, 0], positions[i, 1], positions[i, 2]
+                reason, image = _project_disc(position, growth * radii[i], camera, rules)
                 if reason == 0:
-                    depth = doubles[at, DEPTH]
-                    low, high = min(low, depth), max(high, depth)
+                    normal = normals[i, 0], normals[i, 1], normals[i, 2]
+                    reason, slopes, shade = _orient(
+                        normal, two_sided[i], image.a, image.b, camera, rules, shades
+                    )
+                if reason == 0:
+                    floats[at, COLUMN], floats[at, LINE] = image.column, image.line
+                    floats[at, DIAMETER] = 2.0 * image.radius
+                    floats[at, SLOPE_X], floats[at, SLOPE_Y] = slopes
+                    bits[at, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
+                    doubles[at, DEPTH] = image.z
+                    low, high = min(low, image.z), max(high, image.z)
                     at += 1
                 else:
                     tally[reason] += 1
@@ -248,104 +286,118 @@ def _project(
             reasons[chunk, reason] = tally[reason]
 
 
+class Image(NamedTuple):
+    """A disc on the image.
+
+    Parameters
+    ----------
+    column, line
+        Its centre, in pixels.
+    radius
+        In pixels, seen face on.
+    a, b, z
+        Its centre in camera coordinates: x / z, y / z and z.
+    """
+
+    column: float
+    line: float
+    radius: float
+    a: float
+    b: float
+    z: float
+
+
+NOWHERE = Image(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 @nb.njit(inline="always")
-def _project_point(
-    i: int,
-    growth: float,
-    positions: Any,
-    normals: Any,
-    two_sided: Any,
-    radii: Any,
-    material: Any,
-    eye: Any,
-    axes: Any,
-    focal: float,
-    middle_x: float,
-    middle_y: float,
-    width: int,
-    height: int,
-    near: float,
-    rules: Any,
-    shades: Any,
-    material_shift: int,
-    at: int,
-    floats: Any,
-    bits: Any,
-    doubles: Any,
-) -> int:
-    """Fill in slot ``at`` and return 0, or return the reason to leave the point out."""
-    dx = positions[i, 0] - eye[0]
-    dy = positions[i, 1] - eye[1]
-    dz = positions[i, 2] - eye[2]
-    z = axes[2, 0] * dx + axes[2, 1] * dy + axes[2, 2] * dz
-    if not z >= near:
-        return OUTSIDE
+def _project_disc(position: Any, radius: float, camera: Any, rules: Any) -> tuple[int, Any]:
+    """Return the reason to leave a disc out, or 0, and its image."""
+    dx = position[0] - camera.eye_x
+    dy = position[1] - camera.eye_y
+    dz = position[2] - camera.eye_z
+    x, y, z = in_camera(camera, dx, dy, dz)
+    if not z >= camera.near:
+        return OUTSIDE, NOWHERE
     # Divided, not multiplied by 1 / z, which overflows where z is tiny.
-    a = (axes[0, 0] * dx + axes[0, 1] * dy + axes[0, 2] * dz) / z
-    b = (axes[1, 0] * dx + axes[1, 1] * dy + axes[1, 2] * dz) / z
-    column = middle_x + focal * a
-    line = middle_y + focal * b
-    share = growth * radii[i] / z
-    radius = share * focal
+    a = x / z
+    b = y / z
+    column = camera.middle_x + camera.focal * a
+    line = camera.middle_y + camera.focal * b
+    share = radius / z
+    pixels = share * camera.focal
     if rules[OUTSIDE] and (
-        lies_outside(column, a, radius, share, width)
-        or lies_outside(line, b, radius, share, height)
+        lies_outside(column, a, pixels, share, camera.width)
+        or lies_outside(line, b, pixels, share, camera.height)
     ):
-        return OUTSIDE
-    if rules[NO_PIXEL] and radius < 0.5 and misses_centre(column, line, radius, a, b):
-        return NO_PIXEL
+        return OUTSIDE, NOWHERE
+    if rules[NO_PIXEL] and pixels < 0.5 and misses_centre(column, line, pixels, a, b):
+        return NO_PIXEL, NOWHERE
+    if pixels > LARGEST:
+        # The image is the same and nothing overflows. The axis of the view keeps its position.
+        smaller = LARGEST / pixels
+        column = camera.middle_x + (column - camera.middle_x) * smaller
+        line = camera.middle_y + (line - camera.middle_y) * smaller
+        pixels = LARGEST
+    return 0, Image(column, line, pixels, a, b, z)
 
-    wx, wy, wz = normals[i, 0], normals[i, 1], normals[i, 2]
-    nx = axes[0, 0] * wx + axes[0, 1] * wy + axes[0, 2] * wz
-    ny = axes[1, 0] * wx + axes[1, 1] * wy + axes[1, 2] * wz
-    nz = axes[2, 0] * wx + axes[2, 1] * wy + axes[2, 2] * wz
+
+@nb.njit(inline="always")
+def _orient(
+    normal: Any, two_sided: bool, a: float, b: float, camera: Any, rules: Any, shades: Any
+) -> tuple[int, Any, Any]:
+    """Return the reason to leave a disc out, or 0, then its slopes n' and its shade.
+
+    Parameters
+    ----------
+    normal
+        In the cloud's coordinates.
+    two_sided
+        Whether the normal's sign means nothing.
+    a, b
+        x / z and y / z of the disc's centre.
+    camera
+        The view.
+    rules, shades
+        See ``Look``.
+    """
+    nx, ny, nz = in_camera(camera, normal[0], normal[1], normal[2])
     facing = nx * a + ny * b + nz
-    if facing > 0.0 and (two_sided[i] or not rules[FACING_AWAY]):
+    if facing > 0.0 and (two_sided or not rules[FACING_AWAY]):
         nx, ny, nz, facing = -nx, -ny, -nz, -facing
-    if rules[FACING_AWAY] and faces_away(facing) and not two_sided[i]:
-        return FACING_AWAY
+    if rules[FACING_AWAY] and faces_away(facing) and not two_sided:
+        return FACING_AWAY, (0.0, 0.0), np.uint32(0)
 
-    if radius > LARGEST:
-        # All the same to an image, and nothing overflows: the axis of the view stays in place.
-        smaller = LARGEST / radius
-        column = middle_x + (column - middle_x) * smaller
-        line = middle_y + (line - middle_y) * smaller
-        radius = LARGEST
     facing = min(facing, -STEEPEST)
-    # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0: for
-    # shading such a normal counts as just grazing.
+    # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0. For
+    # shading, such a normal counts as just grazing.
     towards = min(nz, -STEEPEST)
     levels = shades.shape[1]
     shade = shades[0, quantise(nx, towards, levels), quantise(ny, towards, levels)]
-    # The table's viewer is on the axis. A highlight is seen as by the true one if the normal turns
-    # along by half of the way from his direction to the axis: n + ((n.v) e - (n.e) v) / 2, with v
-    # and e the directions to the viewer and against the axis.
+    # The table's viewer is on the axis. A highlight is as the true viewer sees it if the normal
+    # turns along by half of the angle from his direction to the axis: n + ((n.v) e - (n.e) v) / 2.
+    # v is the direction to the viewer, e the one against the axis.
     half = 0.5 / math.sqrt(a * a + b * b + 1.0)
     mx, my = nx - half * a * nz, ny - half * b * nz
     mz = min(nz + half * (facing - nz), -STEEPEST)
     shade |= shades[1, quantise(mx, mz, levels), quantise(my, mz, levels)]
-    floats[at, COLUMN], floats[at, LINE], floats[at, DIAMETER] = column, line, 2.0 * radius
     inverse = 1.0 / facing
-    floats[at, SLOPE_X], floats[at, SLOPE_Y] = nx * inverse, ny * inverse
-    bits[at, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
-    doubles[at, DEPTH] = z
-    return 0
+    return 0, (nx * inverse, ny * inverse), shade
 
 
 @nb.njit(error_model="numpy")
-def _stride(bound: Any, eye: Any, axes: Any, focal: float, near: float) -> int:
+def _stride(bound: Any, camera: Any) -> int:
     """Return which of a block's points to draw, one in how many, so that few crowd a pixel.
 
     Discs are as wide as the points are apart (``splat_radii``), so their mean radius tells the
     distance. Along the curve every k-th point is as evenly spread as all are.
     """
-    z = (
-        axes[2, 0] * (bound.centre[0] - eye[0])
-        + axes[2, 1] * (bound.centre[1] - eye[1])
-        + axes[2, 2] * (bound.centre[2] - eye[2])
-    )
+    dx = bound.centre[0] - camera.eye_x
+    dy = bound.centre[1] - camera.eye_y
+    dz = bound.centre[2] - camera.eye_z
+    _, _, z = in_camera(camera, dx, dy, dz)
     # At the block's nearest, where its points are furthest apart.
-    apart = bound.mean * focal / max(z - bound.reach, near)
+    apart = bound.mean * camera.focal / max(z - bound.reach, camera.near)
     if not 0.0 < apart < CROWDED:
         return 1
     return int(min((CROWDED / apart) ** 2, float(BLOCK_POINTS)))
