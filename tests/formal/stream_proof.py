@@ -272,6 +272,10 @@ PROOFS = [
             "gone again", BlockReadout, r"blank\.eq\(out\.valid & ~visible", "blank.eq(out.valid"
         ),
         given=with_room,
+        changes=(
+            # The memory is a real one here; above 16 beats, as below 512, a register follows it.
+            Fault("short", BlockReadout, r"m = Module\(\)", "m = Module(); DEPTH = 20"),
+        ),
     ),
     plan(
         "tiler",
