@@ -31,35 +31,35 @@ def engine_latency(config: EngineConfig) -> int:
 class Engine(wiring.Component):
     """Draws frames of code words; the contract is ``docs/contract.md``.
 
-    A frame opens with its first code word and closes with its end beat on ``raster``. The next one
-    opens right behind its end word, while its last lines are still on their way out; or, where a
-    table write is offered, behind that, which waits until nothing is left of the frame.
+    A frame opens with its first code word and closes with its end beat on ``raster``. The next
+    frame may open right after the end word, while the last lines still leave. A table write waits
+    until the open frames are closed, and no further frame opens while it is offered.
 
     **Latency**: 4 cycles from a code word to its pixels, 8 with a window of blocks, and 3 more with
-    a shape ROM. A line leaves once a code word follows that lies five lines or more below it, or
-    ends the frame.
+    a shape ROM. A line retires when a code word five or more lines below it follows, or the end
+    word.
     **Throughput**: a window of blocks takes one code word a cycle, without hazards. A window of
     tiles takes one tile of ``pixels_per_word`` x 4 pixels a cycle: 1 to 4 cycles a code word with
-    words of four pixels, up to 8 with two. Two tiles that follow each other into the same pixel
-    take one cycle more.
+    words of four pixels, up to 8 with two. A tile stalls for one cycle if it shares a pixel with
+    the tile before it.
 
     Parameters
     ----------
     config
         Widths and sizes; see :class:`EngineConfig`.
     load
-        Whether frames start from the raster on ``initial``; None: the control register says.
+        Whether frames start from the raster on ``initial``. None: the control register decides.
 
     Members
     -------
     codewords : In(stream of CodeWordLayout)
         The frame, sorted by line.
     tables : In(stream of TableWriteLayout)
-        Material table and frame registers; waits while a frame is open.
+        Writes to the material table and the frame registers; they wait while a frame is open.
     initial : In(stream of RasterLayout)
-        What the frame starts from, if the control register's load bit is set; else ignored.
+        The initial raster. It is ignored if the control register's load bit is clear.
     raster : Out(stream of RasterLayout)
-        The picture: the words in which something was drawn, sorted; then the end beat.
+        The picture: the dirty words in order, then the end beat.
     in_frame : Out(1)
         Between the first code word of a frame and its end word.
     """
@@ -105,7 +105,7 @@ class Engine(wiring.Component):
         if config.shapes == "none":
             connect(m, sequencer.o, colour.i)
         else:
-            # Behind the sequencer, so that a frame opens, and keeps table writes off, as without.
+            # Behind the sequencer, which opens the frame and blocks table writes.
             m.submodules.shapes = shapes = ShapeRom(config, ElementLayout(config))
             connect(m, sequencer.o, shapes.i)
             connect(m, shapes.o, colour.i)
@@ -122,11 +122,11 @@ class Engine(wiring.Component):
         if config.draws_blocks:
             m.d.comb += [tiler.cleared.eq(window.cleared), tiler.empties.eq(window.empties)]
 
-        # Frames whose end beat is still to come: one that leaves and one that is drawn, at most.
+        # Open frames: at most one that leaves and one that is drawn.
         frames = Signal(2)
         unfinished = frames
         opens = Signal()
-        waits = Signal()  # an element was offered, and stays so, whatever tables ask
+        waits = Signal()  # an offered element stays valid, even if a table write comes
         registers = tables.registers
         m.d.comb += opens.eq(self.codewords.valid & self.codewords.ready & ~sequencer.open)
         m.d.sync += [
@@ -134,13 +134,13 @@ class Engine(wiring.Component):
             waits.eq(sequencer.o.valid & ~sequencer.o.ready),
         ]
         if config.draws_blocks:
-            # ``finished`` says that the end beat went into a queue, which it has yet to leave.
+            # ``finished`` means that the end beat entered a fifo. It has not left the engine yet.
             unfinished = Signal(2)
             end_taken = self.raster.valid & self.raster.ready & self.raster.payload.end
             m.d.sync += unfinished.eq(unfinished + opens - end_taken)
         m.d.comb += [
             self.in_frame.eq(sequencer.open),
-            # A size that is written while the end beat waits would change the beat.
+            # A write of the image size would change an end beat that waits.
             tables.idle.eq((unfinished == 0) & ~(self.raster.valid & self.raster.payload.end)),
             sequencer.admit.eq((~self.tables.valid | waits) & ~unfinished[1]),
             colour.ambient.eq(registers.ambient),

@@ -1,4 +1,4 @@
-"""What travels on each stream of the engine: one layout for both ends of a link.
+"""Layouts of the engine's streams, one for both ends of a link.
 
 The layouts of the outer ports follow the bit positions of :mod:`splatline.contract.config`; the
 inner ones are the engine's own.
@@ -68,23 +68,23 @@ class PixelsLayout(data.StructLayout):
 
 
 class WordLayout(PixelsLayout):
-    """A word of the window's memory."""
+    """A window word."""
 
     def __init__(self, config: EngineConfig):
         super().__init__(config, config.pixels_per_word)
 
 
 class PlaceLayout(data.StructLayout):
-    """A memory word's place in the image."""
+    """A window word's position in the image."""
 
     def __init__(self, config: EngineConfig):
         super().__init__({"word": config.word_bits, "line": config.line_bits})
 
 
 class RasterLayout(data.StructLayout):
-    """A beat of a raster: its pixels with their place in the image, or the end of the frame.
+    """A beat of a raster: pixels with their position in the image, or the end of the frame.
 
-    ``word`` counts in beats of a line: of ``raster_pixels`` each.
+    ``word`` is the beat's number in its line, of ``raster_pixels`` pixels each.
     """
 
     def __init__(self, config: EngineConfig):
@@ -99,9 +99,9 @@ class RasterLayout(data.StructLayout):
 
 
 class LoadLayout(data.StructLayout):
-    """A memory word of the initial raster with its place in the image, or the raster's end.
+    """A beat of the initial raster with its position in the image, or the raster's end.
 
-    ``pixels`` are those of its beat. Of a beat of two words ``word`` is the left one.
+    ``word`` is the number of a window word; of a beat of two words, that of the left one.
     """
 
     def __init__(self, config: EngineConfig):
@@ -111,9 +111,9 @@ class LoadLayout(data.StructLayout):
 
 
 def _geometry(config: EngineConfig) -> dict:
-    """Fields that the decoder needs: what the code word says of shape and place, and the line.
+    """Return the fields of an element's shape and position, and of its line.
 
-    ``top`` is the line of the block's first row, y - 4: from -4 up.
+    ``top`` is the line of the block's first row, y - 4. It is at least -4.
     """
     codeword = CodeWordLayout(config).members
     return {
@@ -124,7 +124,7 @@ def _geometry(config: EngineConfig) -> dict:
 
 
 class ElementLayout(data.StructLayout):
-    """An element and its line, or the end of the frame: ``end``, and the largest ``top``."""
+    """An element with its line; or the end of the frame, with ``end`` and the largest ``top``."""
 
     def __init__(self, config: EngineConfig):
         super().__init__(
@@ -138,7 +138,7 @@ class ElementLayout(data.StructLayout):
 
 
 class GeometryLayout(data.StructLayout):
-    """An element but for its colour, which follows later; or the end of the frame."""
+    """An element without its colour, which follows later; or the end of the frame."""
 
     def __init__(self, config: EngineConfig):
         super().__init__(_geometry(config))

@@ -1,4 +1,4 @@
-"""Which words of the window were written: a bit for each pair of neighbouring words of a line."""
+"""The dirty bits of the tiles engine: one for each pair of neighbouring words of a line."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
@@ -9,11 +9,11 @@ from splatline.contract.config import EngineConfig
 __all__ = ["TileDirtyBits", "mark_bits", "stretches"]
 
 RESIDUES = 4
-"""Lines of the window that are marked in a cycle: one of each residue modulo 4."""
+"""Lines that are marked in a cycle: one of each residue modulo 4."""
 
 
 def mark_bits(config: EngineConfig) -> int:
-    """Return the bits of a pair's number within its stretch: up to 32 words are a stretch."""
+    """Return the bits of a pair's number within its stretch of up to 32 words."""
     return min(4, config.word_bits - 1)
 
 
@@ -23,42 +23,42 @@ def stretches(config: EngineConfig) -> int:
 
 
 class TileDirtyBits(wiring.Component):
-    """Marks pairs of words as written, and hands out a stretch of a line's marks at a time.
+    """Marks pairs of words as dirty, and gives and clears the dirty bits of a stretch.
 
-    A row of marks is a stretch of a line; even and odd pairs have memories of their own, as have
-    the lines' residues modulo 4, so that a tile marks all its words at once: those of its first
-    word's pair, and of the next one. Memories of up to sixteen rows and eight bits are what the
-    LUTs of a Virtex-II hold best.
+    A row of a memory is a stretch of a line. Each residue of a line modulo 4 has two memories, for
+    even and for odd pairs. A tile can therefore mark all its words in one cycle: those of its first
+    word's pair, and those of the next pair. The memories have up to 16 rows of up to 8 bits, which
+    suits the distributed RAM of a Virtex-II.
 
-    **Latency**: 1 cycle from a touch to the mark, 0 from ``take`` to ``taken``. **Throughput**: a
-    tile or a stretch a cycle.
+    **Latency**: 1 cycle from a touch to the dirty bit, 0 from ``take`` to ``taken``.
+    **Throughput**: a tile or a stretch a cycle.
 
     Members
     -------
     touch : In(4 x 2)
-        By residue of the line: the first and the second of two neighbouring words are written.
+        By residue of the line: the first and the second of ``words`` are written.
     group : In(4 x group_bits)
-        Places in the window of those lines, but for the two lowest bits.
+        Slots of those lines, without the two lowest bits.
     words : In(2 x word_bits)
-        The two words, the second one more than the first.
+        Two neighbouring words. The second is one more than the first.
     load : In(4)
         By residue of the line: ``load_word`` is written.
     load_word : In(word_bits)
-        A third word, of one line alone.
+        A third word, of one line.
     lone : In(4)
-        By residue of the line: neither of the two is written, but ``load_word`` may be. Known
-        sooner than that it is, as the marks that are taken wait for their address.
+        By residue of the line: neither of ``words`` is written, but ``load_word`` may be. It comes
+        earlier in the cycle than ``load``, because ``taken`` waits for the address.
     take : In(1)
-        Give and clear a stretch; nothing is touched in that cycle, or with ``flush_words`` 2 none
+        Give and clear a stretch. No line is touched in that cycle, or with ``flush_words`` 2 none
         of the residue of ``line``.
     line : In(slot_bits)
-        Place in the window of the line that it is of.
+        Slot of the stretch's line.
     stretch : In
         Its number in the line.
     wipe : In(1)
         Clear the stretch for all four residues, with ``take``.
     taken : Out(2 ** mark_bits)
-        Its marks, from left to right.
+        Its dirty bits, from left to right.
     """
 
     def __init__(self, config: EngineConfig):
@@ -93,7 +93,7 @@ class TileDirtyBits(wiring.Component):
 
         kept = [Signal(2 << low_bits, name=f"kept_{q}") for q in range(RESIDUES)]
         for parity in range(2):
-            # The pair with this parity: the first word's, or else the one after.
+            # The pair of this parity: the first word's, or the next one.
             own = Signal(name=f"own_{parity}")
             pair = Signal.like(pairs[0], name=f"pair_{parity}")
             bit = Signal(1 << low_bits, name=f"bit_{parity}")

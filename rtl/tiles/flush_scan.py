@@ -1,4 +1,4 @@
-"""The way along the lines that leave the window: to each word that was written, and no other."""
+"""The flush scan of the tiles engine."""
 
 from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
@@ -15,66 +15,68 @@ __all__ = ["TileFlushScan"]
 
 
 class TileFlushScan(wiring.Component):
-    """Asks for each written word of the lines that no later element touches to be flushed.
+    """Scans retired lines and requests a flush of every dirty word.
 
-    Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
-    first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
-    above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written
-    into leaves in one cycle, and all at once if none was written. Of others the marks are taken a
-    stretch at a time, in cycles in which nothing is written (``taking``), and each marked pair of
-    words is asked for. A stretch that nothing has reached for long is passed over (``_reached``).
-    With ``flush_words`` 2 a pair is one request, which names its even word, and while marks are
-    taken words of other rows of lanes may be written.
+    Line n of the image is in slot n mod ``window_lines``. ``oldest`` is the first line that has not
+    left. The window holds it and the ``window_lines - 1`` lines after it. Lines above ``top`` are
+    retired. Once a frame is closed, all of its lines are retired, and ``top`` and all writes are of
+    the next frame (see :class:`FrameOverlap`).
+
+    A clean line leaves in one cycle. If all lines of the window are clean, all retired ones leave
+    in one cycle. The dirty bits of other lines are taken a stretch at a time, in a cycle without
+    writes (``taking``). Each pair of words with a dirty bit is then requested. A stretch without
+    recent writes is skipped (``_reached``).
+
+    With ``flush_words`` 2 one request is for a pair and names its even word. Other rows of lanes
+    may be written while dirty bits are taken.
 
     **Latency**: 3 cycles from a complete line to its first word. **Throughput**: one request a
-    cycle; one cycle more a stretch, or two if it turns out to have no marks, and two a line.
+    cycle. A stretch costs one cycle more, or two if it has no dirty bits. A line costs two.
 
     Members
     -------
     top : In(signed(line_bits + 2))
         Lines above this one are complete. Never falls during a frame.
     close : In(1)
-        The frame at hand is complete; not while ``closing``.
+        The frame that is drawn is complete; never while ``closing``.
     limit : In(signed(line_bits + 2))
-        Lines above this one have received all of the initial raster that is meant for them.
+        Lines above this one have received their initial raster.
     jump : In(1)
-        No initial raster will come for any line, and ``limit`` means nothing: lines may leave many
-        at a time.
+        The initial raster has ended. ``limit`` means nothing, and many lines may leave at a time.
     enable : In(1)
-        Low: no marks are taken in the next cycle.
+        Low: no dirty bits are taken in the next cycle.
     touch : In(4 x 2)
-        By residue of the line modulo 4, which of two neighbouring words are written in this cycle;
-        none while ``taking``, or with ``flush_words`` 2 none in the row of lanes of ``oldest``.
+        By residue of the line modulo 4, the words of ``words`` that are written in this cycle.
+        None while ``taking``; with ``flush_words`` 2 none in the row of lanes of ``oldest``.
     group : In(4 x group_bits)
-        Places in the window of those lines, but for the two lowest bits.
+        Slots of those lines, without the two lowest bits.
     words : In(2 x word_bits)
-        The two words.
+        Two neighbouring words.
     reaching : In(1)
-        Something may be written in this cycle into ``words``; at least if ``touch``.
+        ``words`` may be written in this cycle; high whenever ``touch`` is.
     load : In(4)
-        By residue of the line, ``load_word`` is written in this cycle, and neither of ``words``;
-        none while ``taking``.
+        By residue of the line, ``load_word`` is written in this cycle, and ``words`` are not. None
+        while ``taking``.
     load_word : In(word_bits)
         A word of the initial raster.
     lone : In(4)
-        By residue of the line, it may be that word that is written, and not ``words``.
+        By residue of the line, ``load_word`` may be written, and ``words`` are not.
     wipe : In(1)
-        Clear the marks of all lines' stretches at ``wipe_row``.
+        Clear the dirty bits of all residues at ``wipe_row``.
     wipe_row : In
         Group of lines (high bits) and stretch.
     restart : In(1)
-        The closed frame is over: go on with line 0 of the next.
+        The closed frame is over: continue with line 0 of the next.
     oldest : Out(line_bits + 1)
-        First line in the window, of the frame that leaves.
+        First line in the window, in lines of the frame that leaves.
     front : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn.
+        First line in the window, in lines of the frame that is drawn.
     closing : Out(1)
-        A frame was closed and is not over.
+        A closed frame is not over yet.
     over : Out(1)
-        Nothing of the closed frame is in the window any more.
+        The closed frame has left the window.
     taking : Out(1)
-        Marks are taken in this cycle: nothing may be written, see ``touch``.
+        Dirty bits are taken in this cycle: no writes, see ``touch``.
     flush : Out(stream of PlaceLayout)
         Words to read and clear.
     """
@@ -115,8 +117,8 @@ class TileFlushScan(wiring.Component):
         m.submodules.dirty_bits = dirty_bits = TileDirtyBits(config)
         written = Signal(config.window_lines)
         place = self.oldest[: config.slot_bits]
-        leaving = Signal()  # the oldest line is on its way out
-        here = Signal()  # it was written
+        leaving = Signal()  # the oldest line is retired
+        here = Signal()  # it is dirty
         clean = Signal()
         left = Signal()
         m.submodules.frame_overlap = frame_overlap = FrameOverlap(config)
@@ -142,9 +144,9 @@ class TileFlushScan(wiring.Component):
             self.over.eq(frame_overlap.over),
         ]
 
-        # Its stretches that are still to be taken: none that nothing reached. The first of them is
-        # known a cycle late, lest the way to it and on to its marks be the longest of the engine;
-        # what was reached since then was so on other lines.
+        # Stretches of the oldest line that are still to be taken, without those that no write has
+        # reached. The first of them goes through a register, to cut the engine's longest path.
+        # Writes of the cycle between are on other lines.
         ahead = Signal(stretches(config), init=-1)
         wanted = Signal.like(ahead)
         lowest = Signal.like(ahead)
@@ -156,8 +158,8 @@ class TileFlushScan(wiring.Component):
         ]
         m.d.sync += [stretch_bit.eq(lowest), next_stretch.eq(number_of(lowest))]
 
-        # The stretch at hand: its marked pairs, but for the one that is asked for. The next stretch
-        # is taken as soon as that is the last.
+        # Dirty pairs of the current stretch, without the one that is being requested. The next
+        # stretch is taken while the last pair is requested.
         pairs = Signal(1 << mark_bits(config))
         first = Signal.like(pairs)
         second_word = Signal()
@@ -175,7 +177,7 @@ class TileFlushScan(wiring.Component):
         ]
         self._connect_dirty_bits(m, dirty_bits, place, next_stretch)
         m.d.comb += left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any())
-        # Known a cycle ahead, because whatever is drawn waits for it.
+        # A register, because tiles stall for it.
         m.d.sync += self.taking.eq(
             leaving & here & ~pairs.any() & wanted.any() & self.enable & ~self.taking
         )
@@ -229,19 +231,19 @@ class TileFlushScan(wiring.Component):
             m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
 
     def _wraps(self, residue):
-        """Return whether a line is written whose place is before that of ``oldest``."""
+        """Return whether a line is written in a slot before that of ``oldest``."""
         place = Cat(Const(residue, 2), self.group[residue])
         return self._written(residue) & (place < self.oldest[: self.config.slot_bits])
 
     def _written(self, residue):
-        """Return whether something is written into a line of this residue."""
+        """Return whether a line of this residue is written."""
         return self.touch[residue].any() | self.load[residue]
 
     def _reached(self, m, clean):
-        """Return which stretches may have marks, for all lines of the window together.
+        """Return the stretches that may have dirty bits, for all lines of the window together.
 
-        Those reached since the window was last clean, and since ``oldest`` last passed a multiple
-        of the window's height but one: all that was written before that has left.
+        These are the stretches written since the window was last clean, in this lap of ``oldest``
+        or in the one before. All words of earlier laps have left.
         """
         config = self.config
         now, before = (Signal(stretches(config), name=name) for name in ("now", "before"))

@@ -1,4 +1,4 @@
-"""A lane of the window: one block RAM of pixels, and the writer behind it."""
+"""A lane of the tiles engine: one block RAM of pixels, and a depth comparison."""
 
 from amaranth.hdl import Cat, Const, Module, Signal
 from amaranth.lib import data, memory, wiring
@@ -16,10 +16,10 @@ def lane_address_bits(config: EngineConfig) -> int:
 
 
 class LaneRequestLayout(data.StructLayout):
-    """What a lane is asked to do in a cycle.
+    """A request to a lane, at most one of three operations.
 
     ``draw``: depth-test the pixel at ``address``. ``clear``: read it and leave background there.
-    ``load``: copy a pixel there, whatever it is. At most one of the three.
+    ``load``: write a pixel there without a depth test.
     """
 
     def __init__(self, config: EngineConfig):
@@ -28,25 +28,25 @@ class LaneRequestLayout(data.StructLayout):
 
 
 class Lane(wiring.Component):
-    """Reads a pixel, tests it, and writes over it if it is behind.
+    """Reads a pixel, compares depths, and writes the new pixel if it is nearer.
 
-    The lane has one pixel of each word of every fourth line of the window, one a word of its
-    memory: so nothing need be merged with what was there, and a pixel that does not pass is not
-    written.
+    The lane has one pixel of each word of every fourth line of the window. A memory word is one
+    pixel, so a write need not merge anything with the old word.
 
-    A pixel is read in the cycle of the request; in the next it stands on ``old``, is compared with
-    ``new``, and what is written is written at that cycle's end. A request for that very pixel in
-    that cycle would read it as it was before: whoever requests must wait a cycle.
+    The pixel is read in the cycle of the request. In the next cycle it is on ``old`` and is
+    compared with ``new``, and the write happens at the end of that cycle. Read-after-write hazard:
+    a request for the same pixel in that cycle would read the old value, so the requester must stall
+    for a cycle.
 
-    Of a cleared pixel the depth is set to the background's; its colour then means nothing.
+    A clear sets the depth to the background's and leaves the colour undefined.
 
-    A pixel is loaded through the port that reads, which has no other use for that cycle: so it
-    takes no multiplexer, and the other port may write at the same time, but not the same pixel.
+    A load goes through the read port, which is otherwise unused in that cycle. It needs no
+    multiplexer. The other port may write at the same time, but not the same pixel.
 
-    With ``flush_words`` 2 a pair of pixels is cleared at one request, those of neighbouring words:
-    the even one at once through the port that reads, and the odd one in the next cycle through the
-    port that writes, while the other port may serve the next request. Each port reads
-    what it clears, so the block RAM must read first.
+    With ``flush_words`` 2 one request clears a pair of pixels, of neighbouring words: the even one
+    at once through the read port, the odd one in the next cycle through the write port. The read
+    port may serve the next request in that cycle. Each port reads the pixel that it clears, so the
+    block RAM must be read-first.
 
     **Latency**: 1 cycle to ``old``, 2 to the memory, 1 for a load; of a pair 2 to ``odd``.
     **Throughput**: one request a cycle.
@@ -54,16 +54,16 @@ class Lane(wiring.Component):
     Members
     -------
     enable : In(1)
-        Low: everything stands still, and ``request`` is not taken.
+        Low: the lane stalls and takes no ``request``.
     request : In(LaneRequestLayout)
-        What to do.
+        The request.
     new : In(PixelLayout)
-        What to draw, in the cycle after the request.
+        The pixel to draw, in the cycle after the request.
     loaded : In(PixelLayout)
-        What to load, in the cycle of the request; with ``flush_words`` 2 background where one is
-        cleared.
+        The pixel to load, in the cycle of the request; with ``flush_words`` 2 background at a
+        clear.
     old : Out(PixelLayout)
-        The pixel as it was before the last request taken.
+        The pixel before the last request that was taken.
     odd : Out(PixelLayout)
         With ``flush_words`` 2: the odd pixel of a pair, two cycles after its request.
     """

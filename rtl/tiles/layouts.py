@@ -1,4 +1,4 @@
-"""What travels between the tiler and the window of tiles."""
+"""The stream from the tiler to the window of tiles."""
 
 from amaranth.hdl import signed
 from amaranth.lib import data
@@ -9,17 +9,18 @@ __all__ = ["TileLayout"]
 
 
 class TileLayout(data.StructLayout):
-    """Pixels of an element, four lines by a word's columns, as the window's lanes need them.
+    """A tile: four lines by the columns of a window word, by residue of line and column.
 
-    ``mask[q][p]``: the pixel on the line with residue q modulo 4 and in the column with residue p
-    modulo a word's pixels is drawn. ``group[q]``: the line's place in the window but for its two
-    lowest bits. ``words``: the words that the tile's columns lie in, the second one more than the
-    first; ``next[p]``: column p lies in the
-    second. ``meets``: it has a pixel in common with the tile before it, which was taken in the
-    cycle before this one came.
-
-    ``end``: no tile, but the end of the frame. No later tile touches a line above ``top``; that
-    holds even while none is offered. The colour comes beside the tile (:class:`ColourUnit`).
+    - ``mask[q][p]``: draw the pixel on the line with residue q modulo 4, in the column with residue
+      p modulo the pixels of a word.
+    - ``group[q]``: slot of that line, without its two lowest bits.
+    - ``words``: the two words that the columns lie in. The second is one more than the first.
+    - ``next[p]``: column p lies in the second word.
+    - ``meets``: the tile shares a pixel with the tile before it, which was taken in the cycle
+      before this one came.
+    - ``z``: depth of all pixels. The colour comes beside the tile (:class:`ColourUnit`).
+    - ``top``: no later tile touches a line above this one. It holds even while no tile is offered.
+    - ``end``: the end of the frame, and no tile.
     """
 
     def __init__(self, config: EngineConfig):

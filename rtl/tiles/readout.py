@@ -1,4 +1,4 @@
-"""The way out of the lanes: pixels of a word, which leave together, become a raster's beat."""
+"""The readout of the tiles engine."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
@@ -12,43 +12,43 @@ __all__ = ["TileReadout"]
 
 
 class TileReadout(wiring.Component):
-    """Picks each flushed word from its lanes and offers it on ``raster``.
+    """Reads flushed words and forms raster beats.
 
-    A word stands on its lanes' outputs in the cycle after its request and is taken from there into
-    the register on the port. A word of background only is dropped: it was marked as one of a pair.
-    The colour of a pixel that is background, or that lies right of the image, is made 0.
+    A word is on its lanes' outputs in the cycle after its request. The register on ``raster`` takes
+    it from there. A word of background only is dropped: a dirty bit is for two words, and one of
+    them may be clean. Pixels of background, and pixels right of the image, get colour 0.
 
-    A word that ``raster`` does not take stops the stages behind it, and the lanes, once a second
-    word stands before the port. While ``raster`` is not ready, dropping a word takes a cycle.
+    Stall: if ``raster`` does not take its word and a second one is on the lanes' outputs, the lanes
+    and all stages before them stall. While ``raster`` is not ready, dropping a word takes a cycle.
 
-    With ``flush_words`` 2 a request stands for a pair of words: the even one comes as ever, and the
-    odd one a cycle later from the lanes' other ports, where it stays until it is taken.
+    With ``flush_words`` 2 a request is for a pair of words. The even word comes as with one, and
+    the odd one a cycle later from the lanes' other ports. It stays there until it is taken.
 
     **Latency**: 2 cycles from a request to ``raster``. **Throughput**: one word a cycle.
 
     Members
     -------
     flush : In(1)
-        A word is requested in this cycle; only while ``running``, and not while ``busy``.
+        A word is requested in this cycle; only while ``running``, and never while ``busy``.
     place : In(PlaceLayout)
-        Which word that is; of a pair the even one.
+        Position of the word; of a pair the even one.
     lanes : In(4 x pixels_per_word x PixelLayout)
         The lanes' outputs, by residue of line and column.
     odd : In(4 x pixels_per_word x PixelLayout)
-        With ``flush_words`` 2: their other ones.
+        With ``flush_words`` 2: the outputs of their other ports.
     last_column : In(x_bits)
         Width of the image less 1.
     end : In(1)
-        The frame is over once no word is on its way; leaves as the end beat.
+        Send the end beat once all requested words have left.
     raster : Out(stream of RasterLayout)
         The beats.
     running : Out(1)
-        Low: the lanes and all requests stand still.
+        Low: the lanes and all requests stall.
     busy : Out(1)
-        With ``flush_words`` 2: a pair was requested in the cycle before, but for those in which all
-        stood still. No other may be.
+        With ``flush_words`` 2: a pair was requested in the cycle before, stalls not counted. No
+        other may be requested.
     finished : Out(1)
-        High for one cycle: the end beat is taken into the register on the port.
+        High for one cycle: the register on ``raster`` takes the end beat.
     """
 
     def __init__(self, config: EngineConfig):
@@ -89,10 +89,10 @@ class TileReadout(wiring.Component):
             with m.If(self.running):
                 m.d.sync += odd.eq(flushed)
         m.d.comb += [
-            # What is background is known behind the register: the way to it is long enough.
+            # Background is detected behind the register, because the path to it is long.
             self.raster.valid.eq(emit_valid & (visible.any() | emit.end)),
             self.raster.payload.eq(emit),
-            # Not ~raster.valid: what hangs on ``take`` would wait for the comparisons in it.
+            # Not ~raster.valid, whose comparisons would lengthen the path through ``take``.
             take.eq(~emit_valid | self.raster.ready | dropped),
             self.running.eq(~(leaves & ~take)),
             over.eq(self.end & ~leaves),
@@ -131,7 +131,7 @@ class TileReadout(wiring.Component):
                     emit.pixels.depth[column].eq(pixel.depth),
                     emit.pixels.colour[column].eq(pixel.colour),
                 ]
-            # Elements are clipped by whole words; the rest of the last word stays inside.
+            # Elements are clipped by whole words, so the last word may have pixels outside.
             depth, colour = emit.pixels.depth[column], emit.pixels.colour[column]
             outside = (emit.word == last_word) & (column > last_pixel)
             m.d.comb += [

@@ -1,4 +1,4 @@
-"""Cutting elements into tiles, each of which the window's lanes take in a cycle."""
+"""The tiler of the tiles engine: cuts elements into tiles."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
@@ -18,18 +18,20 @@ SIDE = 4
 
 
 class Tiler(wiring.Component):
-    """Gives an element's tiles, one a cycle, dealt to the lanes of the window.
+    """Cuts elements into tiles, one a cycle, with their pixels rotated to the window's lanes.
 
-    A tile is four lines high and a word's pixels wide, so with 4 pixels a word an element's block
-    of 8 x 8 pixels (8 x 4 for a fraction) has four (two) tiles. They lie on the element, not on the
-    image, so whatever is up to four pixels wide and high is one tile at any place. Tiles without a
-    pixel are passed over in no time. A tile's pixels lie in different lanes, one for each residue
-    of line and column: its rows and columns are turned to theirs, and clipped to the image (columns
-    by whole words). The lower tiles of a shape whose middle lies at a half place begin a column
-    further right, or hold its rows from a line higher on.
+    A tile is four lines high and as wide as a window word. With four pixels a word, an element's
+    block of 8 x 8 pixels has four tiles, and a fraction of 8 x 4 has two. The tiles are aligned to
+    the element, not to the image, so an element of up to 4 x 4 pixels is one tile at any position.
+    Tiles without pixels take no cycle.
 
-    An element waits here until its lines are in the window. Meanwhile its ``top`` is known already,
-    so that the lines above it may leave.
+    The pixels of a tile lie in different lanes, one for each residue of line and column. Rows and
+    columns are rotated to their residues, and clipped to the image, columns by whole words. If the
+    centre of a shape lies at half a pixel, its lower tiles begin a column further right, or a line
+    higher, or both.
+
+    Stall: an element waits here until its lines are in the window. Its ``top`` is given while it
+    waits, so that the lines above it may leave.
 
     **Latency**: 2 cycles. **Throughput**: one tile a cycle; a frame's first comes three
     cycles after the ``end`` token before it at the soonest, as the window must have moved on.
@@ -39,13 +41,14 @@ class Tiler(wiring.Component):
     i : In(stream of GeometryLayout)
         Elements, and ``end`` tokens.
     o : Out(stream of TileLayout)
-        Tiles; for an ``end`` token one without pixels, to be taken when the frame before is out.
+        Tiles. An ``end`` token becomes one without pixels, to be taken when the frame before is
+        out.
     moves : Out(1)
-        What ``o`` has in the next cycle is of the element at hand, or nothing: its colour moves on.
+        In the next cycle ``o`` has a tile of the element that waits here, or none: its colour
+        advances.
     oldest : In(signed(line_bits + 2))
-        First line of the window as far as it was loaded, of the frame that is drawn: which is the
-        next one as soon as an
-        ``end`` token was taken from ``o``.
+        First line of the window as far as it was loaded, in lines of the frame that is drawn. Once
+        an ``end`` token is taken from ``o``, this is the next frame.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
@@ -71,12 +74,12 @@ class Tiler(wiring.Component):
         m = Module()
         element = self.i.payload
         tile = Signal(TileLayout(self.config))
-        there = Signal()  # an element, or the end
-        left = Signal(2 * self.across)  # tiles to do: the upper ones from the left, the lower ones
-        first = Signal.like(left)  # the one to do now
+        there = Signal()  # an element or an end token waits
+        left = Signal(2 * self.across)  # tiles still to give: upper ones from the left, lower ones
+        first = Signal.like(left)  # the next one
         rest = Signal.like(left)
-        near = Signal(2)  # the lines of its upper, of its lower tiles are in the window
-        may = Signal()  # those of the tile to do now
+        near = Signal(2)  # the lines of the upper, of the lower tiles are in the window
+        may = Signal()  # the lines of the next tile are
         step = Signal()
         valid = Signal()
         held = {
@@ -119,27 +122,27 @@ class Tiler(wiring.Component):
             lower.eq(~left[: self.across].any()),
             column.eq(number_of(first, len(column))),
             may.eq(held["end"] | Mux(lower, near[1], near[0])),
-            # Known a cycle ahead, because all before it waits for it. While the element at hand
-            # waits, the one behind it is not looked at, and comes as one whose lines are not there.
+            # ``near`` is a register, because all stages before stall for it. While an element
+            # waits, the next one is not compared: when it comes, its lines count as missing.
             waiting.eq(there & ~near.all()),
             behind.eq(self.oldest - Mux(waiting, held["top"], element.top)),
         ]
-        # Until an end token was taken, ``oldest`` is not of the frame behind it.
+        # Until an end token is taken, ``oldest`` is of the frame that it ends.
         ending = (there & held["end"]) | (valid & given.end)
         with m.If((waiting & self.i.ready) | ending):
             m.d.sync += near.eq(0)
         with m.Elif(waiting | self.i.ready):
-            # A line takes the place of one that left some cycles ago. So less than 12 lines ahead
-            # of a window of 16, or 8 for a lower tile. A window of 8 lines has no room beside a
-            # whole element's: the lines above it have left once the oldest is its first.
+            # A line takes the slot of a line that left some cycles ago. With a window of 16 lines
+            # an upper tile lies less than 12 lines after the oldest, and a lower one less than 8.
+            # A window of 8 lines is filled by an element, whose first line must be the oldest.
             bits = self.config.slot_bits
             high, low = behind[bits:].all(), behind[:bits]
             m.d.sync += near.eq(
                 Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
             )
         shape, raised, shifted = self._shape(m, element)
-        # Where the tile begins, from the left edge of the word that X lies in, and on which line
-        # modulo 4: the rows of lower ones may lie a line higher or a column further right.
+        # First column of the tile, from the left edge of the word that X lies in, and its first
+        # line modulo 4. Lower tiles may lie a line higher or a column further right.
         place, turn = Signal(self.config.pixel_bits + 1), Signal(2)
         m.d.comb += [
             place.eq(held["x"][: self.config.pixel_bits] + (lower & shifted)),
@@ -155,7 +158,7 @@ class Tiler(wiring.Component):
         return m
 
     def _shape(self, m, element):
-        """Return the offered element's rows, and whether the one at hand is raised, or shifted."""
+        """Return the offered element's rows, and the raised and shifted bits of the held one."""
         shape = ShapeRows(m, element)
         raised, shifted = (Signal(name=name, reset_less=True) for name in ("raised", "shifted"))
         with m.If(self.i.ready):
@@ -166,7 +169,7 @@ class Tiler(wiring.Component):
         """Return the upper rows as masks, and note which tiles have a pixel."""
         masks = [Signal(BLOCK, name=f"mask_{k}", reset_less=True) for k in range(SIDE)]
         upper = Signal(self.across)  # the upper tiles that have a pixel, from the left
-        turned = Signal(self.across)  # those of which the half turn has one
+        turned = Signal(self.across)  # those whose half turn has one
         step = self.config.pixel_bits
         for n in range(self.across):
             reach = Cat(
@@ -182,13 +185,13 @@ class Tiler(wiring.Component):
         with m.If(self.i.ready):
             for row, mask in zip(shape.rows, masks, strict=True):
                 m.d.sync += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
-            # The lower half is the upper one turned: its left is the upper one's right.
+            # The lower half is the upper one's half turn: its left is the upper one's right.
             lower = turned[::-1] & ~element.mode.replicate(self.across)
             m.d.sync += left.eq(Cat(upper, lower) & ~element.end.replicate(len(left)))
         return masks
 
     def _turn(self, m, rows, turn_line, turn_column, lower, raised, column):
-        """Take the tile out of the rows; return its pixels by residue of line and column."""
+        """Select the tile from the rows; return its pixels by residue of line and column."""
         wide = self.config.pixels_per_word
         tile, by_line, turned = (
             [Signal(wide, name=f"{name}_{k}") for k in range(SIDE)]
@@ -216,9 +219,9 @@ class Tiler(wiring.Component):
         return turned
 
     def _lines(self, m, element, tile, top, lower):
-        """Place the tile's lines; return which of them lie in the image, by residue."""
-        # Groups of four lines from the block's first to the image's last, 0..4: 0 if it lies above,
-        # 4 stands for more.
+        """Set the slots of the tile's lines; return the lines in the image, by residue."""
+        # Groups of four lines from the block's first to the image's last, at most 4. It is 0 if the
+        # image ends above the block.
         groups = Signal(signed(len(top)))
         left = Signal(3, reset_less=True)
         m.d.comb += groups.eq((self.last_line >> 2) - (element.top >> 2) + 1)
@@ -228,7 +231,7 @@ class Tiler(wiring.Component):
         m.d.comb += here.eq(Mux(lower & left.any(), left - 1, left))
         inside = Signal(SIDE)
         for i in range(SIDE):
-            # Past a multiple of 4: in the group after the first row's.
+            # Past a multiple of 4: the line is in the group after the first row's.
             past = Signal(name=f"past_{i}")
             low = self.last_line[:2] >= i
             m.d.comb += [
@@ -246,10 +249,10 @@ class Tiler(wiring.Component):
         return inside
 
     def _columns(self, m, element, tile, x, place, column):
-        """Place the tile's columns; return which of them lie in the image, by residue."""
+        """Set the words of the tile's columns; return the columns in the image, by residue."""
         bits = self.config.pixel_bits
         last_word = self.last_column[bits:]
-        # Of the block's first word and those on its right, which lie in the image.
+        # Whether the block's first word, and each word right of it, lies in the image.
         inside = Signal(self.across + 1, reset_less=True)
         words_left = Signal(signed(self.config.word_bits + 1))
         m.d.comb += words_left.eq(last_word - element.x[bits:])
@@ -272,14 +275,14 @@ class Tiler(wiring.Component):
         return columns
 
     def _meets(self, m, tile, before):
-        """Return whether two tiles overlap: whether they have a pixel of the image in common."""
+        """Return whether two tiles overlap: whether they share a pixel of the image."""
         same, after, ahead = Signal(), Signal(), Signal()
         m.d.comb += [
             same.eq(tile.words[0] == before.words[0]),
             after.eq(tile.words[1] == before.words[0]),
             ahead.eq(tile.words[0] == before.words[1]),
         ]
-        # Which of their pixels they draw would be known too late, and says little more.
+        # The masks are not compared: they come too late, and would avoid few stalls.
         lines, columns = Signal(SIDE), Signal(self.config.pixels_per_word)
         for i in range(SIDE):
             m.d.comb += lines[i].eq(tile.group[i] == before.group[i])

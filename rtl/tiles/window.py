@@ -1,4 +1,4 @@
-"""The sliding window in lanes of pixels: the least silicon for small elements."""
+"""The sliding window of the tiles engine, in lanes of pixels: the smallest for small elements."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
@@ -22,43 +22,46 @@ SIDE = 4
 class TileWindow(wiring.Component):
     """Draws tiles into a window of lines that slides down the image.
 
-    The lane of a pixel is the residue of its line modulo 4 and of its column modulo a word's
-    pixels, so that a tile has each lane once, wherever it lies. Three stages: *request* (an address
-    a lane), *write* (the lanes write over what is behind; a flushed word stands on its lanes'
-    outputs) and *emit* (the word waits on ``raster``). A tile and a word that is flushed go
-    together if their rows of lanes differ; if not, the tile goes first, or the word (see
-    ``lagging``). In place of that word one of the initial raster goes, into lanes that the tile
-    leaves free, or alone (see ``pressing``). A word that ``raster`` does not take stops all three
-    stages.
+    The lane of a pixel is the residue of its line modulo 4, and of its column modulo the pixels of
+    a window word. A tile therefore uses each lane at most once, wherever it lies.
 
-    With ``flush_words`` 2 what is flushed is a pair of words. It keeps tiles from its lanes for one
-    cycle, and takes ``raster`` two: so a tile goes between two pairs, wherever it lies. And a tile
-    goes while marks are taken, if it leaves the row of lanes free whose marks they are.
+    The pipeline has three stages. *Request*: each lane gets an address. *Write*: each lane compares
+    depths and writes; a flushed word is on its lanes' outputs. *Emit*: the word waits on
+    ``raster``. All three stages stall while ``raster`` takes nothing.
 
-    A tile waits for a cycle if it has a pixel that the tile before it draws as well. After reset
-    the lanes are cleared, which takes as many cycles as a lane has pixels.
+    Arbitration: one tile and one service, a flush or a load, go in a cycle if they use different
+    rows of lanes. On a conflict the tile has priority over a flush, except while ``lagging``; and
+    over a load, except while ``pressing``, when the load goes alone.
 
-    **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle but
-    for that, for a cycle for each stretch of 32 words whose marks are taken (see
-    :class:`TileFlushScan`), and for words that go first; a word in two cycles of the initial
-    raster, and a word a cycle of ``raster``, of those that were written, but for what the flush
-    scan takes, for tiles that go first and for each other.
+    Hazards: a tile stalls for one cycle if it shares a pixel with the tile before it. No tile goes
+    while dirty bits are taken.
+
+    With ``flush_words`` 2 a flush is for a pair of words. It uses its lanes for one cycle and
+    ``raster`` for two, so a tile can go between two pairs. While dirty bits are taken, a tile can
+    go if it does not use the row of lanes of their line.
+
+    After reset the lanes are cleared, in as many cycles as a lane has pixels.
+
+    **Latency**: 5 cycles from a retired line to its first beat. **Throughput**: a tile a cycle,
+    less one cycle for a hazard, for each stretch of 32 words whose dirty bits are taken (see
+    :class:`TileFlushScan`) and for each service with priority. A load in two cycles. A dirty word a
+    cycle on ``raster``, less the cycles of the flush scan, of tiles with priority and of loads.
 
     Members
     -------
     i : In(stream of TileLayout)
-        Tiles in the order of their lines, which are in the window that begins at ``oldest`` and
-        were so a cycle before. An ``end`` token is taken once nothing more comes of its frame's
-        initial raster, and the frame before is out; then tiles of the next frame may follow.
+        Tiles in the order of their lines. Their lines are in the window that begins at ``oldest``,
+        and were in it a cycle before. An ``end`` token is taken once its frame's initial raster has
+        ended and the frame before is out. Tiles of the next frame may follow it.
     shade : In(colour_bits)
         Colour of the tile that is offered on ``i``.
     oldest : Out(signed(line_bits + 2))
-        First line of the window as far as it was loaded, of the frame that is drawn: negative while
-        one leaves.
+        First line of the window as far as it was loaded, in lines of the frame that is drawn:
+        negative while the frame before leaves.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
-        The words in which something was drawn, then an ``end`` beat.
+        The dirty words, then an ``end`` beat.
     last_column, last_line : In
         Size of the image less 1; steady until ``finished``, as is ``load``.
     load : In(1)
@@ -66,7 +69,7 @@ class TileWindow(wiring.Component):
     active : In(1)
         A frame is open: from its first code word until its ``end`` token is taken.
     closing : Out(1)
-        A frame whose ``end`` token was taken is not out.
+        A frame whose ``end`` token was taken is still leaving.
     finished : Out(1)
         High for one cycle: the frame's end beat goes into the emit stage.
     """
@@ -108,7 +111,7 @@ class TileWindow(wiring.Component):
         sweep = Signal(lane_address_bits(config))
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
-        swept = Signal(init=1)  # in the cycle before: the last pixels are still to be written
+        swept = Signal(init=1)  # a cycle later: the last pixels are still to be written
         m.d.sync += swept.eq(sweeping)
 
         connect(m, flipped(self.initial), loader.i)
@@ -127,40 +130,40 @@ class TileWindow(wiring.Component):
         # The service beside the tile: a load, or a flush.
         serving = Signal()  # a load
         service = self._service(m, flush_scan.flush.payload, loader.o.payload, serving)
-        line = Signal(SIDE)  # the row of lanes that it lies in
+        line = Signal(SIDE)  # its row of lanes
         m.d.comb += line.eq(1 << service.line[:2])
 
-        # Request: the tile, and a load or a flush, in rows of lanes that differ.
+        # Arbitration: a tile and a service go together if they use different rows of lanes.
         offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
         wanted = Signal(SIDE)  # rows of lanes that the tile draws into
         first, meeting, lagging = Signal(), Signal(), Signal()
-        pressing = Signal()  # a word of the initial raster goes, and no tile
-        drawn = Signal()  # in the cycle before
-        refused = Signal()  # a word of the initial raster, in the cycle before
+        pressing = Signal()  # a load goes, and no tile
+        drawn = Signal()  # a tile went in the cycle before
+        refused = Signal()  # a load was refused in the cycle before
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
         asks, taking = flush_scan.flush.valid, flush_scan.taking
         if pairs:
             taking = flush_scan.taking & meeting
-            asks = Signal()  # not while the pair before has its odd word to give
+            asks = Signal()  # not while the odd word of the pair before waits for its lanes
             m.d.comb += asks.eq(flush_scan.flush.valid & ~readout.busy)
         self._connect_flush_scan(m, flush_scan, loader, sweeping, sweep)
         m.d.comb += [
             offered.eq(self.i.valid & ~tile.end & ~pressing),
             going.eq(offered & running & ~swept & ~taking & ~conflict & ~(first & meeting)),
-            # What the lanes read is stale where they are still writing it: of the tile before if
-            # that went one cycle ago, and of it or of a word that left if all stood still since.
+            # Read-after-write hazard: the lanes still write the tile of the cycle before. After a
+            # stall they may also still clear a flushed word.
             conflict.eq((drawn & tile.meets) | stopped),
             self.i.ready.eq(going | close),
             first.eq(asks & lagging),
             meeting.eq(wanted.bit_select(flush_scan.oldest[:2], 1)),
-            # Whether the tile goes is known late; its lanes are kept for it in any case.
+            # ``going`` is late, so the tile's lanes are reserved whether it goes or not.
             wanted.eq(Cat(row.any() for row in tile.mask)),
             busy.eq(wanted & offered.replicate(SIDE) & ~(line & first.replicate(SIDE))),
-            # In turn with words that leave, where one of the two is refused.
+            # A load that was refused gives way to a flush, so the two alternate.
             serving.eq(loader.o.valid & (pressing | ~(asks & (refused | lagging)))),
-            # The line whose place it takes may have left since all stood still, while its last word
-            # is still cleared: there the port that writes would meet the one that loads.
+            # After a stall the line whose slot the load takes may have left, while its last word is
+            # still cleared. Then both ports of a lane would write one pixel.
             loading.eq(
                 serving
                 & running
@@ -177,7 +180,7 @@ class TileWindow(wiring.Component):
                 & ~sweeping
                 & ~serving
                 & (first | ~(offered & meeting))
-                # The line of a tile that stood still may leave since, while it is still written.
+                # After a stall the tile's line may be retired while its pixels are still written.
                 & ~(stopped & drawn)
             ),
             readout.flush.eq(flushing),
@@ -224,7 +227,7 @@ class TileWindow(wiring.Component):
             flush_scan.load.eq(line & loading.replicate(SIDE)),
             flush_scan.load_word.eq(loader.o.payload.word),
         ]
-        # Where no tile draws, what would be loaded is what would be marked.
+        # Rows of lanes without a tile take the address of the load.
         m.d.comb += flush_scan.lone.eq(~(wanted & offered.replicate(SIDE)))
         for i in range(SIDE):
             with m.If(flush_scan.lone[i]):
@@ -253,7 +256,7 @@ class TileWindow(wiring.Component):
         ]
 
     def _connect_flush_scan(self, m, flush_scan, loader, sweeping, sweep):
-        """Tell the flush scan which lines may leave, and have it clear all marks after reset."""
+        """Tell the flush scan which lines may leave; clear all dirty bits after reset."""
         m.d.comb += [
             flush_scan.top.eq(self.i.payload.top),
             self.oldest.eq(loader.front),

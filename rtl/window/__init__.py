@@ -1,4 +1,4 @@
-"""What both kinds of window share: loading an initial raster, and frames that overlap.
+"""Parts of both windows: the loader of an initial raster, and frame overlap.
 
 It imports ``contract`` and ``rtl.layouts``. Start with ``loader``.
 """

@@ -1,4 +1,4 @@
-"""From one frame to the next: the lines of the one leave while the other is being drawn."""
+"""Frame overlap: a frame is drawn while the lines of the one before leave."""
 
 from amaranth.hdl import Cat, Module, Signal, signed
 from amaranth.lib import wiring
@@ -10,43 +10,44 @@ __all__ = ["FrameOverlap"]
 
 
 class FrameOverlap(wiring.Component):
-    """Says where the window lies for the frame that is being drawn, and when the other is over.
+    """Gives the window's first line for the frame that is drawn, and the end of the frame before.
 
-    Line n of every frame stands in place n mod ``window_lines``, so the next frame's line 0 follows
-    the last line of the window's turn in which the frame ends. Once that frame is complete
-    (``close``), the window lies before the next frame, by one turn: at ``oldest`` modulo the turn,
-    less the turn; by two as long as lines of the frame that ends lie beyond the present turn
-    (``wraps``). The frame is over at the end of its turn, or once nothing at all is written.
+    Line n of every frame is in slot n mod ``window_lines``. The next frame's line 0 therefore comes
+    a lap after the lap in which the frame ends. Once a frame is complete (``close``), the window
+    lies one lap before the next frame: ``front`` is ``oldest`` modulo a lap, less a lap. It is less
+    two laps while the closed frame has dirty lines in the lap after the present one (``wraps``).
+    The frame is over at the end of its last lap, or once the window is clean.
 
     **Latency**: 0 cycles to ``front``; 1 from the last line that leaves to ``over``.
+    **Throughput**: a line a cycle.
 
     Members
     -------
     oldest : In(line_bits + 1)
-        First line in the window, of the frame that leaves.
+        First line in the window, in lines of the frame that leaves.
     line : In(line_bits + 1)
-        The line that leaves next: ``oldest``, or what is read ahead of it.
+        The line that leaves next: ``oldest``, or a line that is scanned ahead of it.
     leaves : In(1)
-        It leaves in this cycle; not while ``halted``.
+        ``line`` leaves in this cycle; never while ``halted``.
     wraps : In(1)
-        Something is written in this cycle into a place before that of ``line``: a turn ahead,
-        unless ``line`` moves on by many lines.
+        A slot before that of ``line`` is written in this cycle. The write is in the next lap,
+        unless ``line`` advances by many lines.
     clean : In(1)
-        Nothing in the window is written.
+        All lines of the window are clean.
     close : In(1)
-        The frame at hand is complete; not while ``closing``.
+        The frame that is drawn is complete; never while ``closing``.
     restart : In(1)
-        The frame that leaves is over, which ``over`` said: both are the same again.
+        The closed frame is over, as ``over`` showed: from now on one frame is drawn and leaves.
     closing : Out(1)
         The frame that leaves is not the one that is drawn.
     last : Out(1)
-        ``line`` is the last that can be left of a frame that was closed: no other follows.
+        ``line`` is the last line of a closed frame's last lap.
     halted : Out(1)
-        It has left.
+        This line has left.
     front : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn.
+        First line in the window, in lines of the frame that is drawn.
     over : Out(1)
-        Nothing of the frame that leaves is in the window any more.
+        The closed frame has left the window.
     """
 
     def __init__(self, config: EngineConfig):
@@ -65,10 +66,10 @@ class FrameOverlap(wiring.Component):
         """Build the circuit."""
         m = Module()
         bits = self.config.slot_bits
-        wrapped = Signal()  # lines may be written beyond the turn that ``line`` is in
+        wrapped = Signal()  # lines after the lap of ``line`` may be dirty
         turn_ends = Signal()
         turns = self.oldest[bits:] | self.closing.replicate(len(self.oldest) - bits)
-        # Where ``line`` is not ``oldest`` itself, it lies in the same turn or the next.
+        # ``line`` is in the same lap as ``oldest``, or in the next.
         two = wrapped | (self.line[bits] ^ self.oldest[bits])
         turn = turns[0] & ~(self.closing & two)
         m.d.comb += [

@@ -1,4 +1,4 @@
-"""Loading the initial raster: the previous engine's picture, or none."""
+"""The loader of the initial raster."""
 
 from amaranth.hdl import Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
@@ -13,19 +13,21 @@ __all__ = ["Loader"]
 class Loader(wiring.Component):
     """Offers the initial raster's words as their lines enter the window.
 
-    A word is copied into memory while its line is still background, beside whatever is drawn and
-    leaves elsewhere: an element waits until its lines have come, and a line until it has come
-    before it leaves. Beats outside the image are dropped, and words of lines above that of the word
-    before: once a line was waited for, those before it may be on their way out. A beat of two words
-    is written as a whole, even if the right one lies outside, where nothing ever leaves.
+    A word is loaded while its line is still background, in parallel with drawing and flushing on
+    other lines. Elements wait until their lines are loaded, and a line is not flushed before it is
+    loaded.
 
-    **Latency**: 1 cycle. **Throughput**: one beat in two cycles, the first of which tells whether
-    its line is in the window; or one a cycle that is dropped.
+    Beats outside the image are dropped. So are beats of a line above that of the beat before,
+    because that line may be retired. A beat of two words is written whole, even if the right word
+    lies outside the image, where no word is ever flushed.
+
+    **Latency**: 1 cycle. **Throughput**: one beat in two cycles, the first of which compares its
+    line with the window. A dropped beat takes one cycle.
 
     Members
     -------
     i : In(stream of LoadLayout)
-        The initial raster. Taken during a frame alone, and only if ``enable`` is set.
+        The initial raster. It is taken only during a frame, and only if ``enable`` is set.
     o : Out(stream of LoadLayout)
         Words to write, or beats of two; their lines are in the window.
     enable : In(1)
@@ -39,17 +41,16 @@ class Loader(wiring.Component):
     oldest : In(signed(line_bits + 2))
         First line in the window, of the frame that is drawn.
     restart : In(1)
-        The frame is complete: what comes is of the next one.
+        The frame is complete: further beats are of the next one.
     finished : Out(1)
-        No initial raster will come any more in this frame.
+        The frame's initial raster has ended.
     limit : Out(signed(line_bits + 2))
-        The lines above this one have received all of the initial raster that is meant for them.
-        Never falls during a frame, but among lines above the image. Means nothing once
-        ``finished``.
+        The lines above this one are loaded. It never falls during a frame, except among lines above
+        the image. Means nothing once ``finished``.
     front : Out(signed(line_bits + 2))
-        First line of the window as far as it was loaded, or ``oldest`` once ``finished``:
-        ``window_lines`` above ``limit``, or one less where they are more than eight, as nothing is
-        drawn into the last of them.
+        First line of the window as far as it was loaded: ``window_lines`` above ``limit``, or one
+        line less in a window of more than eight lines, whose last line is never drawn into. Once
+        ``finished`` it is ``oldest``.
     """
 
     def __init__(self, config: EngineConfig):
@@ -75,8 +76,8 @@ class Loader(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        # Nothing is drawn into the window's last line, whose place was left just now; but a window
-        # of eight lines has no other for the last row of a block.
+        # The window's last line is not drawn into, because its slot may still be cleared. A window
+        # of eight lines needs it for the last row of a block.
         lines = config.window_lines - (config.window_lines > BLOCK)
         beat = self.i.payload
         skip = config.raster_words - 1  # beats are compared
@@ -87,11 +88,11 @@ class Loader(wiring.Component):
         offered = Signal()
         ahead = Signal(signed(config.line_bits + 2))
         loaded = Signal.like(self.front, init=-lines)
-        limit = Signal.like(self.limit)  # so many lines below: an addition less on a long way
+        limit = Signal.like(self.limit)  # a register of its own saves an adder on a long path
         m.d.comb += [
             waiting.eq(self.i.valid & self.enable & self.active & ~ended),
             ahead.eq(beat.line - self.oldest),
-            # Not before the window: a line leaves when it lies above ``limit``.
+            # No line lies before the window, because only lines above ``limit`` leave.
             in_window.eq(~ahead[config.slot_bits :].any()),
             drop.eq(
                 beat.end
@@ -110,7 +111,7 @@ class Loader(wiring.Component):
         with m.If(waiting & beat.end):
             m.d.sync += ended.eq(1)
         with m.If(waiting & ~drop):
-            # One that waits below the window says that all lines of the window have come.
+            # If a beat waits below the window, all lines of the window are loaded.
             m.d.sync += [
                 loaded.eq(Mux(in_window, beat.line - lines, self.oldest)),
                 limit.eq(Mux(in_window, beat.line, self.oldest + lines)),
