@@ -172,7 +172,7 @@ sweep's first pixel is written.
 """
 
 
-def plan(name, shows, load, depth, *faults, long=False):
+def plan(name, shows, load, depth, *faults):
     """Return a proof of the window."""
     return Proof(
         name=name,
@@ -183,7 +183,7 @@ def plan(name, shows, load, depth, *faults, long=False):
         changes=CHANGES,
         faults=faults,
         slow=True,
-        long=long,
+        long=True,
     )
 
 
@@ -241,7 +241,6 @@ PROOFS = [
         0,
         16,
         Fault("a block goes where a beat does", BlockWindow, r"& ~\(first & meeting\)", ""),
-        long=True,
     ),
     plan(
         "window of blocks, initial raster",
