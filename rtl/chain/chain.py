@@ -21,11 +21,11 @@ from .merger import Merger
 __all__ = ["QUEUE", "Chain", "check_chain"]
 
 QUEUE = 256
-"""Beats that wait behind an engine. They lie in block RAM, of which more than a few take the same.
+"""Beats in the fifo behind an engine. They fill the block RAMs that even a few beats would take.
 
-An engine that is dealt columns waits for those left of it to end their line, and sends its own
-share of the line then: so the queue must hold some lines of that. With 32 beats two engines that
-have 31 words in a line take 1.8 times as long.
+An engine with a partition of columns sends its part of a line when the engines left of it have
+ended the line, so the fifo must hold its parts of some lines. With 32 beats, two engines that have
+31 words in a line take 1.8 times as long.
 """
 
 Place = Callable[[str, Callable[[], wiring.Component]], wiring.Component]
@@ -44,59 +44,59 @@ def check_chain(engines: int, link: str, queue: int = QUEUE) -> None:
 class Chain(wiring.Component):
     """Engines side by side, each with a part of the frame's elements and all with the same tables.
 
-    The picture is what one engine draws that is given the parts one after the other. The first
-    engine starts from the background or from the raster on ``initial``, as an engine by itself.
+    The picture is the same as if one engine drew the parts one after the other. The first engine
+    starts from the background or from the raster on ``initial``, like a single engine.
 
-    With the link ``merge`` each engine draws its part alone, from the background, and a
-    :class:`Merger` joins its raster with that of those before it. That costs no cycle of any
-    memory, and no engine waits for another one's lines. With ``load`` each engine loads what the
-    one before sends into its own window and draws over it: less silicon, but a word takes an engine
-    up to three cycles, and each engine stays eight lines behind the one before.
+    With the link ``merge`` each engine draws its part from the background, and a :class:`Merger`
+    joins its raster with that of the engines before it. This takes no memory cycles, and no engine
+    waits for another one's lines. With ``load`` each engine loads the raster of the engine before
+    it into its own window and draws over it. This needs less logic, but a word takes an engine up
+    to three cycles, and each engine stays eight lines behind the one before it.
 
-    Words in which nothing was drawn travel nowhere.
+    Only dirty words are sent.
 
-    **Frames**: they follow each other without a gap; an engine that is done goes on with the next
-    frame while others are at the last one, but not with the one after that. Table writes go to all
-    engines at once, when all are between the same two frames: a write that is offered waits for the
-    frames that were begun, and lets no further one begin. An engine that is ready earlier is shown
-    the same write until the others have it too, which changes nothing.
+    **Frames** follow each other without a gap. An engine may begin the next frame while others draw
+    the present one, but not the frame after that. Table writes go to all engines at once, when all
+    are between the same two frames. A write that is offered waits for the open frames and lets no
+    further one begin. An engine that is ready earlier sees a write to an unused address until all
+    are ready.
 
-    **Deadlock**: there is none, as long as no part waits for another: whoever feeds the chain must
-    offer the words of each stream whether or not another one's are taken. A merger that waits for
-    its own engine has emptied that engine's queue, so the engine can send; one that waits for the
-    link has emptied the link, so the merger before it can, or waits in turn. So of the engines that
-    are not at the end of their frame one can always go on.
+    **Deadlock**: none, if the streams of code words are independent: the source must offer the
+    words of each stream whether or not another one's are taken. A merger that waits for its own
+    engine has emptied that engine's fifo, so the engine can send. A merger that waits for the link
+    has emptied the link, so the merger before it can send, or waits in turn. At least one engine
+    that is not at the end of its frame can therefore always advance.
 
-    **Latency**: that of an engine, 3 cycles for its queue, and 2 for each merger (or queue, with
-    ``load``) behind. **Throughput**: all engines' together, but a word of the raster a cycle.
+    **Latency**: that of an engine, 3 cycles for its fifo, and 2 for each merger behind it (or fifo,
+    with ``load``). **Throughput**: the sum of the engines', but one raster word a cycle.
 
     Parameters
     ----------
     config
         The configuration of all engines.
     engines
-        How many there are, 1 to 64.
+        Number of engines, 1 to 64.
     link
         One of ``LINKS``.
     queue
-        Beats that may wait behind each engine, at least 2.
+        Beats in the fifo behind each engine, at least 2.
     place
-        Called for each part with its kind and what makes it, it returns what is put there: the
-        part, or something with its ports (:mod:`.chain_verilog`).
+        Function that is called for each part with its kind and its constructor. It returns the
+        part, or a component with the same ports (:mod:`splatline.flow.chain_verilog`).
 
     Members
     -------
     codewords_0, codewords_1, ... : In(stream of CodeWordLayout)
         The engines' parts of the frame, each sorted by line and with an end word of its own.
     tables : In(stream of TableWriteLayout)
-        Material table and frame registers of all engines; waits while a frame is open.
+        Writes to the tables of all engines; they wait while a frame is open.
     initial : In(stream of RasterLayout)
-        What the frame starts from, if the control register's load bit is set; else ignored.
+        The initial raster. It is ignored if the control register's load bit is clear.
     raster : Out(stream of RasterLayout)
-        The picture: the words in which something was drawn, sorted; then the end beat.
+        The picture: the dirty words in order, then the end beat.
     """
 
-    # As an engine by itself, by its configuration alone: all draw and are cleared side by side.
+    # The engines work in parallel, so these are the same as for a single engine.
     latency = Engine.latency
     clear_cycles = Engine.clear_cycles
 
@@ -158,7 +158,7 @@ class Chain(wiring.Component):
 
     def _frames(self, m, engines):
         """Let engines begin frames, and table writes between them."""
-        # Engines that have begun a frame that not all have: at most one frame lies between them.
+        # Engines that are one frame ahead of the slowest.
         ahead = Signal(len(engines))
         begins = Signal(len(engines))
         between = Signal()
@@ -181,7 +181,8 @@ class Chain(wiring.Component):
                 engine.codewords.payload.eq(words.payload),
                 engine.codewords.valid.eq(words.valid & may),
                 words.ready.eq(engine.codewords.ready & may),
-                # It is kept from beginning a frame, but writes nothing before all do.
+                # The write keeps the engine from opening a frame. Its address is unused until all
+                # engines are idle.
                 engine.tables.payload.data.eq(self.tables.payload.data),
                 engine.tables.payload.address.eq(Mux(all_idle, self.tables.payload.address, -1)),
                 engine.tables.valid.eq(self.tables.valid & between),

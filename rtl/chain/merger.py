@@ -1,4 +1,4 @@
-"""Joining two pictures on their way out: of every pixel the nearer one."""
+"""The merger: joins two rasters, and keeps the nearer of two pixels."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import stream, wiring
@@ -11,25 +11,25 @@ from splatline.rtl.lib.fifo import Fifo
 __all__ = ["Merger"]
 
 ROOM = 2
-"""Beats that a merger's way out holds: as few as let one pass in every cycle."""
+"""Beats in a merger's output fifo: the fewest with a throughput of one beat a cycle."""
 
 
 class Merger(wiring.Component):
-    """Joins two rasters into the one that drawing one over the other gives.
+    """Joins two rasters into one, as if ``own`` were drawn over ``before``.
 
-    Both come sorted. The beat of the lower place goes on; two of the same place become one beat,
-    which has the nearer of both at each pixel and the first of those of equal depth: what
-    ``before`` drew stays, as if ``own`` had been drawn over it with the depth test Z < stored. A
-    frame's end counts as the last of all places, so the two ends become one, and a frame never
-    meets the next.
+    Both rasters are sorted. The beat of the lower position goes first. Two beats of the same
+    position become one, with the nearer of the two pixels at each column. Of two equal depths the
+    pixel of ``before`` stays, as with the depth test Z < stored. The end beat counts as the highest
+    position, so the two ends become one, and frames never mix.
 
-    It waits until both sides offer a beat: what comes next on one could always precede the other.
-    A side that has nothing in many lines holds the other one up until its next beat or its end; so
-    both want a queue before them. It cannot lock up: it waits for one side only while the other
-    side's beat stands, and never for what comes behind a beat that it has not taken.
+    Stall: the merger waits until both sides offer a beat, because the next beat of one side could
+    precede that of the other. A side without beats for many lines stalls the other side until its
+    next beat or its end, so both need a fifo before them. There is no deadlock: the merger waits
+    for one side only while the other side offers a beat, and never for a beat behind one that it
+    has not taken.
 
-    No path leads from one port's ``ready`` to another's or from a beat to ``o``: each beat goes
-    through a queue.
+    No combinational path leads from one port's ``ready`` to another's, or from a beat to ``o``:
+    each beat goes through a fifo.
 
     **Latency**: 2 cycles. **Throughput**: a beat a cycle.
 
@@ -41,11 +41,11 @@ class Merger(wiring.Component):
     Members
     -------
     before : In(stream of RasterLayout)
-        What was drawn first.
+        The raster that is drawn first.
     own : In(stream of RasterLayout)
-        What was drawn over it.
+        The raster that is drawn over it.
     o : Out(stream of RasterLayout)
-        Both together.
+        The joined raster.
     """
 
     def __init__(self, config: EngineConfig):
@@ -59,8 +59,8 @@ class Merger(wiring.Component):
         m.submodules.way_out = way_out = Fifo(self.config, ROOM)
         before, own, joined = self.before.payload, self.own.payload, way_out.i.payload
 
-        first = Signal()  # the place of ``before`` lies before that of ``own``
-        second = Signal()  # the other way round; neither: they are the same
+        first = Signal()  # ``before`` has the lower position
+        second = Signal()  # ``own`` has it; neither: the positions are equal
         place_before, place_own = Cat(before.word, before.line), Cat(own.word, own.line)
         m.d.comb += [
             first.eq(~before.end & (own.end | (place_before < place_own))),

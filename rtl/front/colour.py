@@ -14,11 +14,13 @@ __all__ = ["ColourUnit"]
 
 
 class ColourUnit(wiring.Component):
-    """Gives each element its colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
+    """Computes each element's colour: ``I = min((I0 + kd D + ks S) >> shift, largest)``.
 
-    **Latency**: 1 cycle (table) to ``o``, one more (coefficients) and yet
-    another (products) to ``shade``; with rows of lanes yet another three (products, sums, ``shade``
-    itself).
+    The elements pass through the table's stage to ``o``. Their colours follow in stages that
+    advance with ``o`` and with ``moves``.
+
+    **Latency**: 1 cycle (table) to ``o``. Two more to ``shade`` (coefficients, products); in the
+    blocks engine four more (coefficients, products, their sums, ``shade`` itself).
     **Throughput**: one element a cycle.
 
     Members
@@ -28,10 +30,10 @@ class ColourUnit(wiring.Component):
     o : Out(stream of GeometryLayout)
         The same elements.
     moves : In(1)
-        The element that was last taken from ``o`` goes on to where it is drawn; with rows of lanes
-        to the next of three stages on the way there: multiplications, sums and the rest.
+        The element that was last taken from ``o`` advances to the window. In the blocks engine it
+        advances by one of three stages.
     shade : Out(colour_bits)
-        Colour of the element that last moved on, into the last stage.
+        Colour of the element that last advanced into the last stage.
     ambient : In(3 x ambient_bits)
         I0 of red, green and blue; steady during a frame.
     material : In(MaterialWriteLayout)
@@ -79,7 +81,7 @@ class ColourUnit(wiring.Component):
         #         = 2^(c+i+2) - 2 (2^c + 2^i) + 1 < 2^(c+i+2)         and fits c + i + 2 bits.
         # Nothing is negative, nothing wraps: a channel saturates where a bit above its own is set.
         #
-        # Neither a block RAM nor a multiplier is fast, so there is a register between them.
+        # A register between block RAM and multiplier, because both are slow.
         coefficients = Signal.like(table.data, name="coefficients", reset_less=True)
         diffuse = Signal(config.intensity_bits, reset_less=True)
         specular = Signal(config.intensity_bits, reset_less=True)
@@ -93,7 +95,7 @@ class ColourUnit(wiring.Component):
         for channel, name in enumerate(("red", "green", "blue")):
             kd = config.coefficient(0, channel)
             ks = config.coefficient(1, channel)
-            # With rows of lanes their sum: they have registers of their own.
+            # In the blocks engine this is their sum, and the products have their own registers.
             products = Signal(config.ambient_bits, name=f"products_{name}", reset_less=True)
             both = [
                 coefficients[kd.lsb : kd.end] * diffuse,
@@ -109,7 +111,7 @@ class ColourUnit(wiring.Component):
             total = Signal(config.ambient_bits + 1, name=f"sum_{name}")
             level = Signal(len(total) - config.colour_shift, name=f"level_{name}")
             m.d.comb += [
-                # Not beside the multiplication, which takes long enough.
+                # A stage after the multiplication, which is slow.
                 total.eq(products + self.ambient[channel]),
                 level.eq(total >> config.colour_shift),
             ]
@@ -125,7 +127,7 @@ class ColourUnit(wiring.Component):
         return m
 
     def _hold(self, m, value, name):
-        """Return the register of a value, of which each element has its own."""
+        """Return a register of a value, which advances with the elements."""
         held = Signal(len(value), name=name, reset_less=True)
         with m.If(self.moves):
             m.d.sync += held.eq(value)

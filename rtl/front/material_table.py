@@ -15,22 +15,21 @@ PORT_BITS = 36
 
 
 class MaterialTable(wiring.Component):
-    """Looks a material's coefficients up.
+    """Holds the coefficients of each material.
 
-    A table of up to 36 bits is written through one port and read through the other. A wider one
-    would fill two block RAMs to a quarter. It is cut into halves instead, which lie in one block
-    RAM at different addresses, and both ports write and read, each its own half. As a port has one
-    address for both, a write takes the place of a read; there are no elements to look up then,
-    because tables are written between frames.
+    A material of up to 36 bits is written through one port and read through the other. A wider one
+    is cut into halves, which lie in one block RAM at different addresses. Each port writes and
+    reads one half, so one block RAM is enough. A port has one address for both, so a write excludes
+    a read. Tables are written between frames, when no material is read.
 
     **Latency**: 1 cycle. **Throughput**: one material a cycle.
 
     Members
     -------
     write : In(MaterialWriteLayout)
-        A write into the table. Never while ``data`` is needed, if a material has over 36 bits.
+        A write into the table. With materials of over 36 bits it disturbs ``data``.
     enable : In(1)
-        High: ``data`` changes to the material at ``address``; low: it stays.
+        High: ``data`` changes to the material at ``address``. Low: ``data`` stays.
     address : In(material_bits)
         The material.
     data : Out(6 * coefficient_bits)
@@ -58,14 +57,14 @@ class MaterialTable(wiring.Component):
             shape=width,
             depth=parts << self.config.material_bits,
             init=[],
-            # Nothing is read while a material is written: writes go between frames.
+            # No material is read while one is written, because writes happen between frames.
             attrs={"ram_style": "block", "no_rw_check": 1},
         )
         if parts == 1:
             ports = [(self.write.address, self.address, self.enable)]
         else:
             shared = Signal(self.config.material_bits)
-            # Reading in every cycle of a write, too, is what the block RAM does by itself.
+            # A port of a block RAM reads in every cycle of a write.
             enable = Signal()
             m.d.comb += [
                 shared.eq(Mux(self.write.enable, self.write.address, self.address)),

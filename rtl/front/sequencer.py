@@ -1,4 +1,4 @@
-"""Line counting: turns code words into elements that know their line."""
+"""The sequencer: turns code words into elements with their line."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
@@ -13,10 +13,10 @@ __all__ = ["Sequencer"]
 class Sequencer(wiring.Component):
     """Follows the control words and gives each element the engine's current line.
 
-    Control words that advance the line end here; the end of the frame goes on as a token of its
-    own. A frame opens with its first code word, and only while ``admit`` is high.
+    Control words that advance the line are consumed here. The end word becomes an ``end`` token. A
+    frame opens with its first code word, and only while ``admit`` is high.
 
-    Nothing is stored of an element: the code word waits on ``i`` until its turn has come.
+    The sequencer stores no element: a code word waits on ``i`` until ``o`` takes it.
 
     **Latency**: 0. **Throughput**: one code word a cycle.
 
@@ -25,7 +25,7 @@ class Sequencer(wiring.Component):
     i : In(stream of CodeWordLayout)
         The code words.
     o : Out(stream of ElementLayout)
-        Elements, and an ``end`` token a frame. The line saturates far below every image.
+        Elements, and one ``end`` token a frame. The line saturates far below every image.
     admit : In(1)
         A new frame may open.
     open : Out(1)
@@ -64,7 +64,7 @@ class Sequencer(wiring.Component):
         ]
 
         element = self.o.payload
-        may = Signal()  # take a code word of the open frame, or open one
+        may = Signal()  # a frame is open, or may open
         m.d.comb += [
             may.eq(self.open | self.admit),
             self.o.valid.eq(self.i.valid & may & (~control | end)),

@@ -1,4 +1,4 @@
-"""Table writes: the frame registers, and the way to the material table."""
+"""Table writes: the frame registers, and the write port of the material table."""
 
 from amaranth.hdl import Module, Signal
 from amaranth.lib import data, stream, wiring
@@ -12,7 +12,7 @@ __all__ = ["MaterialWriteLayout", "RegistersLayout", "Tables"]
 
 
 class RegistersLayout(data.StructLayout):
-    """The frame registers: what holds for a whole frame."""
+    """The frame registers, which are constant during a frame."""
 
     def __init__(self, config: EngineConfig):
         super().__init__(
@@ -43,7 +43,7 @@ class Tables(wiring.Component):
     Members
     -------
     i : In(stream of TableWriteLayout)
-        The writes. Unknown addresses are taken and ignored.
+        The writes. A write to an unknown address is taken and ignored.
     idle : In(1)
         The engine is between frames; writes wait otherwise.
     registers : Out(RegistersLayout)

@@ -1,4 +1,4 @@
-"""What the shape ROM's two memories hold: the table folded, and each shape written down once."""
+"""The contents of the shape ROM's two memories: numbers of shapes, and each shape once."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from .table import EMPTY, FOLDED, folded_shapes
 __all__ = ["SMALLEST", "TINY", "ShapeContents", "shape_contents"]
 
 SMALLEST = 4
-"""Sizes below it share a row of numbers, as all of them together have few shapes."""
+"""Sizes below this one share a row of numbers, because together they have few shapes."""
 
 TINY = 3
-"""Bits of a number of theirs."""
+"""Bits of a number of such a size."""
 
 FRACTIONS = 4
-"""Of the upper half of a size over 8: a row of words for the two of four lines."""
+"""Fractions of the upper half of a size over 8. The two of the same lines share a word."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,14 @@ class ShapeContents:
     Parameters
     ----------
     numbers
-        By row (see ``_row_of``), then by n'x and n'y as in ``folded_shapes``: the place of a shape
-        in ``shapes``, or two of them side by side, the first in the lower bits. It is 0 for a
-        fraction without pixels. In place of the last one stand three numbers of ``TINY`` bits, of
+        By row (see ``_row_of``), then by n'x and n'y as in ``folded_shapes``: the number of a shape
+        in ``shapes``, or two of them side by side, the first in the lower bits. The number is 0
+        for a fraction without pixels. The last row holds three numbers of ``TINY`` bits instead, of
         the sizes 0 and 1 (which are the same), 2 and 3.
     shapes
-        SCANS, and above them a bit for each row that is empty. Place 0 has no shape: it is all 0.
+        SCANS, and above them a bit for each empty row. Entry 0 is no shape: all its bits are 0.
     abreast
-        Places in a word of numbers: 2 if there are sizes over 8, else 1.
+        Numbers in a word: 2 if there are sizes over 8, else 1.
     """
 
     numbers: list[int]
@@ -46,7 +46,7 @@ class ShapeContents:
 
     @property
     def number_bits(self) -> int:
-        """Bits of a place in ``shapes``."""
+        """Bits of a number of a shape."""
         return (len(self.shapes) - 1).bit_length()
 
     @property
@@ -61,11 +61,11 @@ class ShapeContents:
 
 
 def _row_of(size: int, fraction: int, abreast: int) -> tuple[int, int]:
-    """Return in which row a size's numbers stand, and where in its words.
+    """Return the row of a size's numbers, and their position in its words.
 
-    Sizes over 8 come first, by the three lowest bits of the size (16 before 9) and the fraction, a
-    left one beside the right one; then those of 4 to 8, and the numbers of the others. So a few
-    gates find it.
+    Sizes over 8 come first, by the three lowest bits of the size (16 before 9) and the fraction,
+    left and right in one word. Sizes 4 to 8 follow, and then the row of the smaller sizes. This
+    order needs few gates.
     """
     if size > BLOCK:
         return divmod(FRACTIONS * (size % BLOCK) + fraction, abreast)
@@ -75,7 +75,7 @@ def _row_of(size: int, fraction: int, abreast: int) -> tuple[int, int]:
 
 @functools.cache
 def shape_contents(config: EngineConfig) -> ShapeContents:
-    """Return what the ROM of a configuration holds.
+    """Return the contents of a configuration's ROM.
 
     Raises
     ------
@@ -111,6 +111,6 @@ def shape_contents(config: EngineConfig) -> ShapeContents:
 
 
 def _entry(scans: int) -> int:
-    """Return a shape with its rows' bits."""
+    """Return a shape with a bit for each empty row."""
     empty = [(scans >> 6 * row & 63) == (EMPTY & 63) for row in range(ROWS)]
     return scans | sum(flag << 6 * ROWS + row for row, flag in enumerate(empty))

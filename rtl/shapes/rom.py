@@ -1,4 +1,4 @@
-"""The shape ROM: compact words, which name a size and a normal, become plain code words."""
+"""The shape ROM: turns compact words into plain code words."""
 
 from __future__ import annotations
 
@@ -19,27 +19,28 @@ ROM_LATENCY = 3
 
 
 class ShapeRom(wiring.Component):
-    """Turns compact words into one or two code words and lets all others pass, in order.
+    """Turns each compact word into one or two code words, and passes plain ones, in order.
 
-    What a compact word means is in ``docs/contract.md``. Two block RAMs are read one after the
-    other: the first has the number of a shape by size and levels, the second the shape. Levels are
-    folded by their sign: an ellipse with both turned round is the same, with one it is mirrored,
-    which the logic after the memories does. A size over 8 gives the left and the right fraction of
-    four lines, of which the lower half is the upper one turned. The numbers of both stand in one
-    word of the first memory, so only fractions with pixels are looked up in the second.
+    ``docs/contract.md`` defines compact words. Two block RAMs are read one after the other. The
+    first holds the number of a shape by size and levels, the second the shape. Levels are stored
+    without their signs: an ellipse with both signs changed is the same, and with one it is
+    mirrored. The logic after the memories mirrors it. A size over 8 gives the left and the right
+    fraction of four lines. The lower four lines are the half turn of the upper ones. One word of
+    the first memory holds the numbers of both fractions, so the second memory is read only for
+    fractions with pixels.
 
-    **Latency**: 3 cycles, of every word, and one more of a right fraction behind its left one.
-    **Throughput**: a cycle a word that comes out, or that gives none: a size that the ROM does not
-    hold, or one whose fractions have no pixels or lie right of every image. That leaves no gap if
-    its follower waits.
+    **Latency**: 3 cycles for every word, and one more for a right fraction behind its left one.
+    **Throughput**: a word a cycle on ``o``. A compact word without a code word takes one cycle, or
+    none if its follower waits: its size is not in the ROM, or its fractions have no pixels or lie
+    right of every image.
 
     Parameters
     ----------
     config
-        Which ROM, and the widths; see :class:`EngineConfig`.
+        The sizes in the ROM, and all widths; see :class:`EngineConfig`.
     layout
-        What travels: a layout with at least ``mode``, ``scans`` and ``x``; a code word if not
-        given. All else is handed on.
+        Layout of both streams, with at least ``mode``, ``scans`` and ``x``; a code word's if not
+        given. Other fields pass unchanged.
 
     Members
     -------
@@ -70,8 +71,8 @@ class ShapeRom(wiring.Component):
         m.submodules.shapes = shapes = _rom(contents.shapes, contents.shape_bits)
         number, shape = numbers.read_port(), shapes.read_port()
 
-        # A stage moves on if the one after it does, or if it holds nothing; but the first one stays
-        # while it has more for the second.
+        # A stage advances if the next one does, or if it is empty. The first one stalls while it
+        # has a right fraction to give.
         more = Signal()
         gone = Signal()
         valid = Signal(ROM_LATENCY)
@@ -106,7 +107,7 @@ class ShapeRom(wiring.Component):
         return m
 
     def _ask(self, m: Module, moves, address) -> _Stage:
-        """Look the number up; return what is kept of the word meanwhile."""
+        """Read the number; return the registers of the word beside it."""
         config = self.config
         word = self.i.payload
 
@@ -119,7 +120,7 @@ class ShapeRom(wiring.Component):
         compact = Signal()
         large = Signal()
         mirror = Signal()  # left to right
-        turn = Signal()  # and top to bottom: the lower half of a size over 8
+        turn = Signal()  # top to bottom as well: the lower half of a size over 8
         # 4..8 as 0..4, and the smaller sizes as 5.
         low = Cat(Mux(size[2], size[0], ~size[3]), size[1] & size[2], ~size[2])
         row = Value.cast(low)
@@ -158,7 +159,7 @@ class ShapeRom(wiring.Component):
         return kept
 
     def _find(self, m: Module, moves, found: _Stage, numbers, place) -> _Stage:
-        """Pick the shape's place; it is 0, all of whose bits are, for a word with its own rows."""
+        """Select the shape's address. It is 0, where all bits are 0, for a word with own rows."""
         threes = [numbers[TINY * n :][:TINY] for n in range(SMALLEST - 1)]
         with m.If(moves):
             m.d.sync += place.eq(0)
@@ -173,9 +174,9 @@ class ShapeRom(wiring.Component):
     def _follow(self, m: Module, moves, asked: _Stage, found: _Stage, left, right, place):
         """Let the right fraction follow the left one; return whether it is still to come.
 
-        Where the left one has no pixel the right one comes at once, and where neither has, nothing.
+        If the left one has no pixels, the right one comes at once. If neither has, none comes.
         """
-        follows = Signal()  # the left one is past
+        follows = Signal()  # the left one has gone
         has_left = Signal()
         has_right = Signal()
         now_right = Signal()
@@ -194,7 +195,7 @@ class ShapeRom(wiring.Component):
         return has_right & ~now_right
 
     def _keep(self, m: Module, moves, stage: _Stage) -> _Stage:
-        """Return the stage after one, with what ``_show`` needs."""
+        """Return the next stage, with the fields that ``_show`` needs."""
         kept = _Stage(self.layout)
         with m.If(moves):
             m.d.sync += [
@@ -206,7 +207,7 @@ class ShapeRom(wiring.Component):
         return kept
 
     def _show(self, m: Module, shown: _Stage, shape):
-        """Offer the word with its rows, mirrored and turned."""
+        """Offer the word with its rows, mirrored or rotated by half a turn."""
         rows = [shape[6 * k :][:6] for k in range(ROWS)]
         empty = shape[6 * ROWS :]
         m.d.comb += self.o.payload.eq(shown.word)
@@ -215,7 +216,7 @@ class ShapeRom(wiring.Component):
             if self.full:
                 pixels = Mux(shown.turned, rows[ROWS - 1 - k], pixels)
                 without = Mux(shown.turned, empty[ROWS - 1 - k], without)
-            # Column c goes to 7 - c, and so do the ends change places; an empty row stays.
+            # Column c becomes 7 - c, so the ends of a row are swapped. An empty row stays.
             mirrored = Signal(name=f"mirrored_{k}")
             m.d.comb += [
                 mirrored.eq(shown.mirrored & ~without),
@@ -229,11 +230,14 @@ class ShapeRom(wiring.Component):
 
 
 class _Stage:
-    """What a stage keeps of a word while a memory is read.
+    """The registers of a stage, for a word whose memory is being read.
 
-    ``word``, its scans 0 if it was compact; ``unknown``: it gives nothing; ``second`` and ``kind``:
-    where its number stands in a word of numbers; ``wide``: there may be a right fraction;
-    ``mirrored`` and ``turned``: what is to be done with the shape.
+    - ``word``: its fields. The scans of a compact word are 0.
+    - ``compact``: it is a compact word.
+    - ``unknown``: it gives no code word.
+    - ``second`` and ``kind``: position of its number in a word of the first memory.
+    - ``wide``: it may have a right fraction.
+    - ``mirrored`` and ``turned``: mirror the shape, or take its half turn.
     """
 
     def __init__(self, layout: data.StructLayout):
@@ -248,7 +252,7 @@ class _Stage:
 
 
 def _rom(contents: list[int], bits: int) -> memory.Memory:
-    """Return a memory that is never written, in block RAM."""
+    """Return a read-only memory in block RAM."""
     return memory.Memory(
         shape=bits, depth=len(contents), init=contents, attrs={"ram_style": "block"}
     )
@@ -260,5 +264,5 @@ def _fold(level):
 
 
 def _held(size, full: bool):
-    """Return whether the ROM has a size: 16 or 8 and less."""
+    """Return whether a size is in the ROM: at most 16, or at most 8."""
     return ~size[4] | ~size[:4].any() if full else ~size[4] & (~size[3] | ~size[:3].any())

@@ -1,4 +1,4 @@
-"""What a code word's rows say: which pixels, and where the half that is turned lies."""
+"""The rows of a code word, and the position of their half turn."""
 
 from amaranth.hdl import Cat, Mux, Signal
 
@@ -6,29 +6,31 @@ __all__ = ["ShapeRows"]
 
 
 class ShapeRows:
-    """The four rows of an element's upper half, and the place of its lower one.
+    """Decodes the four rows of an element's upper half, and the position of its lower half.
 
-    Combinational; it is a part of the module whose ``m`` it is given.
+    It is combinational, and adds its logic to the module ``m``.
+
+    **Latency**: 0. **Throughput**: one element a cycle.
 
     Parameters
     ----------
     m
         The module.
     element
-        What the code word says, a view of :class:`GeometryLayout`.
+        The element, a view of :class:`GeometryLayout`.
 
     Attributes
     ----------
     rows
-        The ends of rows 0..3: four signals with ``first`` and ``last``, inclusive. Those of a
-        raised shape's row 3 come in the other order.
+        The ends of rows 0..3: four signals with ``first`` and ``last``, inclusive. Row 3 of a
+        raised shape has its ends swapped in the code word.
     filled
-        Which of them have pixels: 4 bits.
+        The rows with pixels: 4 bits.
     raised
-        The shape's middle lies half a line higher, in row 3: so that has no half turn, and the half
-        turns of rows 0..2 lie one line higher. Not in a fraction.
+        The centre lies half a line higher, in row 3. This row has then no half turn, and the half
+        turns of rows 0..2 lie one line higher. It is 0 in a fraction.
     shifted
-        The middle lies half a column further right, and what is turned one column. It means nothing
+        The centre lies half a column further right, and the half turn one column. It means nothing
         in a fraction.
     """
 

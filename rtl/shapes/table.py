@@ -1,7 +1,7 @@
 """The shapes of all sizes and normals, in integers, for the shape ROM.
 
-A level of n' is a ratio of two small integers, and so a pixel is inside an ellipse, or not, without
-rounding. The host's table comes from the same definition in floats; a test compares the two.
+A level of n' is a ratio of two small integers, so the test of a pixel against an ellipse is exact.
+The host's table has the same definition in floats. A test compares the two.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ LEVELS = 64
 """Levels of n'x and of n'y."""
 
 FOLDED = LEVELS // 2
-"""Levels that are left where the sign is set aside: level 63 - l is the opposite of level l."""
+"""Levels without their sign: level 63 - l is the opposite of level l."""
 
 SIZES = 2 * BLOCK + 1
 """Diameters: 0..16 pixels."""
@@ -57,7 +57,7 @@ def _shapes_of(size: int) -> np.ndarray:
     q = (2 * np.arange(half) + 1 - 2 * half)[:, None]
     metric = (p * p + q * q) * (b * d) ** 2 + (a * d * p + c * b * q) ** 2
     inside = metric <= (size * b * d) ** 2
-    # What covers no pixel's centre has the nearest pixel of the row above its own.
+    # An ellipse without a pixel's centre inside gets the nearest pixel of the row above its own.
     thin = ~inside.any(axis=(2, 3))
     nearest = metric[:, :, -1].argmin(axis=2)
     inside[..., -1, :] |= thin[..., None] & (np.arange(2 * half) == nearest[..., None])
