@@ -1,4 +1,4 @@
-"""AXI4-Stream ports: what they carry, and the registers that they end in."""
+"""AXI4-Stream ports: signatures, layouts and register slices."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class _Slice(wiring.Component):
 class RegisterSlice(_Slice):
     """A stream cut by registers in both directions, at its full rate.
 
-    Two payloads: one that is offered, and one that came while it waited.
+    It is a skid buffer with two payloads: one is offered, the other came while that one waited.
 
     **Latency**: 1 cycle. **Throughput**: a payload a cycle. See ``_Slice`` for
     parameters and members.
@@ -92,7 +92,7 @@ class RegisterSlice(_Slice):
 
 
 class HalfSlice(_Slice):
-    """A stream cut by registers in both directions, at half its rate and with half of them.
+    """A stream cut by registers in both directions, at half the rate, with half the registers.
 
     **Latency**: 1 cycle. **Throughput**: a payload in two cycles. See ``_Slice`` for
     parameters and members.

@@ -1,4 +1,4 @@
-"""A look at the code words on their way into the engine: what is wrong with their places."""
+"""Checks code words for positions out of range."""
 
 from __future__ import annotations
 
@@ -29,10 +29,9 @@ def end_word(config: EngineConfig):
 
 
 class CodeWordCheck(wiring.Component):
-    """Watches the code words that an engine takes; it holds nothing back.
+    """Checks the code words that an engine takes, and never stalls them.
 
-    The engine draws right whatever comes: it leaves out what lies outside. This says that there was
-    something to leave out.
+    The engine clips elements outside the image. The check reports that it had to.
 
     **Latency**: 1 cycle. **Throughput**: a word a cycle.
 
@@ -50,11 +49,11 @@ class CodeWordCheck(wiring.Component):
     last_column : In(x_bits), last_line : In(line_bits)
         Size of the image less 1.
     element : Out(1)
-        It was no control word.
+        The code word was an element.
     x_outside : Out(1)
-        It was an element whose X is beyond the last column.
+        The code word was an element with X beyond the last column.
     line_past : Out(1)
-        It was a step to a line y with y - 4 beyond the last line.
+        The code word was a step to a line y with y - 4 beyond the last line.
     """
 
     def __init__(self, config: EngineConfig):
@@ -75,7 +74,7 @@ class CodeWordCheck(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        # A register first: that a word is taken is known late in the cycle.
+        # A register first, because ``taken`` comes late in the cycle.
         taken = Signal()
         control = Signal()
         end = Signal()

@@ -1,4 +1,4 @@
-"""Packets become frames: whatever a packet holds, the engine sees one that ends once."""
+"""The stream guard: makes one frame of each packet."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ __all__ = ["StreamGuard"]
 class StreamGuard(wiring.Component):
     """Makes one frame of each packet.
 
-    A frame has an end of its own (the end word; the end beat), and a packet has TLAST. They should
-    come together. If TLAST comes first, an end is put in behind it. If the end comes first, what
-    follows up to TLAST is dropped. A word not all of whose bytes are kept is dropped; its TLAST
-    counts. So every packet becomes one frame, and the next packet the next.
+    A frame has an end (the end word, or the end beat), and a packet has TLAST. They should come
+    together. If TLAST comes first, an end is inserted after it. If the end comes first, the words
+    after it are dropped up to TLAST. A word with a byte missing is dropped, but its TLAST counts.
+    So every packet becomes exactly one frame.
 
     **Latency**: 0; 1 more for the first word of a packet. **Throughput**: a word a cycle, but for
     the cycle in which a packet opens and the one that puts in an end.
