@@ -1,6 +1,6 @@
 """The host: from a file to the code words that an engine draws.
 
-It imports ``contract``. Start with ``pipeline``, which calls the folders in their order: ``files``,
+It imports ``contract``. Start with ``pipeline``, which calls the folders in this order: ``files``,
 ``cloud``, ``visibility``, ``shading``, ``encode``.
 
 >>> from splatline import host, sim

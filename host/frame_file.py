@@ -1,4 +1,4 @@
-"""Frames on disk: the code words as they go over the wire, and a JSON sidecar with the rest."""
+"""Frames on disk: a file of code words as the engine takes them, and a JSON sidecar."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ VERSION = 2
 
 
 def sidecar_path(path: str | Path) -> Path:
-    """Return where the sidecar of a frame lies: beside it, with ``.json`` added to its name."""
+    """Return the path of a frame's sidecar: the frame's path with ``.json`` added."""
     path = Path(path)
     return path.with_name(path.name + ".json")
 
@@ -40,18 +40,18 @@ def save_frame(
     Parameters
     ----------
     frame
-        What to write.
+        The frame to write.
     path
         File for the code words; the sidecar's name is this and ``.json``.
     view
         The camera that the frame was made with, for the record.
     extra
-        More for the sidecar: plain values by name.
+        Further plain values for the sidecar, by name.
 
     Raises
     ------
     InputError
-        If a file cannot be written. None is ever left half-written.
+        If a file cannot be written. No file is left half-written.
     """
     sidecar = {
         "format": FORMAT,
@@ -114,9 +114,9 @@ def load_frame(path: str | Path) -> Frame:
 
 
 def describe_frame(frame: Frame) -> dict[str, Any]:
-    """Return what is in a frame: size, preset, word counts by kind and the ranges they span.
+    """Return a frame's size, preset, counts of code words by kind, and ranges of X and Z.
 
-    Compact words count as symmetric ones too, of which they are a kind.
+    Compact words are a kind of symmetric words, and count as these too.
     """
     config = frame.config
     words = frame.codewords
@@ -166,7 +166,7 @@ def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Fra
 
 
 def _are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
-    """Return which words are control words: MODE 1, and every row empty."""
+    """Return where the control words are: they have MODE 1, and every row is empty."""
     control = words >> np.uint64(config.mode.lsb) & np.uint64(1) == 1
     for row in range(4):
         first, last = config.first(row), config.last(row)
@@ -177,7 +177,7 @@ def _are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDA
 
 
 def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
-    """Return which words are compact: none for an engine without a shape ROM."""
+    """Return where the compact words are: nowhere for an engine without a shape ROM."""
     if config.shapes == "none":
         return np.zeros(len(words), np.bool_)
     mark = config.compact_mark

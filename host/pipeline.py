@@ -1,8 +1,9 @@
-"""The host's work from end to end: a cloud and a view in, frames for the engine out."""
+"""The pipeline: a cloud and a view in, frames for the engine out."""
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -32,7 +33,7 @@ __all__ = ["make_frame", "make_frames", "total_counts"]
 def make_frame(cloud: Cloud | Index, view: View, **options: Any) -> Frame:
     """Project, cull, shade, encode and sort a cloud, for one sample a pixel.
 
-    ``options`` are those of :func:`make_frames` but ``samples``, and so are the errors.
+    Options and errors are those of :func:`make_frames`, except ``samples``.
     """
     (frame,) = make_frames(cloud, view, 1, **options)
     return frame
@@ -52,43 +53,42 @@ def make_frames(
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
 ) -> list[Frame]:
-    """Project, cull, shade, encode and sort a cloud: frames whose mean has so many samples a pixel.
+    """Project, cull, shade, encode and sort a cloud: frames whose mean is the picture.
 
-    An engine has one sample a pixel, opaque or not. The mean of frames whose images are shifted by
-    parts of a pixel is the picture of as many samples: the accumulation buffer of Haeberli and
+    An engine draws one sample a pixel. Each frame's image is shifted by a part of a pixel, and the
+    mean of the frames has ``samples`` samples a pixel: the accumulation buffer of Haeberli and
     Akeley, *The accumulation buffer: hardware support for high-quality rendering*, SIGGRAPH 1990.
 
-    Each frame rounds its colours at another part of a level, which I0 tells the engine. Of four
-    frames that a colour is the same in, as many show the level above as there are quarters of a
-    level in it: so the mean of four frames has two bits of colour more, of sixteen four.
+    Each frame rounds colours at another fraction of a level, which I0 tells the engine. The mean of
+    four frames has two more bits of colour, of sixteen frames four.
 
     Parameters
     ----------
     cloud
-        The points; or their index (``build_index``), built once for many frames.
+        The points, or their index (``build_index``), which is built once for many frames.
     view
         The camera and the size of the image.
     samples
         One of ``SAMPLES``.
     radii
-        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``. An index
-        has them already.
+        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``. Not
+        given with an index, which has radii.
     lighting
-        Lights and surface; the default ones if not given.
+        Lights and surface; None: the default ones.
     materials
-        The cloud's palette; found if not given. An index has it already.
+        The cloud's palette; None: it is computed. Not given with an index, which has one.
     config
-        The engine to draw it.
+        The configuration of the engine.
     quality
         One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
     skips
-        What to leave out, by name; see ``SKIPS``. If ``no_pixel`` would leave nothing at all, it is
-        not applied.
+        Reasons to leave points out; see ``SKIPS``. ``no_pixel`` is ignored if it would leave
+        nothing.
     depth_range
-        Distances along the view of depth 0 and of the largest depth, so that frames of one view can
-        be put together; if not given, fitted to what the first frame that draws anything sees.
+        Distances along the view of depth 0 and of the largest depth; frames with the same range can
+        be combined. None: the range of the first frame that draws anything.
     shapes
-        One of ``SHAPE_SOURCES``: where the shapes of the quality ``paper`` come from.
+        One of ``SHAPE_SOURCES``: the source of the shapes of the quality ``paper``.
 
     Returns
     -------
@@ -102,61 +102,82 @@ def make_frames(
     Raises
     ------
     InputError
-        If there is no pattern of so many samples, or the image is larger than the engine's or shows
-        nothing of the cloud, or a radius is missing, negative or not finite; or if there is no
-        quality, skip or source of shapes of a given name, or the ROM does not go with the rest.
+        If an option has no such value, or the ROM does not go with the other options. If the image
+        is larger than the engine's, or shows nothing of the cloud. If a radius is missing, negative
+        or not finite.
     """
+    chosen = check_skips(skips)
+    _check_request(samples, view, config, quality)
+    check_shapes(shapes, quality, chosen, config)
+    clock = Stopwatch()
+    index = indexed(cloud, radii, materials, config, clock)
+    draw = functools.partial(
+        draw_up, index, lighting=lighting, config=config, quality=quality, shapes=shapes
+    )
+    frames = functools.partial(_frames_of_samples, draw, view, samples, depth_range)
+    found = _with_something(frames, chosen, index)
+    found[0].counts["seconds"] = {**clock.laps, **found[0].counts["seconds"]}
+    return found
+
+
+def _check_request(samples: int, view: View, config: EngineConfig, quality: str) -> None:
+    """Raise ``InputError`` if there are no such samples or quality, or the image is too large."""
     if samples not in SAMPLES:
         raise InputError(
             f"no pattern of {samples} samples; there are: {', '.join(map(str, SAMPLES))}"
         )
-    chosen = check_skips(skips)
     check_size(view.width, view.height, config)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
-    check_shapes(shapes, quality, chosen, config)
-    clock = Stopwatch()
-    index = indexed(cloud, radii, materials, config, clock)
 
-    def frames(left_out: frozenset[str]) -> list[Frame]:
-        found: list[Frame] = []
-        limits = depth_range
-        for number, (right, down) in enumerate(SAMPLES[samples]):
-            shift = view.shift[0] - right / 16.0, view.shift[1] - down / 16.0
-            frame = draw_up(
-                index,
-                dataclasses.replace(view, shift=shift),
-                left_out,
-                lighting=lighting,
-                config=config,
-                quality=quality,
-                depth_range=limits,
-                shapes=shapes,
-                rounding=(number + 0.5) / samples,
-            )
-            if limits is None and frame.counts["elements"]:
-                limits = tuple(frame.counts["depth_range"])
-            found.append(frame)
-        return found
 
-    found = _with_something(frames, chosen, index)
-    found[0].counts["seconds"] = {**clock.laps, **found[0].counts["seconds"]}
+def _frames_of_samples(
+    draw: Callable[..., Frame],
+    view: View,
+    samples: int,
+    depth_range: tuple[float, float] | None,
+    skips: frozenset[str],
+) -> list[Frame]:
+    """Return a frame for each sample, all with one depth range.
+
+    Parameters
+    ----------
+    draw
+        Returns the frame of a view; see ``draw_up``.
+    view
+        The view without a sample's shift.
+    samples, depth_range, skips
+        See :func:`make_frames`.
+    """
+    found: list[Frame] = []
+    limits = depth_range
+    for number, (right, down) in enumerate(SAMPLES[samples]):
+        shift = view.shift[0] - right / 16.0, view.shift[1] - down / 16.0
+        frame = draw(
+            dataclasses.replace(view, shift=shift),
+            skips,
+            depth_range=limits,
+            rounding=(number + 0.5) / samples,
+        )
+        if limits is None and frame.counts["elements"]:
+            limits = tuple(frame.counts["depth_range"])
+        found.append(frame)
     return found
 
 
 def _with_something(
     frames: Callable[[frozenset[str]], list[Frame]], skips: frozenset[str], index: Index
 ) -> list[Frame]:
-    """Return the frames of a picture, of which at least one draws something.
+    """Return the frames of a picture; at least one of them draws something.
 
     Parameters
     ----------
     frames
-        Makes them, with what is left out.
+        Returns the frames for a set of skips.
     skips
-        What to leave out. If that leaves nothing for ``no_pixel``, it is not applied.
+        Reasons to leave points out. ``no_pixel`` is ignored if it would leave nothing.
     index
-        What is drawn.
+        The points.
 
     Raises
     ------
@@ -170,7 +191,7 @@ def _with_something(
     if any(frame.counts["elements"] for frame in found):
         return found
     if culled["no_pixel"] and "no_pixel" in skips:
-        # Better a pixel for each than a picture of nothing.
+        # A picture of one pixel a point is better than an empty one.
         return _with_something(frames, skips - {"no_pixel"}, index)
     raise InputError(
         f"nothing of {index.cloud.name} is in view: of {len(index)} points, "
@@ -195,9 +216,10 @@ def check_size(width: int, height: int, config: EngineConfig) -> None:
 
 
 def total_counts(frames: Sequence[Frame]) -> dict[str, Any]:
-    """Return the counts of one picture's frames together: what was drawn and sent is added up.
+    """Return the counts of a picture's frames together.
 
-    ``points`` and what else is the same for all stays as it is, and ``samples`` is their number.
+    Counts of drawn and sent data are added. Other counts are those of the first frame. ``samples``
+    is the number of frames.
     """
     first, *others = (frame.counts for frame in frames)
     total = dict(first)

@@ -1,4 +1,4 @@
-"""Where the samples of a pixel lie."""
+"""Positions of the samples in a pixel, without imports, so that the command line starts fast."""
 
 __all__ = ["SAMPLES"]
 
@@ -12,5 +12,5 @@ SAMPLES = {
         *((-2, 6), (0, -7), (-4, -6), (-6, 4), (-8, 0), (7, -4), (6, 7), (-7, -8)),
     ),
 }
-"""Places of the samples, in sixteenths of a pixel right and down of its centre: the standard
-patterns of Direct3D 11. No two share a line or a column, so that an edge has as many shades."""
+"""Positions of the samples, in sixteenths of a pixel right and down of its centre: the standard
+patterns of Direct3D 11. No two samples share a line or a column, so an edge has as many shades."""

@@ -38,14 +38,14 @@ def draw_up(
     shapes: str,
     rounding: float = 0.5,
 ) -> Frame:
-    """Return a frame as :func:`make_frame` does, but one of nothing if nothing is in view.
+    """Return a frame as :func:`make_frame` does; the frame is empty if nothing is in view.
 
     Parameters
     ----------
     chosen
-        What to leave out, without exception.
+        Reasons to leave points out; all are applied.
     rounding
-        What of a colour's level is added before the engine cuts it off; see ``material_tables``.
+        Rounding offset of colours; see ``material_tables``.
     """
     clock = Stopwatch()
     lighting = lighting or Lighting()
@@ -97,7 +97,7 @@ def indexed(
     config: EngineConfig,
     clock: Stopwatch,
 ) -> Index:
-    """Return a cloud's index, built if need be; ``clock`` has the stages that this took."""
+    """Return a cloud's index, which is built if need be; ``clock`` gets its stages."""
     if isinstance(cloud, Index):
         if radii is not None or materials is not None:
             raise TypeError("an index has radii and materials already")

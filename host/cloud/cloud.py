@@ -23,13 +23,13 @@ class Cloud:
     colours
         Shape (n, 3), uint8: red, green, blue.
     two_sided
-        Shape (n,), bool: the normal was estimated, so its sign means nothing and is turned to the
-        viewer; such a point never faces away.
+        Shape (n,), bool: the normal was estimated. Its sign means nothing, and is chosen so that it
+        faces the viewer. Such a point never faces away.
     origin
-        Shape (3,), float64: the cloud's own centre. Keeping positions relative to it lets a scan in
-        map coordinates (10^7) draw as exactly as one at zero.
+        Shape (3,), float64: the cloud's own centre. Positions are relative to it, so a scan in map
+        coordinates (10^7) is drawn as exactly as one at zero.
     name
-        What to call it in reports.
+        Its name in reports.
     dropped
         Points left out when the cloud was read, by reason.
     """

@@ -8,10 +8,10 @@ import numpy.typing as npt
 __all__ = ["estimate_normals"]
 
 NEIGHBOURS = 16
-"""Points of a neighbourhood, the point itself included: enough to average a scanner's noise."""
+"""Points of a neighbourhood with the point itself: enough to average a scanner's noise."""
 
 MOST_NEIGHBOURS = 256
-"""Where neighbourhoods are grown to, if the points in them lie on a line or on one place."""
+"""Most points of a neighbourhood, which grows while its points lie on a line or at one position."""
 
 CHUNK = 1 << 16
 """Points at a time, so that the neighbourhoods of a large cloud fit the memory."""
@@ -30,8 +30,8 @@ def estimate_normals(
 
     It is the eigenvector of the smallest eigenvalue of the covariance of the nearest neighbours
     (Hoppe et al., "Surface reconstruction from unorganized points", 1992, section 3.2). Its sign
-    means nothing. Where the neighbours lie on a line or on one place, more of them are taken; if
-    that does not help, the result is some unit vector across what there is.
+    means nothing. If the neighbours lie on a line or at one position, more of them are taken. If
+    that does not help, the result is some unit vector across the points.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _estimate(points: _Floats, tree: object) -> _Floats:
 
 
 def _fit(points: _Floats, tree: object, neighbours: int) -> tuple[_Floats, npt.NDArray[np.bool_]]:
-    """Return normals, and where the neighbourhood is no more than a line."""
+    """Return normals, and where the neighbourhood is a line or a position."""
     _, index = tree.query(points, neighbours, workers=-1)  # type: ignore[attr-defined]
     index = index.reshape(len(points), neighbours)  # scipy drops the axis for one neighbour
     around = tree.data[index] - points[:, np.newaxis]  # type: ignore[attr-defined]

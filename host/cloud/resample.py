@@ -1,4 +1,4 @@
-"""A larger cloud on the same surface: for measurements of clouds of millions."""
+"""A larger cloud on the same surface, for measurements with millions of points."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ def resample(
 ) -> tuple[Cloud, npt.NDArray[np.float64]]:
     """Return a cloud of ``count`` points on the discs of another, and the radii of its own discs.
 
-    Each point lies at random, evenly by area, on the inner 0.6 of a random disc; the new discs are
-    smaller in the measure in which the points are more.
+    Each point lies at random, evenly by area, on the inner 0.6 of a random disc. The new discs have
+    together the area of the old ones if there are more points.
 
     Parameters
     ----------
     cloud
-        Whose surface to sample.
+        The cloud whose surface is sampled.
     radii
         Of its discs: shape (n,).
     count
@@ -38,7 +38,7 @@ def resample(
     across = rng.normal(size=(count, 3))
     across -= normals * np.einsum("ij,ij->i", normals, across)[:, np.newaxis]
     lengths = np.linalg.norm(across, axis=1)
-    # A random direction along the normal is as good as impossible; it stays at the middle.
+    # A random direction along the normal is next to impossible. The point stays at the middle.
     reach = 0.6 * radii[source] * np.sqrt(rng.random(count)) / np.where(lengths > 0, lengths, 1.0)
     sampled = dataclasses.replace(
         cloud,

@@ -1,4 +1,4 @@
-"""How far apart a cloud's points lie, and how large a disc each needs to close the surface."""
+"""The spacing of a cloud's points, and the radii of discs that close the surface."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .cloud import Cloud
 __all__ = ["point_spacing", "splat_radii"]
 
 NEIGHBOURS = 8
-"""Nearest other places that a point's spacing is measured from."""
+"""Nearest other positions from which a point's spacing is measured."""
 
 MOST_UNEVEN = 2.0
 """A point's spacing is at most this many times the median of its neighbours'."""
 
 COVER = 1.0
-"""Radius of a disc for a spacing of 1; a square grid is closed from 0.71 on. Measured with the
-symmetric shapes, whose whole-pixel places and sizes need the rest: below 1.0 holes multiply, above
-it small relief blurs."""
+"""Radius of a disc for a spacing of 1. A square grid is closed from 0.71 on; symmetric shapes, with
+positions and sizes of whole pixels, need more. Below 1.0 holes multiply, above it small relief
+blurs."""
 
 CHUNK = 1 << 17
 """Points at a time, so that the neighbours of a large cloud fit the memory."""
@@ -63,11 +63,11 @@ def splat_radii(cloud: Cloud, size: float | None = None) -> _Floats:
 def point_spacing(positions: _Floats) -> _Floats:
     """Return the distance between neighbours on the surface about each point.
 
-    The k nearest other places of a point lie within a disc that reaches to the farthest of them,
-    at d: each has an area of pi d^2 / k, and the spacing is the side of a square of that area.
-    (This is steadier than the distance to the nearest, which is short by chance.) Points at one
-    place count once. A stray point would come out as far from its neighbours as it strays, so the
-    spacing is held to ``MOST_UNEVEN`` times the median of the neighbours' own.
+    The k nearest other positions of a point lie in a disc whose radius d is the distance to the
+    farthest of them. Each has an area of pi d^2 / k, and the spacing is the side of a square of
+    that area. It is steadier than the distance to the nearest point, which is short by chance.
+    Points at one position count once. The spacing is at most ``MOST_UNEVEN`` times the median of
+    the neighbours' spacings, so that a stray point does not get a large disc.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def point_spacing(positions: _Floats) -> _Floats:
     Returns
     -------
     ndarray
-        Shape (n,), float64, above 0: 1 % of a unit if all points are at one place.
+        Shape (n,), float64, above 0: 1 % of a unit if all points are at one position.
     """
     from scipy.spatial import cKDTree
 
@@ -85,33 +85,33 @@ def point_spacing(positions: _Floats) -> _Floats:
     if extent == 0.0:
         return np.full(len(positions), 0.01)
     # In units of the cloud's own size, so that no square over- or underflows.
-    places, place = _distinct(positions / extent)
-    tree = cKDTree(places)
-    neighbours = min(NEIGHBOURS, len(places) - 1)
-    index = np.empty((len(places), neighbours), np.int32)
-    reach = np.empty(len(places))
-    for start in range(0, len(places), CHUNK):
+    distinct, number = _distinct(positions / extent)
+    tree = cKDTree(distinct)
+    neighbours = min(NEIGHBOURS, len(distinct) - 1)
+    index = np.empty((len(distinct), neighbours), np.int32)
+    reach = np.empty(len(distinct))
+    for start in range(0, len(distinct), CHUNK):
         part = slice(start, start + CHUNK)
-        # The nearest place is the point itself.
-        distance, nearest = tree.query(places[part], neighbours + 1, workers=-1)
+        # The nearest position is the point itself.
+        distance, nearest = tree.query(distinct[part], neighbours + 1, workers=-1)
         reach[part], index[part] = distance[:, -1], nearest[:, 1:]
     spacing = reach * math.sqrt(math.pi / neighbours)
     usual = np.empty_like(spacing)
-    for start in range(0, len(places), CHUNK):
+    for start in range(0, len(distinct), CHUNK):
         part = slice(start, start + CHUNK)
         usual[part] = np.median(spacing[index[part]], axis=1)
     spacing = np.minimum(spacing, MOST_UNEVEN * usual) * extent
-    return spacing if place is None else spacing[place]
+    return spacing if number is None else spacing[number]
 
 
 def _distinct(positions: _Floats) -> tuple[_Floats, npt.NDArray[Any] | None]:
-    """Return the places that points are at, and which of them each is at; None: one each."""
+    """Return the distinct positions, and the number of each point's; None if all are distinct."""
     order = np.lexsort(positions.T)
     ordered = positions[order]
     fresh = np.ones(len(positions), np.bool_)
     fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
     if fresh.all():
         return positions, None
-    place = np.empty(len(positions), np.int64)
-    place[order] = np.cumsum(fresh) - 1
-    return ordered[fresh], place
+    number = np.empty(len(positions), np.int64)
+    number[order] = np.cumsum(fresh) - 1
+    return ordered[fresh], number

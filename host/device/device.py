@@ -1,4 +1,4 @@
-"""What a driver needs of a device: registers, and streams in and out."""
+"""The interface of a device: registers, and streams in and out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class BusError(OSError):
 
 
 class DeviceTimeoutError(TimeoutError):
-    """A packet of the raster did not come to its end in time."""
+    """A packet of the raster did not end in time."""
 
 
 class Device(Protocol):
@@ -34,7 +34,7 @@ class Device(Protocol):
         """
 
     def write32(self, offset: int, value: int) -> None:
-        """Write the register at a byte offset; done when it returns.
+        """Write the register at a byte offset; the write is complete on return.
 
         Raises
         ------
@@ -45,7 +45,7 @@ class Device(Protocol):
     def send(
         self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None
     ) -> None:
-        """Start to send a packet of code words; it need not have been taken when this returns.
+        """Start to send a packet of code words; the device may take it later.
 
         Parameters
         ----------

@@ -29,14 +29,14 @@ __all__ = ["Driver", "Engine", "EngineError", "read_config"]
 
 
 class EngineError(RuntimeError):
-    """The engine said that something was wrong with a frame; it is ready for the next.
+    """The engine reported an error in a frame; it is ready for the next frame.
 
     Parameters
     ----------
     names
-        The bits of the register ERROR that were set.
+        Bits of the register ERROR that were set.
     beats
-        What it drew none the less; None if that is unknown.
+        The picture that it drew nevertheless; None if it is unknown.
     """
 
     def __init__(
@@ -55,26 +55,26 @@ def read_config(device: Device) -> EngineConfig:
     InputError
         If there is no engine, or one of another version of the registers.
     """
-    # These registers are the same for every configuration; of PAPER's map their places are used.
-    places = register_map(PAPER)
-    identity = device.read32(places["ID"].offset)
+    # These registers are the same for every configuration, so PAPER's map has their offsets.
+    registers = register_map(PAPER)
+    identity = device.read32(registers["ID"].offset)
     if identity != IDENTITY:
         raise InputError(
             f"the device is no Splatline engine: its ID is {identity:#010x}, not {IDENTITY:#010x}"
         )
-    major = places["VERSION"]["MAJOR"].place
-    found = device.read32(places["VERSION"].offset) >> major.lsb & major.mask
+    major = registers["VERSION"]["MAJOR"].place
+    found = device.read32(registers["VERSION"].offset) >> major.lsb & major.mask
     if found != VERSION[0]:
         raise InputError(f"the engine has version {found} of the registers, not {VERSION[0]}")
     names = {field.name for field in dataclasses.fields(EngineConfig)}
     values: dict[str, Any] = {}
-    for register in (places["CONFIG_0"], places["CONFIG_1"]):
+    for register in (registers["CONFIG_0"], registers["CONFIG_1"]):
         word = device.read32(register.offset)
         for field in register.fields:
             if field.name.lower() in names:
                 values[field.name.lower()] = word >> field.place.lsb & field.place.mask
     try:
-        # The registers say which one of what there is.
+        # The register holds a choice's number.
         for name, choices in CHOICES.items():
             values[name] = choices[values[name]]
         config = PAPER.replace(**values)
@@ -92,13 +92,13 @@ class Driver:
     Parameters
     ----------
     device
-        Where it is. Its configuration is read from its registers, and CONTROL.QUIET is set: on a
-        board an error of the bus would be a fault of the processor.
+        The device. The engine's configuration is read from its registers, and CONTROL.QUIET is set:
+        on a board, a bus error would be a processor fault.
 
     Raises
     ------
     InputError
-        If there is no engine, or one that this driver does not know.
+        If there is no engine, or the driver does not know it.
     """
 
     def __init__(self, device: Device) -> None:
@@ -114,7 +114,7 @@ class Driver:
         return self.device.read32(self.registers[register].offset) >> place.lsb & place.mask
 
     def set(self, register: str, **fields: int) -> None:
-        """Write a register whole; fields that are not named become 0."""
+        """Write a whole register; fields that are not named become 0."""
         word = 0
         for name, value in fields.items():
             place = self.registers[register][name].place
@@ -124,12 +124,12 @@ class Driver:
         self.device.write32(self.registers[register].offset, word)
 
     def write_tables(self, tables: Tables, width: int, height: int) -> None:
-        """Write the tables and the size of the frames to come; they stay until the next call.
+        """Write the tables and the image size of later frames, until the next call.
 
         Parameters
         ----------
         tables
-            Materials and I0. Of the materials those are written that have changed.
+            Materials and I0. Only materials that have changed are written.
         width, height
             Size of the image in pixels.
 
@@ -189,10 +189,10 @@ class Driver:
         Raises
         ------
         EngineError
-            If the engine found something wrong with the frame, or did not end it in time: then it
-            was aborted. In either case it is ready for the next.
+            If the engine found an error in the frame, or did not end it in time; then the frame was
+            aborted. In both cases the engine is ready for the next frame.
         DeviceTimeoutError
-            If not even an aborted frame's end came: the device does not answer.
+            If an aborted frame does not end either: the device does not answer.
         """
         if not len(codewords):
             raise InputError("a frame has at least its end word")
@@ -212,12 +212,12 @@ class Driver:
         return drawn
 
     def abort(self) -> None:
-        """End the frame that is open, and take what is still coming of it.
+        """End the open frame, and receive the rest of it.
 
         Raises
         ------
         DeviceTimeoutError
-            If its end does not come.
+            If the frame does not end.
         """
         self.set("CONTROL", QUIET=1, ABORT=1)
         self.device.receive()
@@ -238,14 +238,14 @@ class Driver:
         return [field.name for field in register.fields if word & field.mask]
 
     def clear(self, name: str) -> None:
-        """Clear the bits of a register that are set, of those that a written 1 clears."""
+        """Clear the set bits of a register that a written 1 clears."""
         register = self.registers[name]
         word = self.device.read32(register.offset) & register.writable
         if word:
             self.device.write32(register.offset, word)
 
     def widen(self, beats: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
-        """Return beats of a raster with as many limbs as the stream has: what a device is sent."""
+        """Return beats of a raster with as many limbs as the device's stream has."""
         place = self.registers["CONFIG_1"]["BEAT_BYTES"]
         wide = np.zeros((len(beats), place.reset // 8), np.uint64)
         wide[:, : beats.shape[1]] = beats
@@ -298,9 +298,9 @@ class Engine(Driver):
         Raises
         ------
         EngineError
-            If the engine found something wrong with the frame; the next is drawn right.
+            If the engine found an error in the frame; the next frame is not affected.
         ValueError
-            If what came back is no picture of that size.
+            If the beats are no picture of that size.
         """
         beats = self.draw_beats(codewords, None if initial is None else to_beats(initial))
         width, height = self.get("LAST_COLUMN") + 1, self.get("LAST_LINE") + 1

@@ -1,10 +1,10 @@
 """An engine on a PCIe board, behind AMD's XDMA core and its Linux driver.
 
-The core has an AXI4-Lite master, which reaches the registers, and streams to and from the card,
-which are the engine's. Its driver shows them as files: ``/dev/xdma0_user`` to be mapped into
-memory, ``/dev/xdma0_h2c_N`` to be written and ``/dev/xdma0_c2h_N`` to be read
+The core's AXI4-Lite master reaches the registers. Its streams to and from the card are the
+engine's. Its driver offers them as files: ``/dev/xdma0_user`` is mapped into memory,
+``/dev/xdma0_h2c_N`` is written and ``/dev/xdma0_c2h_N`` is read
 (https://github.com/Xilinx/dma_ip_drivers, XDMA). **No board has run this yet**: it is tested on
-files and pipes that behave as that driver says of its own.
+files and pipes that behave as the driver's documentation says.
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ from .driver import read_config
 __all__ = ["XdmaDevice"]
 
 CHUNK = 1 << 22
-"""Bytes that are read at most at once."""
+"""Most bytes of one read."""
 
 
 class XdmaDevice:
     """A board with an engine; use it in a ``with``, or call :meth:`close`.
 
-    The core's streams are as wide as the engine's, or a width converter lies between. A packet is
-    what one ``write`` sends: the files are opened with ``O_TRUNC``, by which some versions of the
-    driver are told to set TLAST, and to end a read where it is set.
+    The core's streams are as wide as the engine's, or a width converter lies between. One
+    ``write`` sends a packet. The files are opened with ``O_TRUNC``, which tells some versions of
+    the driver to set TLAST, and to end a read at TLAST.
 
     Parameters
     ----------
     card
-        What the names of the files begin with.
+        Prefix of the files' names.
     registers, codewords, initial, raster
-        Their further names: the registers, two streams to the card and one from it. ``initial`` may
-        be None if no frame starts from a raster.
+        Suffixes of the files' names: the registers, two streams to the card and one from it.
+        ``initial`` may be None if no frame starts from a raster.
     timeout
         Seconds after which :meth:`receive` gives up.
 
@@ -100,8 +100,8 @@ class XdmaDevice:
     ) -> None:
         """Start to write a packet of code words, and one of an initial raster.
 
-        A write returns once the engine has taken what it writes, which it may not do before beats
-        of the raster are read: so each stream is written by a thread.
+        A write returns once the engine has taken the data, and the engine may wait until beats of
+        the raster are read. So a thread writes each stream.
         """
         if initial is not None:
             if self._initial is None:
@@ -170,12 +170,12 @@ class XdmaDevice:
         self._senders[-1].start()
 
     def _release(self) -> None:
-        """Let go of the mapping, which cannot be closed while an array shows it."""
+        """Release the mapping, which cannot be closed while an array uses it."""
         del self._registers
 
 
 BYTES = 1 << 14
-"""Of the registers and the tables."""
+"""Bytes of the registers and the tables."""
 
 
 def _open(stack: contextlib.ExitStack, path: str, flags: int) -> int:

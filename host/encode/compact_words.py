@@ -1,4 +1,4 @@
-"""Compact words: an element's size and levels, for an engine that has the shapes in a ROM."""
+"""Compact words: an element's size and levels, for an engine with a shape ROM."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PARTS = 4
 """Groups of four lines of a shape of more than eight."""
 
 ROUNDING = 1e-6
-"""Pixels by which a shape may be higher than it is computed."""
+"""Pixels by which a shape may be higher than computed."""
 
 
 @nb.njit
@@ -45,11 +45,11 @@ def encode_compact(
     at: int,
     to: Any,
 ) -> int:
-    """Write a splat's words as ``encode_symmetric`` does, but without its scans.
+    """Write a splat's words as ``encode_symmetric`` does, but without scans.
 
-    Diameters of 2 up to ``largest`` go as compact words: one up to 8, and above one for every four
-    lines that may have a pixel. All others, and those that begin left of the image, or above it
-    (where a symmetric word cannot), go as plain words.
+    Diameters of 2 up to ``largest`` become compact words: one up to 8, and above one for every four
+    lines that may have a pixel. Other diameters become plain words. So do splats that begin left of
+    the image or above it, where no symmetric word can begin.
 
     Parameters
     ----------
@@ -82,6 +82,6 @@ def encode_compact(
 
 @nb.njit(inline="always")
 def _reach(size: int, slope_x: float, slope_y: float) -> float:
-    """Return how far an ellipse reaches above its centre: where ``row_span`` has no root left."""
+    """Return how far an ellipse reaches above its centre: beyond, ``row_span`` has no root."""
     across = 1.0 + slope_x * slope_x
     return 0.5 * size * math.sqrt(across / (across + slope_y * slope_y))

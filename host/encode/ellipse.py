@@ -1,9 +1,9 @@
-"""Exact footprints: the ellipse that a splat is on the image, at its true place, size and slant.
+"""Exact footprints: a splat's ellipse on the image, at its true position, size and slant.
 
 A disc's image is, to first order in its size, the ellipse ``A u^2 + 2 B u v + C v^2 <= r^2`` about
-its centre, u and v in pixels; ``in_perspective`` gives the true one of a disc for which that is not
-enough. Each line is cut where the ellipse crosses its pixels' centres. Most splats fit four lines
-of eight columns, one fraction; ``host.encode.large_splats`` has the others.
+its centre, u and v in pixels. ``in_perspective`` gives the true ellipse of a disc that needs it.
+Each line is cut where the ellipse crosses its pixels' centres. Most splats fit four lines of eight
+columns, one fraction; ``host.encode.large_splats`` encodes the others.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ def conic(a: float, b: float, slope_x: float, slope_y: float) -> tuple[float, fl
     d_z = -(n'x s + n'y t) and a, b the centre's x / z and y / z. |d|^2 is a quadratic form in s
     and t. (The paper leaves a and b out: they are small near the middle of the image.)
 
-    For a disc seen edge on A C and B^2 agree to many digits. The determinant is computed as the sum
-    of the squares of its minors instead, which loses none.
+    For a disc seen edge on, A C and B^2 agree to many digits. The determinant is therefore computed
+    as the sum of the squares of its minors, which loses no digits.
 
     Parameters
     ----------
     a, b
-        Where the centre lies: camera coordinates x / z and y / z.
+        The centre's x / z and y / z in camera coordinates.
     slope_x, slope_y
         n'x and n'y.
     """
@@ -74,7 +74,7 @@ def in_perspective(
     Q(w) <= (R / z)^2 (1 + n'.w)^2, with Q the conic's form: again a quadratic in w. Its determinant
     is that of Q less (R / z)^2 |n'|^2, since Q is |n'|^2 across n'.
 
-    A disc that reaches as far as the eye's plane, R >= z, has no ellipse; see
+    A disc that reaches the eye's plane, R >= z, has no ellipse; see
     ``host.encode.large_splats``.
 
     Parameters
@@ -130,18 +130,18 @@ def extent(centre: float, square: float) -> tuple[int, int]:
 
 @nb.njit(inline="always")
 def span(
-    most: float, turn: float, middle: float, inverse: float, width: int
+    most: float, used: float, middle: float, inverse: float, width: int
 ) -> tuple[int, int, bool]:
     """Return the first and last pixel of a row, and whether it has any.
 
     On the line dv below the centre the pixels' middle lies -B / A dv from the centre's column, and
     half their number is sqrt(A r^2 - (A C - B^2) dv^2) / A.
 
-    Free of branches, since no processor can foretell which rows are empty.
+    Branch-free: whether a row is empty is unpredictable.
 
     Parameters
     ----------
-    most, turn
+    most, used
         A r^2 and (A C - B^2) dv^2.
     middle
         Of the row, less half a pixel.
@@ -150,7 +150,7 @@ def span(
     width
         Of the image: the span is clipped to it.
     """
-    square = most - turn
+    square = most - used
     half = math.sqrt(square if square > 0.0 else 0.0) * inverse
     low, high = middle - half, middle + half
     low = low if low > 0.0 else 0.0
@@ -169,7 +169,7 @@ def row_code(first: int, last: int, filled: bool, begin: int) -> int:
 
 @nb.njit(inline="always")
 def covers_own_pixel(column: float, line: float, square: float, form: Any) -> bool:
-    """Return whether an ellipse covers the centre of the pixel that holds its own."""
+    """Return whether an ellipse covers the centre of the pixel that holds its centre."""
     dx, dy = math.floor(column) + 0.5 - column, math.floor(line) + 0.5 - line
     return form[0] * dx * dx + 2.0 * form[1] * dx * dy + form[2] * dy * dy <= square
 
@@ -180,7 +180,7 @@ def one_fraction(
 ) -> tuple[int, int, int, int]:
     """Return the fraction that holds all of a splat, if one does.
 
-    Its four rows are written out: nearly every splat comes here, and so it takes 25 ns less.
+    The four rows are written out, which saves 25 ns: nearly every splat comes here.
 
     Parameters
     ----------

@@ -16,34 +16,34 @@ from splatline.host.visibility.view import View
 
 from .quality import DEFAULT_QUALITY, QUALITIES
 from .shape_table import shape_table
-from .splat_loop import Fixed, encode_splats, measure_room
+from .splat_loop import Fixed, Occluders, Slots, encode_splats, measure_room
 
 __all__ = ["Encoded", "encode"]
 
 
 WAVES = 4
-"""Parts that are encoded one after the other where each may hide the next."""
+"""Parts that are encoded one after the other if each may hide the next."""
 
 TINY = 1.0 / float(np.finfo(np.float64).max)
-"""Depth range up to which its inverse overflows."""
+"""Largest depth range whose inverse overflows."""
 
 
 NOTHING = new_pyramid(1, 1, PAPER)
-"""Stands where nothing is looked up."""
+"""A pyramid for calls that look nothing up."""
 
 
 @dataclass(frozen=True)
 class Encoded:
-    """Code words in the order of their splats, before sorting: in chunks, with gaps between.
+    """Code words in the order of their splats, before sorting, in chunks with gaps between.
 
     Parameters
     ----------
     words
         Shape (slots,), uint64.
     lines
-        The engine's line that each is meant for: shape (slots,), int16.
-    turns
-        When each has its turn among the words of its line: shape (slots,), uint8.
+        The engine's line at which each is drawn: shape (slots,), int16.
+    keys
+        Sort key of each among the words of its line and column: shape (slots,), uint8.
     starts, stops
         The slots of each chunk: shape (chunks,), int64.
     counts
@@ -51,12 +51,12 @@ class Encoded:
     elements
         Splats that gave at least one word.
     hidden
-        Splats left out as they are behind others.
+        Splats left out because they are behind others.
     """
 
     words: npt.NDArray[np.uint64]
     lines: npt.NDArray[np.int16]
-    turns: npt.NDArray[np.uint8]
+    keys: npt.NDArray[np.uint8]
     starts: npt.NDArray[np.int64]
     stops: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int32]
@@ -82,32 +82,79 @@ def encode(
 ) -> Encoded:
     """Return the code words that draw splats.
 
-    Words that no pixel of the image needs are left out; those that cross the right or lower border
-    are left to the engine. Depths are linear over the range that the splats' centres span: the
-    nearest is 0, the furthest the largest that draws.
+    Words without a pixel in the image are left out. The engine clips words at the right and lower
+    border. Depths are linear over the range of the splats' centres: the nearest is 0, the furthest
+    is the largest depth that draws.
 
     Parameters
     ----------
     splats
-        What to draw.
+        The splats to draw.
     view
         Size of the image, its focal length, and where the view's axis meets it.
     config
-        Where the fields are.
+        The engine's configuration.
     quality
         One of ``QUALITIES``.
     nearest_pixel
-        Draw a splat that covers no pixel's centre as the pixel that holds it; else leave it out.
-        The symmetric shapes always have a pixel.
+        Draw a splat that covers no pixel's centre as the pixel that holds its centre, else leave it
+        out. Symmetric shapes always have a pixel.
     skip_hidden
-        Leave out splats that are wholly behind others; no pixel changes by it. Not with compact
-        words, which do not say what they cover.
+        Leave out splats that are wholly behind others; no pixel changes. Not with compact words,
+        whose rows are unknown here.
     compact
         Write the symmetric shapes that the engine's ROM holds as compact words.
     """
+    fixed = _fixed(splats, view, config, quality, nearest_pixel, compact)
+    chunks = len(splats.starts)
+    room = np.empty(chunks, np.int64)
+    source = (*splats.views(), splats.starts, splats.stops)
+    measure_room(source, fixed, room)
+    starts = np.concatenate([[0], np.cumsum(room)])
+    words = np.empty(starts[-1], np.uint64)
+    lines = np.empty(starts[-1], np.int16)
+    slots = Slots(
+        starts=starts[:-1],
+        stops=np.empty(chunks, np.int64),
+        keys=np.empty(starts[-1], np.uint8),
+        counts=np.zeros((chunks, view.height + ROWS), np.int32),
+        elements=np.empty(chunks, np.int64),
+        hidden=np.zeros(chunks, np.int64),
+    )
+    size = view.width, view.height
+    to = (words, lines, *size, config.x.lsb, config.z.lsb, config.background_depth - 1)
+    pyramid = new_pyramid(*size, config) if skip_hidden else NOTHING
+    occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
+    # Chunks that may hide others go first. Later chunks know what they hide.
+    nearest = np.argsort(splats.nearest, kind="stable")
+    for wave in np.array_split(nearest, WAVES) if skip_hidden else [nearest]:
+        encode_splats(wave, source, fixed, to, occluders, slots)
+        if skip_hidden:
+            cover(pyramid, words, lines, starts[wave], slots.stops[wave], config)
+    return Encoded(
+        words,
+        lines,
+        slots.keys,
+        slots.starts,
+        slots.stops,
+        slots.counts,
+        int(slots.elements.sum()),
+        int(slots.hidden.sum()),
+    )
+
+
+def _fixed(
+    splats: Splats,
+    view: View,
+    config: EngineConfig,
+    quality: str,
+    nearest_pixel: bool,
+    compact: bool,
+) -> Fixed:
+    """Return the values that all splats of a frame share; see :func:`encode`."""
     low, high = splats.depth_range
     middle_x, middle_y = view.middle
-    fixed = Fixed(
+    return Fixed(
         table=shape_table(),
         levels=level_slopes(),
         quality=list(QUALITIES).index(quality),
@@ -123,53 +170,8 @@ def encode(
         middle_x=middle_x,
         middle_y=middle_y,
     )
-    chunks = len(splats.starts)
-    room = np.empty(chunks, np.int64)
-    source = (*splats.views(), splats.starts, splats.stops)
-    measure_room(source, fixed, room)
-    starts = np.concatenate([[0], np.cumsum(room)])
-    words = np.empty(starts[-1], np.uint64)
-    lines = np.empty(starts[-1], np.int16)
-    turns = np.empty(starts[-1], np.uint8)
-    stops = np.empty(chunks, np.int64)
-    counts = np.zeros((chunks, view.height + ROWS), np.int32)
-    elements = np.empty(chunks, np.int64)
-    to = (
-        words,
-        lines,
-        view.width,
-        view.height,
-        config.x.lsb,
-        config.z.lsb,
-        config.background_depth - 1,
-    )
-    hidden = np.zeros(chunks, np.int64)
-    pyramid = new_pyramid(view.width, view.height, config) if skip_hidden else NOTHING
-    # Chunks that may hide others go first, and what they hide is known to those that follow.
-    nearest = np.argsort(splats.nearest, kind="stable")
-    for wave in np.array_split(nearest, WAVES) if skip_hidden else [nearest]:
-        encode_splats(
-            wave,
-            source,
-            fixed,
-            to,
-            skip_hidden,
-            pyramid.bound,
-            pyramid.coarse,
-            turns,
-            starts,
-            stops,
-            counts,
-            elements,
-            hidden,
-        )
-        if skip_hidden:
-            cover(pyramid, words, lines, starts[wave], stops[wave], config)
-    return Encoded(
-        words, lines, turns, starts[:-1], stops, counts, int(elements.sum()), int(hidden.sum())
-    )
 
 
 def _inverse(span: float) -> float:
-    """Return the inverse of a depth range; 0 for one so small that there is none."""
+    """Return the inverse of a depth range, or 0 if it would overflow."""
     return 1.0 / span if span > TINY else 0.0

@@ -1,4 +1,4 @@
-"""Symmetric elements of their true size and shape, with their middle at a half place."""
+"""Symmetric elements of their true size and shape, with their middle at a half pixel."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import numba as nb
 from splatline.contract.config import BLOCK, ROWS
 
 from .shape_table import EMPTY_SCANS
-from .write_words import ONE_PIXEL, corner, emit, put_block
+from .write_words import ONE_PIXEL, corner, put_block, write_fraction
 
-__all__ = ["encode_turned"]
+__all__ = ["encode_half_pixel"]
 
 
 @nb.njit(error_model="numpy")
-def encode_turned(
+def encode_half_pixel(
     column: float, line: float, square: float, form: Any, common: int, at: int, to: Any
 ) -> int:
     """Write an ellipse of up to 8 x 8 pixels, of its true size and shape, as one symmetric word.
 
-    Its middle is the corner of half pixels nearest to its centre; so it is its own half turn. Where
-    the word has no room for that, as what would say so is taken up by pixels, it is the nearest
-    whole line, or column. One that covers no pixel's centre there is drawn as the pixel that holds
-    its own.
+    The middle is the corner of half pixels nearest to the ellipse's centre, so the rows are their
+    own half rotation. If the rows leave no room to mark that middle, the nearest whole line or
+    column is used. An ellipse that covers no pixel's centre there is drawn as the pixel that holds
+    its centre.
 
     Parameters
     ----------
@@ -33,10 +33,10 @@ def encode_turned(
     square, form
         The ellipse; see :mod:`splatline.host.encode.ellipse`.
     common, at, to
-        See :func:`splatline.host.symmetric.encode_symmetric`.
+        See :func:`splatline.host.encode.paper_shapes.encode_symmetric`.
     """
     twice_x, twice_y = corner(2.0 * column), corner(2.0 * line)
-    # The nearest corner of half pixels; then its neighbours, of which one is a pixel's corner.
+    # Tries the nearest corner of half pixels, then its neighbours. One of them is a pixel's corner.
     off_x, off_y = 2.0 * column - twice_x, 2.0 * line - twice_y
     next_x, next_y = -1 if off_x < 0.0 else 1, -1 if off_y < 0.0 else 1
     x_first = abs(off_x) > abs(off_y)
@@ -52,16 +52,16 @@ def encode_turned(
             twice_x, twice_y = x, y
             break
     if scans == EMPTY_SCANS:
-        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+        return write_fraction(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
     return put_block(twice_x >> 1, twice_y + 1 >> 1, right, raised, scans, common, at, to)
 
 
 @nb.njit(inline="always")
 def _has_word(scans: int, right: int, raised: int, form: Any, square: float) -> bool:
-    """Return whether a symmetric word can say that the middle of these rows is where it is.
+    """Return whether a symmetric word has room to mark the middle of these rows.
 
-    A raised shape has seven lines, and more than a pixel in its middle one, whose ends are as even
-    as that says. One that lies half a column off has seven columns.
+    A raised shape has seven lines, and its middle line more than one pixel and the right parity. A
+    shape half a column to the right has seven columns.
     """
     if right:
         for row in range(ROWS):

@@ -1,4 +1,4 @@
-"""Large splats as fractions, each with the depth that the disc's plane has at its own place."""
+"""Large splats as fractions; each has the depth of the disc's plane at its position."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .write_words import put, quantised_depth
 __all__ = ["STEEP", "cut", "encode_fractions", "fraction_size"]
 
 STEEP = 3.0 / 512.0
-"""Share of the depth range, from corner to corner, beyond which ``exact`` halves a fraction: its
-pixels have one depth. By measured error against words and cycles; see decision 0005."""
+"""Share of the depth range from corner to corner beyond which ``exact`` halves a fraction, whose
+pixels have one depth. Chosen by measured error against words and cycles (decision 0005)."""
 
 
 @nb.njit(inline="always")
@@ -27,12 +27,12 @@ def fraction_size(change_x: float, change_y: float, steep: float) -> tuple[int, 
     Parameters
     ----------
     change_x, change_y
-        By how much its plane's depth changes from pixel to pixel, as shares of the depth range.
+        Change of the plane's depth from pixel to pixel, as shares of the depth range.
     steep
-        The most that it may change within a fraction, or else the fraction is half as large.
+        The largest change within a whole fraction; above it, the fraction is half as large.
     """
     across, down = abs(change_x), abs(change_y)
-    # What is not a number, as where the frame has no depth range, is not steep.
+    # NaN, from a frame without a depth range, is not steep.
     if (BLOCK - 1) * across + (ROWS - 1) * down > steep:
         if BLOCK * across >= ROWS * down:
             return BLOCK // 2, ROWS
@@ -42,9 +42,9 @@ def fraction_size(change_x: float, change_y: float, steep: float) -> tuple[int, 
 
 @nb.njit(inline="always")
 def cut(first: int, last: int, most: int, change: float) -> tuple[int, int]:
-    """Return where the first of as few parts as may be begins, and how long each is.
+    """Cut a splat into the fewest parts; return where the first begins, and their length.
 
-    One of them is cut short by ``first`` or ``last``: where the plane is further away, so that a
+    One part is cut short by ``first`` or ``last``: the one where the plane is further away. So a
     mirrored splat has mirrored fractions.
 
     Parameters
@@ -52,7 +52,7 @@ def cut(first: int, last: int, most: int, change: float) -> tuple[int, int]:
     first, last
         Lines or columns of a splat; last < first if it has none.
     most
-        How many a part may have.
+        Most lines or columns of a part.
     change
         Above 0 if the plane comes nearer from ``first`` to ``last``.
     """
@@ -76,22 +76,22 @@ def encode_fractions(
     at: int,
     to: Any,
 ) -> int:
-    """Write a splat's fractions; :mod:`splatline.host.encode.write_words` has ``at`` and ``to``.
+    """Write a splat's fractions; see :mod:`splatline.host.encode.write_words` for ``at``, ``to``.
 
-    Each has the depth that the disc's plane has at the mean place of its pixels. All are about as
-    large, so that none has pixels far from that place while others are small.
+    Each fraction has the depth of the disc's plane at the mean position of its pixels. All
+    fractions are about equally large, so that no pixel is far from that position.
 
     Parameters
     ----------
     column, line, square, form
-        As for :func:`splatline.host.exact.one_fraction`.
+        As for :func:`splatline.host.encode.ellipse.one_fraction`.
     plane
         The disc's plane: column and line of its centre, n'x and n'y over the focal length, the
         centre's distance along the view, the least distance and 1 over the depth range, the square
-        of the radius over the distance, the distance of the near plane, and what is steep (see
+        of the radius over the distance, the distance of the near plane, and ``steep`` (see
         :func:`fraction_size`).
     common
-        The words' bits that do not depend on the place.
+        The words' bits that do not depend on the position.
     """
     width, height, z_lsb, largest = to[2], to[3], to[5], to[6]
     is_open = plane[7] >= CLOSED
@@ -124,7 +124,7 @@ def encode_fractions(
             if pixels:
                 du = 0.5 * across / pixels - plane[0]
                 dv = begin_line + 0.5 * down / pixels - plane[1]
-                # Where the ray meets the plane; none does behind the eye.
+                # The ray meets the plane here, but not behind the eye.
                 nearer = 1.0 + plane[2] * du + plane[3] * dv
                 distance = plane[4] / nearer if nearer > 0.0 else math.inf
                 z = quantised_depth((distance - plane[5]) * plane[6], largest)
@@ -150,12 +150,12 @@ def _row(
 def _open_row(
     row: int, column: float, line: float, square: float, form: Any, plane: Any, width: int
 ) -> tuple[int, int]:
-    """Return a row of a disc that reaches behind the eye's plane: its image is no ellipse.
+    """Return a row of a disc that reaches behind the eye's plane; its image is no ellipse.
 
     The condition of ``in_perspective``, times the focal length squared and with (u, v) in pixels,
-    is F(u) = a u^2 + 2 h u + k <= 0 on a row; what is in front of the near plane has
-    0 < g = 1 + n'.(u, v) / focal <= z / near. Where g is 0, F is above 0; so one side of that
-    place holds the row's pixels, an interval.
+    is F(u) = a u^2 + 2 h u + k <= 0 on a row. A point beyond the near plane has
+    0 < g = 1 + n'.(u, v) / focal <= z / near. F is above 0 where g is 0, so the row's pixels are an
+    interval on one side of that position.
     """
     slope_x, slope_y = plane[2], plane[3]
     v = row + 0.5 - line

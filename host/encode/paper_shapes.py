@@ -1,4 +1,4 @@
-"""The paper's elements: whole places, whole diameters, shapes from the table."""
+"""The paper's elements: whole positions, whole diameters, shapes from the table."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from splatline.contract.config import BLOCK, ROWS
 from splatline.host.visibility.view import LARGEST
 
 from .shape_table import SIZES, row_span
-from .write_words import ONE_PIXEL, corner, emit, put_block, turned
+from .write_words import ONE_PIXEL, corner, half_turn, put_block, write_fraction
 
 __all__ = ["encode_symmetric"]
 
@@ -30,14 +30,14 @@ def encode_symmetric(
 ) -> int:
     """Write a splat's words; see :mod:`splatline.host.encode.write_words` for ``at`` and ``to``.
 
-    Diameters are rounded up: about a pixel corner a disc of 3 pixels covers no more than one of 2,
-    and rounding to nearest left three to ten times the holes (decision 0002).
+    Diameters are rounded up. About a pixel corner a disc of 3 pixels covers no more than one of 2,
+    and rounding to nearest leaves three to ten times the holes (decision 0002).
 
     - Diameters up to 1 pixel: the pixel that holds the centre, one fraction (MODE 1).
     - Up to 8: the shape table's block, its middle at the pixel corner nearest to the centre, one
       symmetric word (MODE 0); as two fractions where it crosses the upper or left border.
-    - Above: fractions of 8 x 4 pixels, from the table up to 16 and from the ellipse itself beyond;
-      one that covers no pixel's centre draws the pixel that holds its own.
+    - Above: fractions of 8 x 4 pixels, from the table up to 16 and from the ellipse itself beyond.
+      A splat that covers no pixel's centre is drawn as the pixel that holds its centre.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ def encode_symmetric(
     shape
         Levels of n'x and n'y.
     table, slopes
-        The shape table and what its levels stand for.
+        The shape table, and the slopes of its levels.
     common
         The words' bits that do not depend on the shape, Z among them.
     """
     size = math.ceil(min(diameter, 2.0 * LARGEST))
     if size <= 1:
-        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+        return write_fraction(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
 
     x, y = corner(column), corner(line)
     level_x, level_y = shape
@@ -68,12 +68,12 @@ def encode_symmetric(
         for fraction in range(4):
             scans = int(upper[fraction])
             dx, dy = BLOCK * (fraction % 2), ROWS * (fraction // 2)
-            at = emit(scans, x + dx, y - 2 * ROWS + dy, common, at, to)
-            at = emit(turned(scans), x + BLOCK - dx, y + ROWS - dy, common, at, to)
+            at = write_fraction(scans, x + dx, y - 2 * ROWS + dy, common, at, to)
+            at = write_fraction(half_turn(scans), x + BLOCK - dx, y + ROWS - dy, common, at, to)
         return at
     end = _encode_large(x, y, 0.5 * size, slopes[level_x], slopes[level_y], common, at, to)
     if end == at:  # so thin that it covers no pixel's centre
-        return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+        return write_fraction(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
     return end
 
 
@@ -102,7 +102,7 @@ def _encode_large(
                 last = min(x + b - begin, BLOCK - 1)
                 filled = first <= last
                 scans |= ((first | last << 3) if filled else 1) << 6 * row
-            at = emit(scans, begin, top, common, at, to)
+            at = write_fraction(scans, begin, top, common, at, to)
     return at
 
 

@@ -1,4 +1,4 @@
-"""Dealing a frame to the engines of a chain: each gets a sorted stream of its own."""
+"""Divides a frame among the engines of a chain; each gets a sorted stream of its own."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 
 from .partition_methods import DEFAULT_METHOD, METHODS
-from .sort_by_line import advance_word, end_word, in_turn
+from .sort_by_line import advance_word, end_word, interleaved
 
 __all__ = ["deal"]
 
 
 def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame]:
-    """Deal a frame's elements to engines.
+    """Divide a frame's elements among engines.
 
-    Every element goes to one engine; each part has control words of its own and an end word. The
-    parts drawn one over the other, the first one first, are what a chain draws. It is what one
-    engine draws of the frame, but for elements of equal depth on one pixel: of those the one in the
-    earlier part stays, and with ``columns`` the order in a line changes too.
+    Every element goes to one engine, and each part has its own control words and end word. A chain
+    draws the parts one over the other, the first part first. The picture is the one that a single
+    engine draws, except for elements of equal depth on one pixel: the element of the earlier part
+    stays, and ``columns`` also changes the order in a line.
 
-    A strip of columns keeps an engine's elements together, so that it has few words to send beside
-    those it draws. Its elements come from its two halves in turn: one that follows another into the
-    same pixel or word of memory costs a cycle. More parts would lie too close.
+    A strip of columns keeps an engine's elements together, so the engine sends few raster words.
+    The two halves of a strip alternate, as an element that follows another into the same memory
+    word costs a cycle.
 
     Parameters
     ----------
     frame
-        What to deal: any code words with an end word; those behind it are left out.
+        Any code words with an end word; code words behind it are left out.
     engines
-        How many parts to make, at least 1.
+        Number of parts, at least 1.
     method
         One of ``METHODS``.
 
@@ -86,14 +86,14 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
 
 
 def _fields(config: EngineConfig) -> npt.NDArray[np.int64]:
-    """Return where a control word's fields lie: rows (first, last), end bit, X and its mask."""
+    """Return the lowest bits of a control word's rows, of its end bit and X, and the mask of X."""
     rows = [place.lsb for row in range(ROWS) for place in (config.first(row), config.last(row))]
     return np.array([*rows, config.control_end.lsb, config.x.lsb, config.x.mask], np.int64)
 
 
 @nb.njit(cache=True)
 def _read(words: Any, fields: Any) -> tuple[Any, Any, bool]:
-    """Return the elements up to the end word, the line of each, and whether there is an end."""
+    """Return the elements up to the end word, their lines, and whether there is an end word."""
     elements = np.empty(len(words), np.uint64)
     lines = np.empty(len(words), np.int64)
     count, line = 0, 0
@@ -119,7 +119,7 @@ def _read(words: Any, fields: Any) -> tuple[Any, Any, bool]:
 
 @nb.njit(cache=True)
 def _by_line(lines: Any, engines: int) -> Any:
-    """Return the owners of whole lines: of each the engine with the fewest elements before it."""
+    """Return the owners of whole lines: each goes to the engine with the fewest elements so far."""
     owners = np.empty(len(lines), np.int64)
     loads = np.zeros(engines, np.int64)
     begin = 0
@@ -136,10 +136,10 @@ def _by_line(lines: Any, engines: int) -> Any:
 
 @nb.njit(cache=True)
 def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any, Any]:
-    """Return the order of the elements by line, engine and turn (of two), and each one's owner.
+    """Return the order of the elements by line and engine, and each one's owner.
 
-    The cuts of a line are where the running totals ask for them, so that over all lines the engines
-    have the same number of elements but for one, or a few where a line has fewer than engines.
+    Running totals over all lines give the cuts of a line. So the engines' numbers of elements
+    differ by one, or by a few if lines have fewer elements than there are engines.
     """
     count = len(columns)
     order = np.empty(count, np.int64)
@@ -167,8 +167,8 @@ def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any,
         for engine in range(engines):
             first, last = cuts[engine], cuts[engine + 1]
             for rank in range(first, last):
-                place = in_turn(rank - first, last - first, 2)
-                order[begin + first + place] = ranked[rank]
+                position = interleaved(rank - first, last - first, 2)
+                order[begin + first + position] = ranked[rank]
                 owners[begin + rank] = engine
         begin = end
     return order, owners
@@ -188,7 +188,7 @@ def _write(
 ) -> tuple[Any, Any]:
     """Return each engine's stream in a row of an array, and the streams' lengths.
 
-    No part has more words than the whole: an advance joins those that led to the same line.
+    No part has more words than the frame, as it has at most one advance for each of the frame's.
     """
     parts = np.empty((engines, room), np.uint64)
     sizes = np.zeros(engines, np.int64)

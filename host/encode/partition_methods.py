@@ -1,4 +1,4 @@
-"""The ways of dealing a frame's elements to the engines of a chain."""
+"""The ways of dividing a frame's elements among the engines of a chain."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ METHODS = {
     "elements": "one element after the other, round robin",
     "lines": "whole lines, each to the engine that has the fewest elements so far",
 }
-"""Ways of dealing; what they cost is measured in ``docs/bench/chain.md``."""
+"""Names and meanings; ``docs/bench/chain.md`` has their cycles."""
 
 DEFAULT_METHOD = "columns"

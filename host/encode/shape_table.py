@@ -1,4 +1,4 @@
-"""The shape table: which pixels the ellipse of a quantised size and normal covers.
+"""The shape table: the pixels of the ellipse of each quantised size and normal.
 
 A pixel whose centre lies (dx, dy) from the ellipse's is inside where
 ``dx^2 + dy^2 + (n'x dx + n'y dy)^2 <= r^2`` (the paper's Figure 1 and equation 1).
@@ -28,7 +28,7 @@ EMPTY_SCANS = 0b000001_000001_000001_000001
 
 @nb.njit(inline="always")
 def row_span(dy: float, slope_x: float, slope_y: float, radius: float) -> tuple[float, float]:
-    """Return where the ellipse crosses a row: (left, right), left > right if it does not.
+    """Return the ends of the ellipse on a row: (left, right); left > right if it misses the row.
 
     Solves (1 + n'x^2) dx^2 + 2 n'x n'y dy dx + (1 + n'y^2) dy^2 - r^2 <= 0 for dx.
     """
@@ -50,14 +50,13 @@ def shape_table() -> npt.NDArray[np.uint32]:
     corner of the pixel grid.
 
     Diameters up to 8 have the four upper rows of an 8 x 8 block in fraction 0; the lower four
-    are their half turn (MODE 0). Diameters 9..16 have the upper eight rows of a 16 x 16 block:
+    are their half rotation (MODE 0). Diameters 9..16 have the upper eight rows of a 16 x 16 block:
     fractions 0 and 1 hold columns 0..7 and 8..15 of rows 0..3, fractions 2 and 3 of rows 4..7; the
-    lower rows are their half turn. Fractions that hold nothing are ``EMPTY_SCANS``.
+    lower rows are their half rotation. Empty fractions are ``EMPTY_SCANS``.
 
-    No entry is wholly empty, so that a closed surface gets no holes at its silhouette: an ellipse
-    that covers no pixel's centre has the pair of pixels, each other's half turn, nearest to its
-    centre in the ellipse's own metric. (Diameters 0 and 1 are drawn as one pixel and do not use
-    their entries.)
+    No entry is empty, so that a closed surface gets no holes at its silhouette. An ellipse that
+    covers no pixel's centre has the two pixels nearest to its centre in the ellipse's own metric.
+    (Diameters 0 and 1 are drawn as one pixel and do not use their entries.)
     """
     return _build_table(level_slopes())
 
@@ -88,7 +87,7 @@ def _build_table(slopes: Any) -> Any:
 
 @nb.njit(inline="always")
 def _set_row(fractions: Any, row: int, first: int, last: int) -> None:
-    """Write a row of a block into the fractions it lies in."""
+    """Write a row of a block into its fractions."""
     for part in range(2):
         low = max(first - BLOCK * part, 0)
         high = min(last - BLOCK * part, BLOCK - 1)
@@ -101,7 +100,7 @@ def _set_row(fractions: Any, row: int, first: int, last: int) -> None:
 
 @nb.njit
 def _nearest_column(half: int, slope_x: float, slope_y: float) -> int:
-    """Return the column of the nearest pixel, by the ellipse's metric, of the row above it."""
+    """Return the pixel nearest by the ellipse's metric in the row above its centre."""
     nearest = half
     least = math.inf
     for column in range(2 * half):

@@ -13,14 +13,14 @@ from splatline.contract.config import EngineConfig
 from .encode import Encoded
 from .shape_table import EMPTY_SCANS
 
-__all__ = ["advance_word", "end_word", "in_turn", "sort_by_line"]
+__all__ = ["advance_word", "end_word", "interleaved", "sort_by_line"]
 
 
-TURNS = 256
-"""Values that a turn has."""
+KEYS = 256
+"""Values of a sort key."""
 
 STRIPS = 4
-"""Parts of a line that its words come from in turn."""
+"""Strips of columns of a line; its words come from them alternately."""
 
 
 def advance_word(lines: int, config: EngineConfig) -> int:
@@ -36,15 +36,13 @@ def end_word(config: EngineConfig) -> int:
 def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np.uint64], int]:
     """Return a frame's stream: the words by line, control words between, the end word last.
 
-    A counting sort, in parallel: each chunk of words knows how many of each line come before it.
-    Consecutive lines with words cost one control word, whatever lies between them, unless the gap
-    is beyond what X holds.
+    It is a counting sort in parallel: each chunk of words knows how many of each line come before
+    it. Each line with words costs one control word, unless the gap before it is more than X holds.
 
-    An element that follows another into the same word of the engine's memory costs it a cycle, and
-    with further colour planes one that follows it but one. So a line's words are sorted by their
-    columns, cut into four strips, and come from these in turn: two that follow each other are a
-    quarter of the line's words apart. Words of one column come by their turns, and of one turn in
-    their order.
+    An element costs the engine a cycle if it follows another into the same memory word. A line's
+    words are therefore sorted by column and cut into four strips, which alternate: two consecutive
+    words are a quarter of the line's words apart. Words of one column are sorted by key, and words
+    of one key keep their order.
 
     Parameters
     ----------
@@ -72,40 +70,40 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     total = int(ends[-1]) if len(used) else 0
     stream = np.empty(total + 1, np.uint64)
     _write_controls(stream, starts[used], gaps, steps, config)
-    words, turns = np.empty(total, np.uint64), np.empty(total, np.uint8)
-    turned = np.empty(total, np.uint64)
-    places = np.cumsum(counts) - counts  # of each line's words without control words
-    before += places
+    words, keys = np.empty(total, np.uint64), np.empty(total, np.uint8)
+    by_key = np.empty(total, np.uint64)
+    positions = np.cumsum(counts) - counts  # of each line's words without control words
+    before += positions
     _by_line(
         encoded.words,
         encoded.lines,
-        encoded.turns,
+        encoded.keys,
         encoded.starts,
         encoded.stops,
         before,
         words,
-        turns,
+        keys,
     )
-    _by_turn(words, turns, places, counts, turned)
-    _by_column(turned, places, counts, starts, (config.x.lsb, config.x.mask), stream)
+    _by_key(words, keys, positions, counts, by_key)
+    _by_column(by_key, positions, counts, starts, (config.x.lsb, config.x.mask), stream)
     stream[-1] = end_word(config)
     return stream, int(steps.sum()) + 1
 
 
 @nb.njit(inline="always")
-def in_turn(rank: int, count: int, strips: int) -> int:
-    """Return the turn of the word with a rank among ``count``, if strips of them take turns.
+def interleaved(rank: int, count: int, strips: int) -> int:
+    """Return where the word with a rank among ``count`` goes if strips of them alternate.
 
-    The first strips have a word more, if the words do not go into them evenly.
+    The first strips have one word more if the count is no multiple of the strips.
     """
     shortest, longer = divmod(count, strips)
     head = longer * (shortest + 1)  # words of the strips that have one more
     if rank < head:
-        strip, place = divmod(rank, shortest + 1)
+        strip, position = divmod(rank, shortest + 1)
     else:
-        strip, place = divmod(rank - head, shortest)
+        strip, position = divmod(rank - head, shortest)
         strip += longer
-    return strips * place + strip
+    return strips * position + strip
 
 
 def _control(config: EngineConfig) -> int:
@@ -119,7 +117,7 @@ def _write_controls(
     steps: npt.NDArray[np.int64],
     config: EngineConfig,
 ) -> None:
-    """Write the control words before each used line: the largest steps, and what is left first."""
+    """Write the control words before each used line, the remainder of a long gap first."""
     furthest = config.x.mask
     longest = int(steps.max(initial=0))
     for back in range(1, longest + 1):  # once, unless a gap is beyond what X holds
@@ -134,56 +132,56 @@ def _write_controls(
 def _by_line(
     words: Any,
     lines: Any,
-    turns: Any,
+    keys: Any,
     begins: Any,
     ends: Any,
     before: Any,
     sorted_words: Any,
-    sorted_turns: Any,
+    sorted_keys: Any,
 ) -> None:
-    """Bring the words of each line together; each chunk knows the places of its own."""
+    """Bring the words of each line together; each chunk knows where its own go."""
     for chunk in nb.prange(len(begins)):
-        places = before[chunk]
+        positions = before[chunk]
         for i in range(begins[chunk], ends[chunk]):
-            place = places[lines[i]]
-            places[lines[i]] = place + 1
-            sorted_words[place] = words[i]
-            sorted_turns[place] = turns[i]
+            position = positions[lines[i]]
+            positions[lines[i]] = position + 1
+            sorted_words[position] = words[i]
+            sorted_keys[position] = keys[i]
 
 
 @nb.njit(parallel=True, cache=True)
-def _by_turn(words: Any, turns: Any, places: Any, counts: Any, turned: Any) -> None:
-    """Sort each line's words by their turns."""
+def _by_key(words: Any, keys: Any, positions: Any, counts: Any, by_key: Any) -> None:
+    """Sort each line's words by their keys."""
     for line in nb.prange(len(counts)):
         if counts[line]:
-            begin, end = places[line], places[line] + counts[line]
-            following = np.zeros(TURNS + 1, np.int64)
+            begin, end = positions[line], positions[line] + counts[line]
+            following = np.zeros(KEYS + 1, np.int64)
             for i in range(begin, end):
-                following[turns[i] + 1] += 1
+                following[keys[i] + 1] += 1
             following[0] = begin
-            for turn in range(TURNS):
-                following[turn + 1] += following[turn]
+            for key in range(KEYS):
+                following[key + 1] += following[key]
             for i in range(begin, end):
-                turned[following[turns[i]]] = words[i]
-                following[turns[i]] += 1
+                by_key[following[keys[i]]] = words[i]
+                following[keys[i]] += 1
 
 
 @nb.njit(parallel=True, cache=True)
 def _by_column(
-    turned: Any, places: Any, counts: Any, starts: Any, x: tuple[int, int], stream: Any
+    by_key: Any, positions: Any, counts: Any, starts: Any, x: tuple[int, int], stream: Any
 ) -> None:
-    """Sort each line's words by X, and put them into the stream from the strips in turn."""
+    """Sort each line's words by X, and put them into the stream from the strips alternately."""
     lsb, mask = np.uint64(x[0]), np.uint64(x[1])
     for line in nb.prange(len(counts)):
         if counts[line]:
-            begin, end = places[line], places[line] + counts[line]
+            begin, end = positions[line], positions[line] + counts[line]
             following = np.zeros(x[1] + 2, np.int64)
             for i in range(begin, end):
-                following[(turned[i] >> lsb & mask) + np.uint64(1)] += 1
+                following[(by_key[i] >> lsb & mask) + np.uint64(1)] += 1
             for column in range(x[1] + 1):
                 following[column + 1] += following[column]
             for i in range(begin, end):
-                column = turned[i] >> lsb & mask
+                column = by_key[i] >> lsb & mask
                 rank = following[column]
                 following[column] += 1
-                stream[starts[line] + in_turn(rank, counts[line], STRIPS)] = turned[i]
+                stream[starts[line] + interleaved(rank, counts[line], STRIPS)] = by_key[i]

@@ -1,4 +1,4 @@
-"""The compiled loop over splats: each becomes one fraction, or what its quality says."""
+"""The compiled loop over splats: each becomes one fraction, or the words of its quality."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from splatline.host.visibility.view import LARGEST
 
 from .compact_words import encode_compact
 from .ellipse import conic, covers_own_pixel, in_perspective, one_fraction
-from .half_pixel import encode_turned
+from .half_pixel import encode_half_pixel
 from .large_splats import STEEP, encode_fractions, fraction_size
 from .paper_shapes import encode_symmetric
 from .quality import AS_PAPER, EXACT, FAST
-from .write_words import ONE_PIXEL, emit, quantised_depth
+from .write_words import ONE_PIXEL, quantised_depth, write_fraction
 
 __all__ = ["Fixed", "encode_splats", "measure_room"]
 
 FLAT = 0.02
-"""Pixels of r^2 over the focal length up to which a disc is drawn to first order: its true ellipse
+"""Pixels of r^2 over the focal length up to which a disc is drawn to first order. Its true ellipse
 lies within half of that."""
 
 SMALLEST = 1e-3
-"""Radius in pixels below which a splat's size makes no difference; its conic stays finite."""
+"""Least radius in pixels that is computed with, so that the conic stays finite."""
 
 REACH = 0.5 * BLOCK + 1.0
-"""Pixels by which a symmetric shape may reach beyond its true circle: so thin a one that it covers
-no pixel's centre has the nearest in its own metric, anywhere in its block, from a whole place."""
+"""Pixels by which a symmetric shape may reach beyond its circle. A shape that covers no pixel's
+centre has the nearest pixel in its own metric, which may lie anywhere in its block."""
 
 
 class Fixed(NamedTuple):
-    """What is the same for all splats of a frame.
+    """Values that are the same for all splats of a frame.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Fixed(NamedTuple):
     near
         Distance of the near plane.
     largest_compact
-        The largest size that goes as a compact word; 0: none.
+        The largest size that becomes a compact word; 0: none.
     middle_x, middle_y
         Column and line of the view's axis.
     """
@@ -81,31 +81,32 @@ class Fixed(NamedTuple):
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def measure_room(source: Any, fixed: Any, room: Any) -> None:
-    """Set how many words each chunk has at the most."""
+    """Set the most words that each chunk may have."""
     floats, _, doubles, starts, stops = source
     for chunk in nb.prange(len(starts)):
         total = 0
         for i in range(starts[chunk], stops[chunk]):
-            place = floats[i, COLUMN], floats[i, LINE]
+            position = floats[i, COLUMN], floats[i, LINE]
             slope = floats[i, SLOPE_X], floats[i, SLOPE_Y]
-            total += _room(place, floats[i, DIAMETER], slope, doubles[i, DEPTH], fixed)
+            total += _room(position, floats[i, DIAMETER], slope, doubles[i, DEPTH], fixed)
         room[chunk] = total
 
 
 @nb.njit(error_model="numpy")
-def _room(place: Any, diameter: float, slope: Any, distance: float, fixed: Any) -> int:
+def _room(position: Any, diameter: float, slope: Any, distance: float, fixed: Any) -> int:
     """Return the most words that a splat may take.
 
     A disc seen at the slant a = x / z reaches sqrt(1 + a^2) times its radius (see ``conic``), and
-    2 r pixels hold the centres of at most floor(2 r) + 1. The symmetric shapes reach a pixel
-    further, for their whole places and diameters.
+    2 r pixels hold the centres of at most floor(2 r) + 1. Symmetric shapes reach a pixel further,
+    as their positions and diameters are whole.
     """
     inverse_focal = fixed.inverse_focal
     if fixed.quality != EXACT and diameter <= BLOCK:
         return 2
-    a, b = abs(place[0] - fixed.middle_x), abs(place[1] - fixed.middle_y)
+    a, b = abs(position[0] - fixed.middle_x), abs(position[1] - fixed.middle_y)
     a, b = a * inverse_focal, b * inverse_focal
-    # As in ``cull.lies_outside``; what comes nearer than half the distance may fill the image.
+    # As in ``cull.lies_outside``. A disc that comes nearer than half the distance may fill the
+    # image.
     share = 0.5 * diameter * inverse_focal
     larger = 1.0 / (1.0 - share) if share < 0.5 else LARGEST
     wide = diameter * (1.0 + min(a, 0.5 * a * a)) * larger + 1e-3
@@ -116,7 +117,7 @@ def _room(place: Any, diameter: float, slope: Any, distance: float, fixed: Any) 
     columns = min(int(min(wide, LARGEST)) + 1, fixed.width + BLOCK)
     if lines <= ROWS and columns <= BLOCK:
         return 1
-    # As ``encode_fractions`` has it, to the last bit.
+    # Computed as in ``encode_fractions``, to the last bit.
     change = distance * fixed.inverse_span
     change_x = float(slope[0]) * inverse_focal * change
     change_y = float(slope[1]) * inverse_focal * change
@@ -126,43 +127,63 @@ def _room(place: Any, diameter: float, slope: Any, distance: float, fixed: Any) 
     return -(-lines // most_lines) * -(-columns // most_columns)
 
 
+class Occluders(NamedTuple):
+    """The depth pyramid that hides splats.
+
+    Parameters
+    ----------
+    are_used
+        Whether hidden splats are left out.
+    bound, coarse
+        See ``host.visibility.occlusion.Pyramid``.
+    """
+
+    are_used: bool
+    bound: Any
+    coarse: Any
+
+
+class Slots(NamedTuple):
+    """The results of :func:`encode_splats` beside the words; see ``Encoded``.
+
+    Parameters
+    ----------
+    starts
+        First slot of each chunk.
+    stops, keys, counts, elements, hidden
+        Set; ``elements`` and ``hidden`` for each chunk.
+    """
+
+    starts: Any
+    stops: Any
+    keys: Any
+    counts: Any
+    elements: Any
+    hidden: Any
+
+
 @nb.njit(parallel=True, cache=True, error_model="numpy")
-def encode_splats(
-    wave: Any,
-    source: Any,
-    fixed: Any,
-    to: Any,
-    skip_hidden: bool,
-    bound: Any,
-    coarse: Any,
-    turns: Any,
-    starts: Any,
-    stops: Any,
-    counts: Any,
-    elements: Any,
-    hidden: Any,
-) -> None:
+def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, slots: Any) -> None:
     """Encode chunks, each into its own slots, and count their words on each line.
 
     Parameters
     ----------
     wave
-        The chunks.
+        Numbers of the chunks.
     source
         Views of the splats (see ``Splats.views``), and the slots of each chunk.
     fixed
         See :class:`Fixed`.
     to
         Where words go; see :mod:`splatline.host.encode.write_words`.
-    skip_hidden, bound, coarse
-        Whether to look splats up in a pyramid, and what it knows; see
-        ``host.visibility.occlusion``.
-    turns, stops, counts, elements, hidden
-        Set, from ``starts`` on; see ``Encoded``.
+    occluders, slots
+        See :class:`Occluders` and :class:`Slots`.
     """
     floats, bits, doubles, begins, ends = source
     words, lines, width, height, x_lsb, z_lsb, largest = to
-    # Outside the loop, which would read them anew for every splat.
+    skip_hidden, bound, coarse = occluders
+    starts, stops, keys, counts, elements, hidden = slots
+    # Read before the loop, which would read them again for every splat.
     inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
     look_lsb, nearest_pixel = fixed.look_lsb, fixed.nearest_pixel
     middle_x, middle_y = fixed.middle_x, fixed.middle_y
@@ -179,7 +200,7 @@ def encode_splats(
             a = (column - middle_x) * inverse_focal
             b = (line - middle_y) * inverse_focal
             form = conic(a, b, slope_x, slope_y)
-            # Far smaller than a pixel or larger than any image makes no difference.
+            # A size far below a pixel or beyond any image makes no difference.
             radius = 0.5 * diameter
             radius = radius if radius > SMALLEST else SMALLEST
             radius = radius if radius < LARGEST else LARGEST
@@ -200,12 +221,11 @@ def encode_splats(
                 )
                 form = form_a, form_b, form_c, determinant
                 centre_x, centre_y = column + right, line + down
-            found = 2
+            found, x, top, scans = 2, 0, 0, 0
             if true_shapes and not in_depth and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
                 # No other pixel's centre is near enough.
-                found, scans = int(covers_own_pixel(column, line, square, form)), ONE_PIXEL
-                x, top = math.floor(column), math.floor(line)
-                found = found if 0 <= x < width and 0 <= top < height else 0
+                found, x, top = _own_pixel(column, line, square, form, width, height)
+                scans = ONE_PIXEL
             elif true_shapes and radius * inverse_focal < 0.5:
                 found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
             if found == 1:  # nearly all
@@ -220,9 +240,9 @@ def encode_splats(
                 ellipse = centre_x, centre_y, square, share * share
                 at = _encode_other(splat, common, found, form, ellipse, fixed, at, to)
             drawn += at > before
-            turn = _turn(column, line)
+            key = _sort_key(column, line)
             for word in range(before, at):
-                turns[word] = turn
+                keys[word] = key
                 counts[chunk, lines[word]] += 1
         stops[chunk] = at
         elements[chunk] = drawn
@@ -230,11 +250,21 @@ def encode_splats(
 
 
 @nb.njit(inline="always")
-def _turn(column: float, line: float) -> int:
-    """Return when a splat has its turn on its line, as good as at random, from its place alone.
+def _own_pixel(
+    column: float, line: float, square: float, form: Any, width: int, height: int
+) -> tuple[int, int, int]:
+    """Return whether a splat covers its own pixel's centre in the image, and the pixel."""
+    x, top = math.floor(column), math.floor(line)
+    found = int(covers_own_pixel(column, line, square, form))
+    return found if 0 <= x < width and 0 <= top < height else 0, x, top
 
-    So the order of two words does not depend on which others there are, nor on the order of the
-    points. (Multipliers of Fibonacci hashing and of xxHash.)
+
+@nb.njit(inline="always")
+def _sort_key(column: float, line: float) -> int:
+    """Return a splat's sort key among the words of its line: a hash of its position.
+
+    The order of two words depends neither on other words nor on the order of the points. The
+    multipliers are those of Fibonacci hashing and of xxHash.
     """
     across, down = int(column * 1024.0), int(line * 1024.0)
     return (across * 0x9E3779B1 + down * 0x85EBCA77) >> 24 & 255
@@ -244,22 +274,22 @@ def _turn(column: float, line: float) -> int:
 def _is_hidden(
     splat: Any, radius: float, a: float, b: float, fixed: Any, largest: int, bound: Any, coarse: Any
 ) -> bool:
-    """Return whether none of a splat can be seen, however its words turn out.
+    """Return whether a splat is hidden, whatever its words will be.
 
     Parameters
     ----------
     radius
         In pixels.
     a, b
-        Where its centre lies: x / z and y / z.
+        x / z and y / z of its centre.
     """
     column, line, _, slope_x, slope_y, distance = splat
     inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
-    # As far as its disc reaches (see ``conic``), or its symmetric shape.
+    # The reach of its disc (see ``conic``) or of its symmetric shape.
     beyond = 0.01 if fixed.quality == EXACT else REACH
     wide = radius * (1.0 + min(abs(a), 0.5 * a * a)) + beyond
     high = radius * (1.0 + min(abs(b), 0.5 * b * b)) + beyond
-    # The disc's plane is nearest at a corner of that.
+    # The disc's plane is nearest at a corner of that rectangle.
     change = distance * inverse_span * inverse_focal
     nearer = change * (abs(slope_x) * wide + abs(slope_y) * high)
     depth = (distance - low) * inverse_span
@@ -278,14 +308,14 @@ def _encode_other(
     at: int,
     to: Any,
 ) -> int:
-    """Write the words of a splat that is not one fraction, and return the next one's place."""
+    """Write the words of a splat that is not one fraction; return the next slot."""
     table, levels, quality, rom = fixed.table, fixed.levels, fixed.quality, fixed.largest_compact
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to[5], to[6]
     depth = (distance - fixed.low) * fixed.inverse_span
     if found and quality == FAST and diameter <= BLOCK:
         common |= quantised_depth(depth, largest) << z_lsb
-        return encode_turned(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
+        return encode_half_pixel(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
     if quality == AS_PAPER:
         shape = (
             quantise(-slope_x, -1.0, LEVELS),
@@ -312,4 +342,4 @@ def _encode_other(
         if end > at or not fixed.nearest_pixel:
             return end
     common |= quantised_depth(depth, largest) << z_lsb
-    return emit(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
+    return write_fraction(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)

@@ -1,4 +1,4 @@
-"""Writing code words: a fraction, a block about its middle, clipped and turned."""
+"""Writes code words: fractions and symmetric words, clipped to the image."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from .shape_table import EMPTY_SCANS
 __all__ = [
     "ONE_PIXEL",
     "corner",
-    "emit",
+    "half_turn",
     "put",
     "put_block",
     "put_symmetric",
     "quantised_depth",
-    "turned",
+    "write_fraction",
 ]
 
 ONE_PIXEL = EMPTY_SCANS & ~63
 """SCANS of a fraction whose only pixel is the first of its first row."""
 
 # Where words go: (words, lines, width, height, lsb of X, lsb of Z, largest Z). Every function here
-# takes the place of the next word and returns the place after what it wrote.
+# takes the slot of the next word and returns the slot after the words that it wrote.
 
 
 @nb.njit(inline="always")
 def quantised_depth(depth: float, largest: int) -> int:
     """Return the code of a depth given as a share of the frame's range."""
-    # Not a number, as a range of 0 makes of a plane at infinity, counts as nearest.
+    # NaN counts as nearest. It comes from a depth range of 0 and a plane at infinity.
     depth = depth if depth > 0.0 else 0.0
     return int((depth if depth < 1.0 else 1.0) * largest + 0.5)
 
 
 @nb.njit
-def emit(scans: int, x: int, top: int, common: int, at: int, to: Any) -> int:
-    """Write a fraction with its first row on line ``top``, clipped on the left; none if empty."""
+def write_fraction(scans: int, x: int, top: int, common: int, at: int, to: Any) -> int:
+    """Write a fraction with its first row on line ``top``, clipped on the left, unless empty."""
     width, height = to[2], to[3]
     x, top = int(x), int(top)
     if x >= width or x <= -BLOCK or top >= height or top <= -ROWS:
@@ -62,8 +62,8 @@ def emit(scans: int, x: int, top: int, common: int, at: int, to: Any) -> int:
 
 
 @nb.njit
-def turned(scans: int) -> int:
-    """Return four rows turned by 180 degrees: in reverse order, and each from right to left."""
+def half_turn(scans: int) -> int:
+    """Return the half rotation of four rows: in reverse order, each from right to left."""
     result = 0
     for row in range(ROWS):
         first, last = scans >> 6 * row & 7, scans >> 6 * row + 3 & 7
@@ -90,18 +90,19 @@ def put_symmetric(common: int, scans: int, x: int, line: int, at: int, to: Any) 
 
 
 @nb.njit(inline="always")
-def corner(place: float) -> int:
-    """Return the nearest border of pixels; further off than any integer is far enough."""
-    return math.floor(min(max(place, -LARGEST), LARGEST) + 0.5)
+def corner(position: float) -> int:
+    """Return the nearest border between pixels, clipped to what an integer holds."""
+    return math.floor(min(max(position, -LARGEST), LARGEST) + 0.5)
 
 
 @nb.njit
 def put_block(
     x: int, y: int, right: int, raised: int, scans: int, common: int, at: int, to: Any
 ) -> int:
-    """Write the block about a pixel corner, as two fractions where one word would start outside.
+    """Write the block about a pixel corner.
 
-    ``right``, ``raised``: the middle lies half a column right of the corner, half a line above it.
+    It is two fractions if a symmetric word would start outside of the image. ``right`` and
+    ``raised``: the middle lies half a column right of the corner, and half a line above it.
     """
     width, height = to[2], to[3]
     x -= BLOCK // 2
@@ -109,19 +110,20 @@ def put_block(
         if x >= width or y - ROWS >= height:
             return at
         return put_symmetric(common, _mark_middle(scans, right, raised), x, y, at, to)
-    at = emit(scans, x, y - ROWS, common, at, to)
-    lower = turned(scans)
-    if raised:  # row 3 is its own half turn
+    at = write_fraction(scans, x, y - ROWS, common, at, to)
+    lower = half_turn(scans)
+    if raised:  # row 3 is its own half rotation
         lower = lower & ~63 | 1
-    return emit(lower, x + right, y - raised, common, at, to)
+    return write_fraction(lower, x + right, y - raised, common, at, to)
 
 
 @nb.njit(inline="always")
 def _mark_middle(scans: int, right: int, raised: int) -> int:
-    """Return the rows of a symmetric word as they say where its middle is (``docs/contract.md``).
+    """Return the rows of a symmetric word with its middle marked (``docs/contract.md``).
 
-    A raised shape's row 3 has its ends exchanged, which are as even as its middle says. Of others
-    the first row is empty if the middle lies half a column off, and says it by its first column.
+    Row 3 of a raised shape has its ends exchanged; their parity tells the middle's column. If the
+    middle of another shape lies half a column to the right, row 0 is empty and its first column is
+    the mark.
     """
     at = 6 * (ROWS - 1)
     if raised:

@@ -1,4 +1,4 @@
-"""From a file's columns to a cloud: what is missing is made, what is unusable left out."""
+"""From a file's columns to a cloud: adds missing normals and colours, drops unusable points."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FARTHEST = 1e100
 
 @dataclass(frozen=True)
 class Columns:
-    """What a file says of its points, before it is checked; one row a point.
+    """Columns of a file before they are checked; one row a point.
 
     Parameters
     ----------
@@ -52,9 +52,9 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     Parameters
     ----------
     columns
-        From the file.
+        The file's columns.
     name
-        Of the cloud.
+        The cloud's name.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
 def _unit_normals(
     normals: npt.NDArray[Any] | None, kept: npt.NDArray[np.bool_]
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.bool_]]:
-    """Return unit normals, and where there is none (there they are 0)."""
+    """Return unit normals, and where one is missing; missing normals are 0."""
     if normals is None:
         count = int(np.count_nonzero(kept))
         return np.zeros((count, 3), np.float32), np.ones(count, np.bool_)

@@ -13,16 +13,15 @@ __all__ = ["atomic_write"]
 
 
 def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file beside its place, then rename it.
+    """Write a temporary file in the same folder, then rename it.
 
-    A reader finds the old content or the new, never a part. A link keeps pointing where it did,
-    and an old file keeps its permissions. What is not a regular file (a pipe, ``/dev/stdout``)
-    cannot be renamed over, and is written to directly.
+    A reader finds the old content or the new, never a part. A link keeps its target, and an old
+    file keeps its permissions. A pipe or device such as ``/dev/stdout`` is written to directly.
 
     Parameters
     ----------
     path
-        Where the file goes; its folder must exist.
+        Path of the file; its folder must exist.
     data
         The whole content.
 
@@ -31,22 +30,22 @@ def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
     InputError
         If the file cannot be written; an older file of that name is untouched.
     """
-    place = Path(path)
+    asked = Path(path)
     try:
-        target = Path(os.path.realpath(place))
+        target = Path(os.path.realpath(asked))
         if target.exists() and not target.is_file() and not target.is_dir():
             target.write_bytes(data)
         else:
             _replace(target, data)
     except OSError as error:
-        raise InputError(f"{place}: cannot be written: {error.strerror or error}") from None
+        raise InputError(f"{asked}: cannot be written: {error.strerror or error}") from None
 
 
 def _replace(target: Path, data: bytes) -> None:
     """Write a temporary file in the target's folder and rename it; leave nothing behind."""
     mode = target.stat().st_mode & 0o777 if target.is_file() else 0o666 & ~_umask()
     if target.is_file() and not os.access(target, os.W_OK):
-        # A rename would get past the write protection of the file itself.
+        # A rename would ignore the write protection of the file itself.
         raise PermissionError(None, "the file is write-protected")
     descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:64]}.", dir=target.parent)
     beside = Path(name)

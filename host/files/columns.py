@@ -1,4 +1,4 @@
-"""What the columns of a cloud file mean, by their names."""
+"""The meaning of a cloud file's columns, by their names."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ class Fields:
 
     @property
     def groups(self) -> tuple[Names, ...]:
-        """Those that there are."""
+        """The groups that the file has."""
         return tuple(
             group for group in (self.positions, self.normals, self.colours) if group is not None
         )
 
 
 def find_fields(names: Sequence[str]) -> Fields | None:
-    """Return which of a file's columns mean what, or None if it has no x, y and z.
+    """Return the columns of positions, normals and colours, or None without x, y and z.
 
-    Upper and lower case are the same; columns with other names are left alone.
+    Case does not matter. Other columns are ignored.
     """
     spelled = {name.strip().lower(): name for name in reversed(names)}
 

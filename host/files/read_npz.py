@@ -23,8 +23,8 @@ def read_npz(path: Path) -> Columns:
     """Return the points of an NPZ file.
 
     Positions are the first array that is named as in ``POSITIONS``, normals as in ``NORMALS``,
-    colours as in ``COLOURS``, in capitals or not: shape (n, 3); colours may have a fourth column,
-    which is left out. Arrays of other names are left alone.
+    colours as in ``COLOURS``, in any case: shape (n, 3). A fourth column of colours is ignored,
+    and so are arrays with other names.
 
     Raises
     ------

@@ -19,8 +19,8 @@ __all__ = ["read_pcd"]
 def read_pcd(path: Path) -> Columns:
     """Return the points of a PCD file.
 
-    A packed colour, the field ``rgb`` or ``rgba``, is taken apart; otherwise colours come from
-    three fields, as in the other formats.
+    A packed colour, the field ``rgb`` or ``rgba``, is unpacked. Otherwise colours come from three
+    fields, as in the other formats.
 
     Raises
     ------

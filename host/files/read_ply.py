@@ -18,7 +18,7 @@ _TRIANGLES = {"face": {"vertex_indices": 3, "vertex_index": 3}}
 def read_ply(path: Path) -> Columns:
     """Return the points of a PLY file: the element ``vertex``, or else the first with x, y, z.
 
-    Other elements, a mesh's faces, are left alone, but a file that ends inside them is refused.
+    Other elements, such as faces, are ignored, but a file that ends inside them is refused.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def read_ply(path: Path) -> Columns:
             raise
         data = PlyData.read(str(path))  # faces of other shapes
     for element in sorted(data.elements, key=lambda element: element.name != "vertex"):
-        # A property that is itself a list has no one value a point.
+        # A list property has no single value for each point.
         rows = element.data
         names = [name for name in rows.dtype.names or () if rows.dtype[name].kind in "iuf"]
         fields = find_fields(names)

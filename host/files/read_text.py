@@ -26,18 +26,18 @@ _Rows = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Layout:
-    """How the lines of a file are written.
+    """The format of a file's lines.
 
     Parameters
     ----------
     names
-        Of the columns, if a line says so.
+        Names of the columns, if the file has them.
     skip
         Lines before the first point.
     delimiter
-        Between columns; None for blanks.
+        Separates columns; None for blanks.
     columns
-        How many there are.
+        Number of columns.
     """
 
     names: list[str] | None
@@ -49,12 +49,12 @@ class Layout:
 def read_text(path: Path) -> Columns:
     """Return the points of a text file.
 
-    If the line before the first point holds names, also behind ``#`` or ``//``, they tell what
-    the columns are (x, y, z; nx, ny, nz; r, g, b or red, green, blue); others are left alone.
-    Without names the number of columns tells:
+    The line before the first point may name the columns, also behind ``#`` or ``//``: x, y, z;
+    nx, ny, nz; r, g, b or red, green, blue. Other columns are ignored. Without names the number of
+    columns tells their meaning:
 
     - 3: position;
-    - 4: position and a value that is left alone;
+    - 4: position and a value that is ignored;
     - 6: position, then a normal if the file is ``.xyzn`` or (nearly) all these are unit vectors,
       else a colour;
     - 9: position, normal and colour, or position, colour and normal if it is the last that
@@ -80,7 +80,7 @@ def read_text(path: Path) -> Columns:
 
 
 def _find_layout(path: Path) -> Layout:
-    """Look at the lines up to the first point."""
+    """Return the layout, from the lines up to the first point."""
     names: list[str] | None = None
     with path.open(encoding=ENCODING) as stream:
         for number, line in enumerate(stream):

@@ -35,9 +35,9 @@ FORMATS: dict[str, Callable[[Path], Columns]] = {
 def read_cloud(path: str | os.PathLike[str]) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
 
-    A mesh's vertices are points. Positions come out relative to the cloud's own centre. Missing
-    normals are estimated, points without a finite position dropped and counted, and points without
-    a colour get one (see ``assemble_cloud``).
+    A mesh's vertices are points. Positions are relative to the cloud's own centre. Missing normals
+    are estimated, and points without a colour get one. Points without a finite position are dropped
+    and counted (see ``assemble_cloud``).
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def read_cloud(path: str | os.PathLike[str]) -> Cloud:
 
 
 def _read(read: Callable[[Path], Columns], place: Path) -> Columns:
-    """Return what a reader found, its failures as errors of the input."""
+    """Return a reader's columns; its failures become ``InputError``."""
     kind = place.suffix[1:].upper()
     try:
         with warnings.catch_warnings():
@@ -84,7 +84,7 @@ def _read(read: Callable[[Path], Columns], place: Path) -> Columns:
     except UnicodeDecodeError:
         raise InputError(f"cannot be read as {kind}: it is not text") from None
     except Exception as error:
-        # The parsers come with errors of many types for damaged files, and none of them is a bug
-        # of ours that a traceback would help with; their text may have several lines.
+        # Parsers raise errors of many types for damaged files; a traceback would not help. Their
+        # text may have several lines.
         text = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(f"cannot be read as {kind}; is it damaged? ({text})") from None

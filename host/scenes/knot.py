@@ -29,13 +29,13 @@ TUBE = 0.44
 """Radius of the knot's tube; its curve lies on a torus of radii 2 and 1."""
 
 STRIPES, TURNS = 3, 24
-"""Stripes round the tube, and how many of them pass in its length."""
+"""Stripes around the tube, and stripes along its length."""
 
 RING, RING_TUBE = 0.84, 0.16
 """Radii of a ring: its circle, and its tube."""
 
 HANG = 0.18
-"""How far a ring's centre lies outside the curve that it hangs on."""
+"""Distance of a ring's centre from the curve on which it hangs."""
 
 BALL = 0.48
 """Radius of the sphere."""
@@ -72,19 +72,19 @@ def knot_cloud() -> Cloud:
 def _knot(count: int) -> _Part:
     """Return the knot, in two colours that wind round it."""
     positions, normals, along, around = _tube(_trefoil, TUBE, count)
-    # The Frenet frame turns about the curve, fast where that is nearly straight. Stripes that are
-    # to wind evenly must not turn with it, and must meet themselves after the whole length.
-    places, turned = _frame_turns(_trefoil)
-    untwist = np.interp(along, places, turned)
-    close = np.rint(STRIPES * turned[-1]) - STRIPES * turned[-1]
-    turn = (STRIPES * (around + untwist) + (TURNS + close) * along) % 1.0
-    return positions, normals, np.where((turn < 0.3)[:, None], CREAM, CORAL).astype(np.uint8)
+    # The Frenet frame rotates about the curve, fast where the curve is nearly straight. Evenly
+    # wound stripes must not rotate with it, and must meet themselves after the whole length.
+    lengths, twist = _frame_twist(_trefoil)
+    untwist = np.interp(along, lengths, twist)
+    close = np.rint(STRIPES * twist[-1]) - STRIPES * twist[-1]
+    phase = (STRIPES * (around + untwist) + (TURNS + close) * along) % 1.0
+    return positions, normals, np.where((phase < 0.3)[:, None], CREAM, CORAL).astype(np.uint8)
 
 
-def _frame_turns(curve: _Curve) -> tuple[_Floats, _Floats]:
-    """Return shares of a curve's length, and the turns that its Frenet frame made up to each.
+def _frame_twist(curve: _Curve) -> tuple[_Floats, _Floats]:
+    """Return shares of a curve's length, and the Frenet frame's rotations up to each.
 
-    The frame's rate of turn about the tangent is the torsion, -dB/ds . N.
+    The frame's rate of rotation about the tangent is the torsion, -dB/ds . N.
     """
     t, arc = _arc(curve)
     _, first, second = curve(t)
@@ -104,8 +104,8 @@ def _ring(count: int, t: float) -> _Part:
     outward = centre / np.linalg.norm(centre)
     side = np.cross(tangent, outward)  # at the lobes the curve runs across its radius
     axes = np.stack([outward, side, tangent])
-    place = centre + HANG * outward
-    return positions @ axes + place, normals @ axes, _plain(GOLD, count)
+    middle = centre + HANG * outward
+    return positions @ axes + middle, normals @ axes, _plain(GOLD, count)
 
 
 def _ball(count: int) -> _Part:
@@ -124,7 +124,7 @@ def _plain(colour: tuple[int, int, int], count: int) -> npt.NDArray[np.uint8]:
 
 
 def _trefoil(t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
-    """Return place, first and second derivative of the torus knot (2, 3) at t in 0..2 pi."""
+    """Return position, first and second derivative of the torus knot (2, 3) at t in 0..2 pi."""
     (c2, s2), (c3, s3) = (np.cos(2 * t), np.sin(2 * t)), (np.cos(3 * t), np.sin(3 * t))
     wide, wide1, wide2 = 2.0 + c3, -3.0 * s3, -9.0 * c3
     return (
@@ -142,7 +142,7 @@ def _trefoil(t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
 
 
 def _circle(t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
-    """Return place, first and second derivative of a ring's circle at t in 0..2 pi."""
+    """Return position, first and second derivative of a ring's circle at t in 0..2 pi."""
     c, s, zero = RING * np.cos(t), RING * np.sin(t), np.zeros_like(t)
     return np.stack([c, s, zero], -1), np.stack([-s, c, zero], -1), np.stack([-c, -s, zero], -1)
 
@@ -168,7 +168,7 @@ def _tube(curve: _Curve, radius: float, count: int) -> tuple[_Floats, _Floats, _
     positions, normals
         Shape (count, 3).
     along, around
-        Place on the tube, each as a share in 0..1: of its length, and of its turn.
+        Position on the tube as shares in 0..1 of its length and of its circumference.
     """
     index = np.arange(count, dtype=np.float64)
     along = (index + 0.5) / count

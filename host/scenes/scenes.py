@@ -13,7 +13,7 @@ __all__ = ["SCENES", "Scene", "load_scene"]
 
 @dataclass(frozen=True)
 class Scene:
-    """A cloud with a view in which it looks good.
+    """A cloud and its view.
 
     Parameters
     ----------

@@ -20,8 +20,8 @@ EARTH_RADIUS = 6_371_000.0
 SMOOTHING = 1.2
 """Standard deviation in steps of the grid."""
 
-# Share of the range of heights -> red, green, blue. The steps of the ramp are wide enough apart to
-# be told from each other with three bits a channel.
+# Share of the range of heights -> red, green, blue. The steps of the ramp differ even with three
+# bits a channel.
 RAMP = (
     (0.00, (46, 120, 96)),
     (0.12, (104, 168, 92)),
@@ -38,8 +38,8 @@ MATERIALS = 24
 def terrain_cloud() -> Cloud:
     """Return the elevation model near Jacksboro, Tennessee, as points: x east, y north, z up.
 
-    The grid is the USGS's (344 x 403 heights in metres, three arc seconds apart), as matplotlib
-    carries it; here in metres, with heights times ``EXAGGERATION``. Normals come from the grid's
+    The grid is the USGS's: 344 x 403 heights in metres, three arc seconds apart. matplotlib carries
+    it. Positions are in metres, with heights times ``EXAGGERATION``. Normals come from the grid's
     slope.
     """
     from matplotlib.cbook import get_sample_data
@@ -75,8 +75,8 @@ def terrain_cloud() -> Cloud:
 def _smooth(z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return heights averaged with their neighbours', for the normals alone.
 
-    The model's heights are whole metres, and its finest relief is smaller than a pixel: without
-    this the shading of the plains would be noise.
+    The model's heights are whole metres, and its finest relief is smaller than a pixel. Unsmoothed,
+    the shading of the plains would be noise.
     """
     from scipy.ndimage import gaussian_filter
 
@@ -89,9 +89,9 @@ def _hypsometric(height: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:
     share = (height - height.min()) / np.ptp(height)
     level = np.minimum((share * MATERIALS).astype(np.int64), MATERIALS - 1)
     middles = (np.arange(MATERIALS) + 0.5) / MATERIALS
-    places = [place for place, _ in RAMP]
+    shares = [share for share, _ in RAMP]
     channels = [
-        np.interp(middles, places, [colour[channel] for _, colour in RAMP]) for channel in range(3)
+        np.interp(middles, shares, [colour[channel] for _, colour in RAMP]) for channel in range(3)
     ]
     palette = np.rint(np.stack(channels, axis=-1)).astype(np.uint8)
     return palette[level]

@@ -1,4 +1,4 @@
-"""The lights and how a surface answers them: parameters alone, no computation."""
+"""Parameters of the lights and of the surface."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ class Light:
     Parameters
     ----------
     direction
-        Towards the light, in camera axes (right, down, forward); any length above 0. Lights go
-        with the camera, so that every view is lit.
+        Towards the light, in camera axes (right, down, forward); any length above 0. Lights
+        move with the camera, so every view is lit.
     intensity
-        Share of the material's colour that a surface facing the light gives back.
+        Share of the material's colour that a surface facing the light reflects.
     """
 
     direction: tuple[float, float, float]
     intensity: float
 
     def __post_init__(self) -> None:
-        """Raise ``InputError`` for what gives no light."""
+        """Raise ``InputError`` if the light has no direction or a bad intensity."""
         length = math.hypot(*self.direction)
         if not (math.isfinite(length) and length > 0.0):
             raise InputError(f"a light needs a direction, not {self.direction}")
@@ -55,7 +55,7 @@ class Lighting:
     shininess: float = 12.0
 
     def __post_init__(self) -> None:
-        """Raise ``InputError`` for what the engine's tables cannot hold."""
+        """Raise ``InputError`` if the engine's tables cannot hold the values."""
         if not 0.0 <= self.gloss <= 1.0:
             raise InputError(f"the gloss must lie in 0..1, not {self.gloss:g}")
         if not 0.0 <= self.ambient < math.inf:

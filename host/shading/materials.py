@@ -1,4 +1,4 @@
-"""Materials: a cloud's colours, reduced to what the engine's table holds."""
+"""Materials: a cloud's colours, reduced to a palette that fits the engine's table."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from .lighting import Lighting
 __all__ = ["Materials", "find_materials", "material_tables"]
 
 MOST_MATERIALS = 128
+"""Entries of the ``paper`` engine's table."""
+
 LARGEST_PALETTE = 256  # of Pillow, and of indices of a byte
-"""What the ``paper`` engine's table holds."""
 
 ROUNDS = 8
-"""Of k-means, 20 ms each for a scan of a hundred thousand colours: more gain a percent each."""
+"""Rounds of k-means, 20 ms each for a hundred thousand colours. Each further one gains 1 %."""
 
 
 @dataclass(frozen=True)
 class Materials:
-    """A palette, and which of its colours each point has.
+    """A palette, and each point's colour in it.
 
     Parameters
     ----------
@@ -43,14 +44,14 @@ class Materials:
 def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     """Return a palette for a cloud: its own colours if they are few, else the means of clusters.
 
-    Those are Pillow's median cut, improved by Lloyd's algorithm (k-means).
+    The clusters are those of Pillow's median cut, improved by Lloyd's algorithm (k-means).
 
     Parameters
     ----------
     cloud
         The cloud.
     most
-        How many materials there may be; of more than 256 no more are used.
+        Most materials; at most 256 are used.
     """
     most = min(most, LARGEST_PALETTE)
     colours = np.ascontiguousarray(cloud.colours, np.uint8)
@@ -75,7 +76,7 @@ def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
 def _refine(
     palette: npt.NDArray[np.float64], colours: npt.NDArray[Any], counts: npt.NDArray[np.int64]
 ) -> npt.NDArray[np.uint8]:
-    """Return a palette moved to the means of the colours that are nearest to each of its own."""
+    """Return a palette whose colours are the means of the colours nearest to each."""
     for _ in range(ROUNDS):
         nearest = _nearest(palette, colours)
         weight = np.bincount(nearest, counts, len(palette))
@@ -86,7 +87,7 @@ def _refine(
 
 
 def _nearest(palette: npt.NDArray[Any], colours: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    """Return which colour of a palette is nearest to each of some colours."""
+    """Return the number of the palette's nearest colour for each colour."""
     from scipy.spatial import cKDTree
 
     found: npt.NDArray[np.int64] = cKDTree(palette).query(colours, workers=-1)[1]
@@ -98,16 +99,17 @@ def material_tables(
 ) -> Tables:
     """Return the engine's tables for a palette under a lighting.
 
-    kd is scaled so that white at the largest D gives the largest level, and I0 holds what the shift
-    rounds by: one half by default, so to nearest. In ``paper``: kd <= round(7 * 1024 / 127) = 56
-    and ks <= 56 gloss, both within 6 bits for a gloss up to 1; I0 = 512, at most 1024.
+    kd is scaled so that white at the largest D gives the largest level. I0 holds the rounding
+    offset: one half by default, which rounds to nearest. In ``paper``, kd is at most
+    round(7 * 1024 / 127) = 56 and ks at most 56 gloss, within 6 bits for a gloss up to 1. I0 is
+    512, at most 1024.
 
     Parameters
     ----------
     materials, lighting, config
         The palette, the lights and surface, and the engine.
     rounding
-        What of a level is added before the shift cuts it off, in 0..1.
+        Rounding offset in [0, 1) of a level, added before truncation.
     """
     scale = config.channel_max * (1 << config.colour_shift) / config.diffuse.mask
     largest = (1 << config.coefficient_bits) - 1
@@ -115,7 +117,6 @@ def material_tables(
     diffuse[: len(materials.palette)] = np.rint(materials.palette / 255.0 * scale)
     gloss = min(round(lighting.gloss * scale), largest)
     specular = np.full_like(diffuse, gloss)
-    # Dithering adds 0..15 sixteenths itself: what is added here is a part of one of those.
     level = 1 << config.colour_shift
     ambient = np.full(3, round(rounding * level), np.int64)
     return Tables(ambient, np.minimum(diffuse, largest), specular)

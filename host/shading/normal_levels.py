@@ -1,4 +1,4 @@
-"""Quantised normals: the levels of n' that shapes and shades are looked up by."""
+"""Quantised normals: levels of n', the index of the shape table and of the shade tables."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ LEVELS = 64
 
 @nb.njit(inline="always")
 def quantise(part: float, facing: float, levels: int) -> int:
-    """Return which of the levels the slope n' = ``part / facing`` has, with ``facing < 0``.
+    """Return the level of the slope n' = ``part / facing``, with ``facing < 0``.
 
-    Levels are even steps of n' / (1 + |n'|), which lies in -1..1: so they are fine where shapes and
-    shades change most, and no slope is too large. Measured against steps even in angle
-    (decision 0007), and free of an arc tangent.
+    Levels are even steps of n' / (1 + |n'|), which lies in -1..1. So levels are fine where shapes
+    and shades change most, and no slope is too large. They need no arc tangent, unlike steps even
+    in angle (decision 0007).
     """
     level = int((0.5 - 0.5 * part / (abs(part) - facing)) * levels)
     return min(max(level, 0), levels - 1)
 
 
 def level_slopes(levels: int = LEVELS) -> npt.NDArray[np.float64]:
-    """Return the slope n' that each level stands for, its middle: shape (levels,)."""
+    """Return the slope n' in the middle of each level: shape (levels,)."""
     middle = (np.arange(levels) + 0.5) / (0.5 * levels) - 1.0
     return middle / (1.0 - np.abs(middle))

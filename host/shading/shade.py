@@ -1,4 +1,4 @@
-"""Reflection and diffusion tables: how bright a surface of each quantised normal is."""
+"""Shade tables: the diffuse and specular intensity of each quantised normal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .normal_levels import level_slopes
 __all__ = ["SHADE_LEVELS", "shade_bits", "shade_tables"]
 
 SHADE_LEVELS = 256
-"""Levels of n'x and of n'y that shades are told apart by. The paper's are those of its shapes."""
+"""Levels of n'x and of n'y for shades. The quality ``paper`` uses the levels of its shapes."""
 
 
 def shade_tables(
@@ -33,7 +33,7 @@ def shade_tables(
     intensity_bits
         Bits of D and of S; an intensity of 1 is their largest value.
     levels
-        Of n'x and of n'y.
+        Levels of n'x and of n'y.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def shade_bits(
 ) -> npt.NDArray[np.uint32]:
     """Return DIFFUSE and SPECULAR of every quantised normal, as they lie in a code word.
 
-    The table of the same lights is made once: it takes longer than a small frame.
+    The table is cached, as it takes longer than a small frame.
 
     Returns
     -------

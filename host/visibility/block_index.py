@@ -1,7 +1,7 @@
-"""An index of a cloud, built once: neighbouring points in blocks, with bounds that skip whole ones.
+"""An index of a cloud, built once: neighbouring points in blocks, with bounds to cull whole blocks.
 
-Every later stage works on the index's order, so that what lies together in space lies together in
-memory, and on the image.
+Every later stage works in the index's order, so that neighbours in space are neighbours in memory
+and on the image.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from splatline.host.shading.materials import Materials, find_materials
 __all__ = ["BLOCK_POINTS", "Index", "build_index"]
 
 BLOCK_POINTS = 128
-"""Points a block: enough that testing blocks costs nothing, few enough that their bounds are tight
+"""Points of a block: so many that testing blocks is cheap, so few that bounds are tight
 (decision 0014)."""
 
 CURVE_BITS = 10
-"""Bits of each coordinate along the curve: cells of a thousandth of the cloud hold few blocks."""
+"""Bits of each coordinate along the curve: a cell is a thousandth of the cloud's extent."""
 
 BOUND = np.dtype(
     [
@@ -48,7 +48,7 @@ class Index:
     Parameters
     ----------
     cloud
-        What it was built from.
+        The cloud that is indexed.
     point
         Index into the cloud: shape (n,), int32.
     positions, normals, two_sided
@@ -95,7 +95,7 @@ def build_index(
     radii
         Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``.
     materials
-        The cloud's palette; found if not given.
+        The cloud's palette; None: it is computed.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def _curve_order(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.int32]:
     extent = float((high - low).max())
     keys = np.empty(len(positions), np.uint64)
     _curve_keys(positions, low, extent if extent > 0.0 else 1.0, keys)
-    # Each key ends in its point's number, so that the order is the same whatever sorts it.
+    # Each key ends in its point's number, so any sort gives the same order.
     keys.sort()
     return (keys & np.uint64(0xFFFFFFFF)).astype(np.int32)
 
@@ -170,7 +170,7 @@ def _limits(positions: Any) -> tuple[Any, Any]:
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def _curve_keys(positions: Any, low: Any, extent: float, keys: Any) -> None:
-    """Set each point's place along the curve, with its number in the lower half."""
+    """Set each point's position along the curve, with its number in the lower half."""
     cells = float((1 << CURVE_BITS) - 1)
     for i in nb.prange(len(positions)):
         key = 0
@@ -205,7 +205,7 @@ def _gather(
     material: Any,
     bounds: Any,
 ) -> None:
-    """Bring the points into their order, and bound each block."""
+    """Copy the points in the index's order, and bound each block."""
     for block in nb.prange(len(bounds)):
         start = block * BLOCK_POINTS
         stop = min(start + BLOCK_POINTS, len(order))
@@ -245,18 +245,18 @@ def _bound_sphere(bound: Any, positions: Any, radii: Any) -> None:
 
 @nb.njit(cache=True, error_model="numpy")
 def _bound_cone(bound: Any, normals: Any, two_sided: Any) -> None:
-    """Set the cone about a block's normals; none if one is two-sided or a quarter turn away."""
+    """Set the cone about a block's normals; there is none if one is two-sided or 90 degrees off."""
     x, y, z = 0.0, 0.0, 0.0
-    turned = False
+    has_two_sided = False
     for i in range(len(normals)):
         x += normals[i, 0]
         y += normals[i, 1]
         z += normals[i, 2]
-        turned |= two_sided[i]
+        has_two_sided |= two_sided[i]
     length = np.sqrt(x * x + y * y + z * z)
     bound.sine = 2.0
     bound.axis[:] = 0.0
-    if turned or not length > 0.0:
+    if has_two_sided or not length > 0.0:
         return
     x, y, z = x / length, y / length, z / length
     cosine = 1.0

@@ -1,7 +1,7 @@
-"""What a view does not show of a cloud: whole blocks first, then point by point.
+"""Culling: leaves out points that a view does not show, first whole blocks, then single points.
 
-A block's test is the point's, made for the worst point that the block's bounds allow: it leaves out
-a block only where each of its points would be.
+A block's test is a point's test of the worst point within the block's bounds. So it leaves out a
+block only if each of its points would be left out.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ __all__ = [
 ]
 
 MARGIN = 1.5
-"""Pixels by which a drawn footprint may reach beyond its true circle: a centre rounded to a whole
-pixel and a diameter rounded up."""
+"""Pixels by which a drawn footprint may reach beyond its true circle, as centres are rounded to a
+whole pixel and diameters are rounded up."""
 
 ROUNDING = 1e-3
-"""Pixels by which a place may be off, as float32 holds it, where that matters."""
+"""Error in pixels of a position in float32."""
 
 OUTSIDE = REASONS["outside"]
 FACING_AWAY = REASONS["facing_away"]
@@ -91,15 +91,15 @@ def in_camera(camera: Any, x: float, y: float, z: float) -> tuple[float, float, 
 
 
 @nb.njit(inline="always")
-def lies_outside(place: float, slope: float, radius: float, share: float, size: int) -> bool:
+def lies_outside(position: float, slope: float, radius: float, share: float, size: int) -> bool:
     """Return whether a splat lies beyond one of the two borders of an axis.
 
     A disc of radius R at the depth z, seen at the slant a = x / z, reaches at most
-    sqrt(1 + a^2) R / (z - R) from its centre's place: R is the ``share`` of z that it comes nearer.
+    sqrt(1 + a^2) R / (z - R) from its centre. ``share`` is the part of z by which it comes nearer.
 
     Parameters
     ----------
-    place
+    position
         Column (or line) of its centre, in pixels.
     slope
         Its slant a.
@@ -112,7 +112,7 @@ def lies_outside(place: float, slope: float, radius: float, share: float, size: 
     """
     less = 1.0 - share if share < 1.0 else 0.0
     reach = radius * (1.0 + abs(slope)) + MARGIN
-    return not (place * less > -reach and (place - size) * less < reach)
+    return not (position * less > -reach and (position - size) * less < reach)
 
 
 @nb.njit(inline="always")
@@ -150,7 +150,7 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
     """
     focal, near = camera.focal, camera.near
     middle_x, middle_y = camera.middle_x, camera.middle_y
-    # To the border that is further from the axis.
+    # The distance to the border that is further from the axis.
     wide = max(middle_x, camera.width - middle_x) + MARGIN
     high = max(middle_y, camera.height - middle_y) + MARGIN
     for block in nb.prange(len(bounds)):
@@ -181,11 +181,10 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
 
 @nb.njit
 def _beyond(across: float, z: float, focal: float, away: float, reach: float, disc: float) -> bool:
-    """Return whether a sphere lies beyond one of the two borders of an axis, discs and all.
+    """Return whether a sphere and its discs lie beyond one of the two borders of an axis.
 
-    What lies beyond the right border, ``away`` pixels from the view's axis, has
-    focal x - away z > 0: a plane in space, from which the sphere's centre must be further than its
-    radius and a disc's together.
+    A point beyond the right border, ``away`` pixels from the view's axis, has focal x - away z > 0.
+    The sphere's centre must be further from that plane than its radius and a disc's together.
     """
     needed = (reach + disc) * math.sqrt(focal * focal + away * away)
     return focal * abs(across) - away * z > needed

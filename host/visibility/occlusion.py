@@ -1,11 +1,11 @@
-"""What is wholly behind something nearer: a coarse depth pyramid, filled as words are made.
+"""Occlusion culling with a coarse depth pyramid, which is filled as words are made.
 
-Its lower level has a cell for every 8 x 4 pixels. A cell knows a depth that nothing visible in it
-lies beyond (``bound``), and gathers nearer words until they cover all of its pixels; then their
-largest depth is the new bound (after Andersson, Hasselgren and Akenine-Moeller, *Masked Depth
-Culling for Graphics Hardware*, 2015). A splat is hidden if it is beyond the bound of each cell it
-may touch: each pixel there has a smaller depth from another word, so that the splat draws nowhere,
-in whatever order the words come. No pixel changes.
+The lower level has a cell for every 8 x 4 pixels. Nothing visible in a cell lies beyond the cell's
+``bound``. A cell gathers nearer words until they cover all of its pixels. Then their largest depth
+is the new bound (after Andersson, Hasselgren and Akenine-Moeller, *Masked Depth Culling for
+Graphics Hardware*, 2015). A splat is hidden if it is beyond the bound of each cell that it may
+touch: each pixel there has a smaller depth from another word, so the splat draws nothing, whatever
+the order of the words.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from splatline.contract.config import BLOCK, ROWS, EngineConfig
 __all__ = ["Pyramid", "cover", "is_hidden", "new_pyramid"]
 
 WIDE, HIGH = BLOCK, ROWS
-"""Pixels of a cell: as many as a fraction has, and as a 32-bit mask has bits."""
+"""Pixels of a cell: those of a fraction, one for each bit of a 32-bit mask."""
 
 FULL = (1 << WIDE * HIGH) - 1
 
 GROUP = 8
-"""Cells on each side that the upper level puts together."""
+"""Cells on each side of a cell of the upper level."""
 
 MOST_CELLS = 64
-"""Cells of a level that are looked at for one splat; a larger one counts as seen."""
+"""Most cells of a level that are tested for a splat; a larger splat counts as visible."""
 
 BANDS = 8
-"""Parts that the cells' rows are cut into, to be filled side by side."""
+"""Bands of the cells' rows, which are filled in parallel."""
 
 
 class Pyramid(NamedTuple):
@@ -56,7 +56,7 @@ class Pyramid(NamedTuple):
 
 
 def new_pyramid(width: int, height: int, config: EngineConfig) -> Pyramid:
-    """Return a pyramid in which nothing hides anything."""
+    """Return a pyramid that hides nothing."""
     rows, columns = -(-height // HIGH), -(-width // WIDE)
     inside = np.zeros((rows * HIGH, columns * WIDE), np.uint32)
     inside[:height, :width] = 1
@@ -76,7 +76,7 @@ def new_pyramid(width: int, height: int, config: EngineConfig) -> Pyramid:
 def is_hidden(
     column: float, line: float, wide: float, high: float, z: int, bound: Any, coarse: Any
 ) -> bool:
-    """Return whether all that a splat may touch shows something nearer.
+    """Return whether every cell that a splat may touch shows something nearer.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def cover(
     stops: npt.NDArray[np.int64],
     config: EngineConfig,
 ) -> None:
-    """Take note of words, given in chunks, in a pyramid."""
+    """Add words, given in chunks, to a pyramid."""
     fields = (config.x.lsb, config.x.mask, config.z.lsb, config.z.mask)
     bound, mask, gathered, coarse = pyramid
     _cover(words.view(np.int64), lines, starts, stops, fields, bound, mask, gathered)
@@ -136,7 +136,7 @@ def _cover(
     mask: Any,
     gathered: Any,
 ) -> None:
-    """Fill the cells band by band: each band reads all words and takes those that touch it."""
+    """Fill the cells: each band reads all words and takes those that touch it."""
     x_lsb, x_mask, z_lsb, z_mask = fields
     rows, columns = bound.shape
     for band in nb.prange(BANDS):
@@ -183,7 +183,7 @@ def _add(pixels: int, z: int, row: int, column: int, bound: Any, mask: Any, gath
     largest = max(int(gathered[row, column]), z)
     if covered == FULL:
         bound[row, column] = largest
-        # From here on what is nearer still; outside the image there is nothing to cover.
+        # The cell gathers still nearer words. Outside of the image there is nothing to cover.
         covered, largest = np.int64(0), 0
     mask[row, column] = covered
     gathered[row, column] = largest

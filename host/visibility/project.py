@@ -27,7 +27,7 @@ CROWDED = 0.5
 """Pixels between neighbours below which points are crowded: more than four of them a pixel."""
 
 CHUNKS = 64
-"""Parts that work is cut into; the same on every machine, so that results do not depend on it."""
+"""Parts of the work, the same on every machine so that results do not depend on it."""
 
 SPLAT = np.dtype(
     [
@@ -43,13 +43,13 @@ SPLAT = np.dtype(
 """A splat: 32 bytes."""
 
 COLUMN, LINE, DIAMETER, SLOPE_X, SLOPE_Y = range(5)
-"""Where the first fields are among a splat's eight float32."""
+"""Numbers of the first fields among a splat's eight float32."""
 
 LOOK = 5
-"""Where the look is among a splat's eight uint32."""
+"""Number of the look among a splat's eight uint32."""
 
 DEPTH = 3
-"""Where the depth is among a splat's four float64."""
+"""Number of the depth among a splat's four float64."""
 
 OUTSIDE, FACING_AWAY = REASONS["outside"], REASONS["facing_away"]
 NO_PIXEL, CROWDED_OUT = REASONS["no_pixel"], REASONS["crowded"]
@@ -87,8 +87,8 @@ class Splats:
     def views(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]:
         """Return the data as float32 and uint32, (slots, 8), and as float64, (slots, 4).
 
-        Compiled code works on these: each use of a structured row counts references, which takes
-        longer than all of the projection.
+        Compiled code works on these views. Each use of a structured row counts references, which
+        takes longer than all of the projection.
         """
         slots = len(self.data)
         kinds = (np.float32, 8), (np.uint32, 8), (np.float64, 4)
@@ -114,7 +114,7 @@ def project(
     material_shift: int,
     skips: frozenset[str] = DEFAULT_SKIPS,
 ) -> Splats:
-    """Project a cloud's discs and leave out what the view does not show.
+    """Project a cloud's discs and leave out those that the view does not show.
 
     A disc with centre p and unit normal n, in camera coordinates, holds the points q = p + d with
     n . d = 0 and |d| <= R. With a = p_x / p_z, b = p_y / p_z, and s, t the offset on the image
@@ -127,13 +127,14 @@ def project(
     index
         The points.
     view
-        Where they are looked at from.
+        The view.
     shades
         DIFFUSE and SPECULAR by quantised normal; see ``shade_bits``.
     material_shift
         Lowest bit of MATERIAL, counted from DIFFUSE's.
     skips
-        What to leave out; see ``SKIPS``. Points nearer than the view's near distance always are.
+        Reasons to leave points out; see ``SKIPS``. Points nearer than the view's near distance are
+        always left out.
 
     Returns
     -------
@@ -201,7 +202,7 @@ class Blocks(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What decides whether a point is drawn, and in which shade.
+    """Rules for culling, and tables for shading.
 
     Parameters
     ----------
@@ -281,7 +282,7 @@ def _project(points: Any, blocks: Any, camera: Any, look: Any, slots: Any) -> No
                     tally[reason] += 1
         stops[chunk] = at
         limits[chunk, 0], limits[chunk, 1] = low, high
-        # One at a time: numba has been seen to drop the copy of a whole row here.
+        # One at a time: numba may drop the copy of a whole row here.
         for reason in range(len(tally)):
             reasons[chunk, reason] = tally[reason]
 
@@ -387,16 +388,16 @@ def _orient(
 
 @nb.njit(error_model="numpy")
 def _stride(bound: Any, camera: Any) -> int:
-    """Return which of a block's points to draw, one in how many, so that few crowd a pixel.
+    """Return the step between a block's points that are drawn, so that few share a pixel.
 
-    Discs are as wide as the points are apart (``splat_radii``), so their mean radius tells the
-    distance. Along the curve every k-th point is as evenly spread as all are.
+    A disc is as wide as the points are apart (``splat_radii``), so the mean radius tells the
+    distance. Every k-th point along the curve is as evenly spread as all are.
     """
     dx = bound.centre[0] - camera.eye_x
     dy = bound.centre[1] - camera.eye_y
     dz = bound.centre[2] - camera.eye_z
     _, _, z = in_camera(camera, dx, dy, dz)
-    # At the block's nearest, where its points are furthest apart.
+    # At the block's nearest point, where points are furthest apart on the image.
     apart = bound.mean * camera.focal / max(z - bound.reach, camera.near)
     if not 0.0 < apart < CROWDED:
         return 1

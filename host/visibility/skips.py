@@ -1,4 +1,4 @@
-"""What a scene does not need: the reasons to leave a point out, by name."""
+"""Skips: the reasons to leave a point out, by name."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ __all__ = ["DEFAULT_SKIPS", "REASONS", "SKIPS", "check_skips"]
 SKIPS = {
     "outside": "points that cannot touch the image",
     "facing_away": "points whose surface shows its back",
-    "no_pixel": "points whose disc covers no pixel's centre; kept, each is drawn as the pixel that"
-    " holds it",
-    "hidden": "points wholly behind what is nearer",
-    "crowded": "points beyond a few a pixel, the others growing to fill their place (lossy)",
+    "no_pixel": "points whose disc covers no pixel's centre; without this skip each is drawn as the"
+    " pixel that holds it",
+    "hidden": "points wholly behind nearer ones",
+    "crowded": "points beyond a few a pixel; the others grow to cover them (lossy)",
 }
-"""Every skip, in the order in which they are tried."""
+"""Names and meanings, in the order in which they are tested."""
 
 REASONS = {name: number for number, name in enumerate(SKIPS, start=1)}
-"""Their numbers in compiled code; 0 is a point that is kept."""
+"""Their numbers in compiled code; a point that is kept has 0."""
 
 DEFAULT_SKIPS = frozenset({"outside", "facing_away", "no_pixel"})
-"""What is left out unless asked otherwise (decision 0011)."""
+"""The default skips (decision 0011)."""
 
 
 def check_skips(skips: Iterable[str]) -> frozenset[str]:
-    """Return a set of skips, or raise ``InputError`` for a name that is none."""
+    """Return a set of skips, or raise ``InputError`` for an unknown name."""
     chosen = frozenset(skips)
     unknown = sorted(chosen - SKIPS.keys())
     if unknown:

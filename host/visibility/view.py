@@ -1,4 +1,4 @@
-"""A perspective view: where the eye is, and what the image sees."""
+"""A perspective view: the eye, and the image that it sees."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class View:
     near
         Nearest distance along the view that is drawn, above 0.
     shift
-        How far right and down of the image's middle the view's axis meets it, in pixels.
+        Pixels right and down from the image's middle to the view's axis.
     """
 
     eye: npt.NDArray[np.float64]
@@ -78,7 +78,7 @@ def fit_view(
     Parameters
     ----------
     cloud
-        What to look at; at least one point.
+        The cloud; at least one point.
     orbit
         Azimuth and elevation of the eye in degrees, about the up axis.
     fov
@@ -127,16 +127,16 @@ def _orbit_axes(orbit: tuple[float, float], up: npt.NDArray[np.float64]) -> npt.
 
 
 def _fit_eye(
-    turned: npt.NDArray[np.float64],
+    rotated: npt.NDArray[np.float64],
     axes: npt.NDArray[np.float64],
     wide: float,
     high: float,
 ) -> tuple[npt.NDArray[np.float64], float]:
     """Return the nearest eye that sees every point with a small margin, and a near distance.
 
-    Each side of the image is a plane through the eye; the point that reaches furthest beyond the
-    plane's direction touches it. The two planes of an axis meet where the eye must stand at the
-    least (exact for a perspective view, unlike fitting a bounding sphere).
+    Each side of the image is a plane through the eye, which the furthest point in the plane's
+    direction touches. The two planes of an axis meet at the nearest possible eye. This is exact for
+    a perspective view, unlike fitting a bounding sphere.
     """
     margin = 1.06
     eye = np.zeros(3)
@@ -144,14 +144,14 @@ def _fit_eye(
     for axis, span in ((0, wide), (1, high)):
         slope = 0.5 * span / margin
         # Points obey |p - e| <= slope * (z - e_z) on both sides of the axis.
-        upper = np.max(turned[:, axis] - slope * turned[:, 2])
-        lower = np.max(-turned[:, axis] - slope * turned[:, 2])
+        upper = np.max(rotated[:, axis] - slope * rotated[:, 2])
+        lower = np.max(-rotated[:, axis] - slope * rotated[:, 2])
         eye[axis] = 0.5 * (upper - lower)
         distances.append(-(upper + lower) / (2.0 * slope))
-    extent = float(np.max(np.ptp(turned, axis=0)))
-    nearest = float(np.min(turned[:, 2]))
+    extent = float(np.max(np.ptp(rotated, axis=0)))
+    nearest = float(np.min(rotated[:, 2]))
     eye[2] = min(*distances, nearest - 1e-3 * extent)
-    if extent == 0.0:  # a single place: look at it from a distance of one unit
+    if extent == 0.0:  # a single position, seen from a distance of one unit
         eye[2] = nearest - 1.0
     near = max((nearest - eye[2]) * 1e-3, float(np.finfo(np.float64).smallest_subnormal))
     return eye @ axes, near
