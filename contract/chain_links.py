@@ -1,8 +1,8 @@
-"""How a chain's engines are joined: names and limits, which the command line asks for as well."""
+"""The links of a chain: names and limits."""
 
 __all__ = ["LINKS", "MOST_ENGINES"]
 
 LINKS = ("merge", "load")
-"""How an engine's picture goes on to the next: joined on the way out, or loaded into its window."""
+"""How an engine's picture reaches the next: by a merger, or loaded into the window."""
 
 MOST_ENGINES = 64

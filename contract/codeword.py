@@ -1,4 +1,4 @@
-"""Reading a code word's block: which columns of each of its eight lines it covers."""
+"""Decodes a code word: the columns that it covers on each of its block's eight lines."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .presets import PAPER
 
 __all__ = ["COLUMN", "FIRST", "LAST", "unfold"]
 
-# The scans have the same place in every configuration, so that the compiler may know it.
+# The scans have the same position in every configuration, so it is a constant for the compiler.
 FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
 LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
 COLUMN = PAPER.first(0).mask
@@ -21,7 +21,7 @@ COLUMN = PAPER.first(0).mask
 def unfold(word: int, rows: Any) -> int:
     """Set the rows of an element's block: first and last column, first > last if it is empty.
 
-    The text is ``docs/contract.md``, "Half places". Columns are 0..8.
+    See ``docs/contract.md``, "Half places". Columns are 0..8.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def unfold(word: int, rows: Any) -> int:
     Returns
     -------
     int
-        By how many columns what is turned lies further right, 0 or 1.
+        Columns by which the rotated rows lie further right, 0 or 1.
     """
     for row in range(ROWS):
         rows[row, 0], rows[row, 1] = word >> FIRST[row] & COLUMN, word >> LAST[row] & COLUMN

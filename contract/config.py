@@ -1,8 +1,7 @@
 """The engine's configuration and every bit position of its contract, in plain Python.
 
-The hardware, the host and the golden renderer all take their widths and positions from here and
-from nowhere else; this file imports no Amaranth, so reading it costs nothing. What the fields mean
-is written in ``docs/contract.md``.
+The hardware, the host and the golden renderer take all widths and positions from here. This file
+imports no Amaranth, so it loads fast. ``docs/contract.md`` describes the fields.
 """
 
 from __future__ import annotations
@@ -26,32 +25,32 @@ BLOCK = 8
 """Rows and columns of the block of pixels that one code word can cover."""
 
 ROWS = 4
-"""Rows of the block that a code word carries; symmetry gives the rest."""
+"""Rows of a block in a code word; symmetry gives the others."""
 
 COMPACT = 0b00010
-"""What marks a compact word."""
+"""The mark of a compact word."""
 
 WINDOWS: dict[str, dict[str, tuple[int, ...]]] = {
     "tiles": {"window_lines": (8, 16, 32), "pixels_per_word": (2, 4, 8), "raster_words": (1,)},
     "blocks": {"window_lines": (16, 32), "pixels_per_word": (8,), "raster_words": (2,)},
 }
-"""Each kind of window, with the values that it allows."""
+"""The kinds of window, and the values that each allows."""
 
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
-"""The shape ROMs there are, and the largest size that each holds."""
+"""The shape ROMs, and the largest size that each holds."""
 
 MOST_BEAT_BITS = 1024
 """Most bits of a raster beat: 128 bytes is the widest stream of common DMA cores."""
 
 
 def _is_among(value: object, choices: tuple[int, ...]) -> bool:
-    """Return whether a parameter is an integer, and one of the choices."""
+    """Return whether a parameter is an integer among the choices."""
     return isinstance(value, int) and value in choices
 
 
 @dataclass(frozen=True, kw_only=True)
 class EngineConfig:
-    """Everything about an engine that is fixed when its Verilog is written.
+    """The parameters of an engine, which are fixed when its Verilog is written.
 
     Parameters
     ----------
@@ -79,21 +78,21 @@ class EngineConfig:
         in four lanes for each column; small. ``blocks``: a whole element a cycle, in eight rows of
         lanes; fast.
     window_lines
-        Lines of the sliding window. Eight are drawn into; the others wait to be flushed. 8, 16 or
-        32 with tiles, 16 or 32 with blocks.
+        Lines of the sliding window: 8, 16 or 32 with tiles, 16 or 32 with blocks. Eight are drawn
+        into; the others wait to be flushed.
     pixels_per_word
         Pixels in one raster word: 2, 4 or 8 with tiles, 8 with blocks. Each lies in a lane of its
         own, so a memory word is one pixel.
     raster_words
         Raster words in a beat: 1 with tiles, 2 with blocks, whose neighbours leave together.
     shapes
-        One of ``SHAPES``: the ROM that turns compact words into code words; ``none``: there is
-        none, and no word is compact.
+        One of ``SHAPES``: the ROM that expands compact words. ``none``: no ROM, and no compact
+        words.
 
     Raises
     ------
     ValueError
-        If a value is out of its range, the code word does not come out at 64 bits, or a beat of the
+        If a value is out of its range, if the code word does not have 64 bits, or if a beat of the
         raster has more than 1024.
     """
 
@@ -113,7 +112,7 @@ class EngineConfig:
     shapes: str = "none"
 
     def __post_init__(self) -> None:
-        """Check every parameter, so that no component need check it again."""
+        """Check every parameter, so that components need not."""
         ranges = {
             "x_bits": (4, 12),
             "line_bits": (5, 14),
@@ -128,7 +127,7 @@ class EngineConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or not low <= value <= high:
                 raise ValueError(f"{name} must be an integer in {low}..{high}, not {value!r}")
-        # Of these too none but an integer: 8.0 is in (4, 8).
+        # Integers alone, although 8.0 is in (4, 8).
         if self.window not in WINDOWS:
             raise ValueError(f"window must be {' or '.join(WINDOWS)}, not {self.window!r}")
         for name, choices in WINDOWS[self.window].items():
@@ -157,7 +156,7 @@ class EngineConfig:
         return dataclasses.replace(self, **{"name": "custom", **changes})  # type: ignore[arg-type]
 
     def with_shapes(self, shapes: str = "small") -> EngineConfig:
-        """Return the same engine with a shape ROM, or itself if it has one; ``paper-rom``."""
+        """Return the engine with a shape ROM, named as ``paper-rom``; itself if it has one."""
         if self.shapes != "none":
             return self
         suffix = "-rom" if shapes == "small" else f"-rom-{shapes}"
@@ -167,7 +166,7 @@ class EngineConfig:
 
     @property
     def mode(self) -> Field:
-        """0: the rows 0..3 and their half turn; 1: the rows 0..3 alone (a fraction)."""
+        """0: the rows 0..3 and their half rotation; 1: the rows 0..3 alone (a fraction)."""
         return Field(0, 1)
 
     @property
@@ -180,7 +179,7 @@ class EngineConfig:
         return Field(self.scans.lsb + 6 * row, 3)
 
     def last(self, row: int) -> Field:
-        """Last column of a row, inclusive; ``first > last``: it is empty, or marks a half place."""
+        """Last column of a row, inclusive; ``first > last``: it is empty, or marks a half pixel."""
         return Field(self.scans.lsb + 6 * row + 3, 3)
 
     @property
@@ -213,12 +212,12 @@ class EngineConfig:
         """End of frame; counts in control words alone."""
         return Field(self.diffuse.lsb, 1)
 
-    # A compact word: MODE 0, and ``COMPACT`` in place of row 3's upper bits. So its ends are 4 or 5
-    # and 0, which no host writes of a raised shape.
+    # A compact word has MODE 0, and ``COMPACT`` instead of row 3's upper bits. So the ends of row 3
+    # are 4 or 5 and 0, as in no raised shape.
 
     @property
     def compact_mark(self) -> Field:
-        """``COMPACT`` in a compact word: row 3 but for its lowest bit."""
+        """``COMPACT`` in a compact word: row 3 without its lowest bit."""
         return Field(self.first(ROWS - 1).lsb + 1, 5)
 
     @property
@@ -238,7 +237,7 @@ class EngineConfig:
 
     @property
     def compact_part(self) -> Field:
-        """Which four lines of a shape of sixteen; sizes up to 8 have one part."""
+        """Number of the four lines in a shape of sixteen; sizes up to 8 have one part."""
         return Field(self.compact_level_y.end, 2)
 
     @property
@@ -306,7 +305,7 @@ class EngineConfig:
         """Bits of I0, which has ``colour_shift`` fraction bits: as many as ``kd D + ks S`` has."""
         return self.coefficient_bits + self.intensity_bits + 1
 
-    # The raster: a beat is a word of the raster with its place, or the end of the frame.
+    # The raster: a beat is a raster word with its line and number, or the end of the frame.
 
     @property
     def pixel_bits(self) -> int:
@@ -315,14 +314,14 @@ class EngineConfig:
 
     @property
     def word_bits(self) -> int:
-        """Bits of the number of a word of the window's memory in its line."""
+        """Bits of the number of a window word in its line."""
         return self.x_bits - self.pixel_bits
 
     @property
     def block_words(self) -> int:
-        """Most words of a line that an element can touch.
+        """Most window words of a line that an element can touch.
 
-        Of nine columns, as at a half place turned rows lie one further right.
+        An element has nine columns, as its rotated rows may lie one column further right.
         """
         return (BLOCK + self.pixels_per_word - 1) // self.pixels_per_word + 1
 
@@ -333,7 +332,7 @@ class EngineConfig:
 
     @property
     def slot_bits(self) -> int:
-        """Bits of a line's place in the window, which is its number modulo the window's lines."""
+        """Bits of a slot, which is a line's number modulo the window's lines."""
         return self.window_lines.bit_length() - 1
 
     @property
@@ -348,14 +347,14 @@ class EngineConfig:
 
     @property
     def group_bits(self) -> int:
-        """Bits of a place that lanes need: its lowest say in which row of them the line lies."""
+        """Bits of a group: a slot without its lowest bits, which name the row of lanes."""
         return self.slot_bits - (self.tile_lines.bit_length() - 1)
 
     @property
     def flush_words(self) -> int:
-        """Words that leave lanes at one request: 1, or both of a pair with words of eight pixels.
+        """Window words that leave lanes at one request: 1, or a pair with words of eight pixels.
 
-        The second one leaves through the port that otherwise writes, a cycle later.
+        The second word leaves a cycle later, through the port that otherwise writes.
         """
         return 2 if self.window == "tiles" and self.pixels_per_word == BLOCK else 1
 
@@ -381,5 +380,5 @@ class EngineConfig:
 
     @property
     def raster_end(self) -> Field:
-        """1: the frame is over, and the beat's other fields mean nothing."""
+        """1: the frame ends, and the beat's other fields mean nothing."""
         return Field(self.raster_line.end, 1)

@@ -17,7 +17,7 @@ __all__ = ["Frame", "Tables", "check_tables"]
 
 @dataclass(frozen=True)
 class Tables:
-    """What an engine is told before a frame (``docs/contract.md``, "Tables").
+    """The tables that an engine gets before a frame (``docs/contract.md``, "Tables").
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Tables:
 
 @dataclass(frozen=True)
 class Frame:
-    """Everything that an engine needs to draw one image.
+    """All data that an engine needs to draw one image.
 
     Parameters
     ----------
@@ -45,9 +45,9 @@ class Frame:
     width, height
         Size of the image in pixels.
     config
-        The engine that the code words are made for.
+        Configuration of the engine for which the code words are made.
     counts
-        What went in and what was left out, for the statistics: plain numbers and dictionaries.
+        Statistics of the points that were drawn and left out: plain numbers and dictionaries.
     """
 
     codewords: npt.NDArray[np.uint64]
@@ -59,7 +59,7 @@ class Frame:
 
 
 def check_tables(tables: Tables, config: EngineConfig) -> None:
-    """Raise ``InputError`` if an engine of a configuration cannot hold what the tables say."""
+    """Raise ``InputError`` unless the tables fit an engine of a configuration."""
     coefficients = ((1 << config.material_bits, 3), config.coefficient_bits)
     for name, table, (shape, bits) in (
         ("ambient", tables.ambient, ((3,), config.ambient_bits)),

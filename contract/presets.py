@@ -1,4 +1,4 @@
-"""The engines that have a name and a budget; see :mod:`splatline.contract.variants` for others."""
+"""Engines with a name and a budget; see :mod:`splatline.contract.variants` for others."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ PAPER = EngineConfig(name="paper")
 """The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
 
 RGB24 = PAPER.replace(name="rgb24", channel_bits=8, coefficient_bits=10, colour_shift=8)
-"""The same with 8 + 8 + 8 bits of colour, in the same block RAMs; it fits the same device."""
+"""``PAPER`` with 8 + 8 + 8 bits of colour, in the same block RAMs and the same device."""
 
 SWIFT = RGB24.replace(name="swift", window="blocks", pixels_per_word=8, raster_words=2)
 """One code word a cycle, whatever its size: the fewest cycles, with eight times the block RAMs."""
 
 LANES8 = RGB24.replace(name="lanes8", pixels_per_word=8)
-"""Between the two: larger elements and sparse scans take half the cycles, for twice the block RAMs
-of ``rgb24``."""
+"""Half the cycles of ``rgb24`` for larger elements and sparse scans, and twice its block RAMs."""
 
 DEFAULT = RGB24
-"""What commands and functions draw with unless told otherwise."""
+"""The default of commands and functions."""
 
 PRESETS = {config.name: config for config in (PAPER, RGB24, LANES8, SWIFT)}
 """Named configurations."""
@@ -34,7 +33,7 @@ REMOVED = {
     "banks16-word4": "lanes8",
     "word8": "lanes8",
 }
-"""Names that earlier versions had, and what to take instead."""
+"""Removed names, and their replacements."""
 
 
 def get_preset(name: str) -> EngineConfig:

@@ -1,4 +1,4 @@
-"""The picture that an engine draws: depth and colour, as golden renderer and Verilog give it."""
+"""The picture that an engine draws: depth and colour of each pixel."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Raster:
 
     @classmethod
     def background(cls, width: int, height: int, config: EngineConfig = PAPER) -> Raster:
-        """Return an image that nothing was drawn into."""
+        """Return a raster of background."""
         depth = np.full((height, width), config.background_depth, np.uint16)
         return cls(depth, np.zeros((height, width, 3), np.uint8), config)
 
@@ -45,7 +45,7 @@ class Raster:
         colour_words: npt.NDArray[np.uint32],
         config: EngineConfig = PAPER,
     ) -> Raster:
-        """Return an image whose colours are stored as the engine stores them.
+        """Return a raster from stored colours.
 
         Parameters
         ----------

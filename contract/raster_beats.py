@@ -1,7 +1,6 @@
-"""The raster stream of ``docs/contract.md``: a raster as beats, and beats as a raster.
+"""The raster stream of ``docs/contract.md``: converts a raster to beats, and beats to a raster.
 
-A beat has more bits than the machine's words: a stream is an array of 64-bit limbs, the lowest
-first, one row a beat.
+A stream is an array of 64-bit limbs, the lowest first, one row a beat.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ LIMB = 64
 
 
 def to_beats(raster: Raster) -> npt.NDArray[np.uint64]:
-    """Return the beats that a raster is made of.
+    """Return the beats of a raster.
 
     Parameters
     ----------
@@ -67,7 +66,7 @@ def to_beats(raster: Raster) -> npt.NDArray[np.uint64]:
 def from_beats(
     beats: npt.NDArray[np.uint64], width: int, height: int, config: EngineConfig = PAPER
 ) -> Raster:
-    """Return the raster that beats describe, and check that an engine may send them.
+    """Return the raster of a stream of beats; check that an engine may send them.
 
     Parameters
     ----------
@@ -81,8 +80,8 @@ def from_beats(
     Raises
     ------
     ValueError
-        If the end beat is missing or not the last; if a beat lies outside the image, comes out of
-        order or twice, or has bits above its fields, or draws nothing; if a pixel beyond the last
+        If the end beat is missing or not the last. If a beat lies outside the image, is out of
+        order or repeated, has bits above its fields, or draws nothing. If a pixel beyond the last
         column is drawn, or one at background depth has a colour.
     """
     limbs = -(-config.raster_end.end // LIMB)
@@ -100,7 +99,7 @@ def from_beats(
     beats = beats[:-1]
     lines = _get(beats, config.raster_line).astype(np.int64)
     words = _get(beats, config.raster_word).astype(np.int64)
-    _check_places(lines, words, width, height, config)
+    _check_positions(lines, words, width, height, config)
 
     pixels = config.raster_pixels
     padded = (height, width + -width % pixels)
@@ -118,27 +117,27 @@ def from_beats(
     empty = np.flatnonzero(~drawn[lines, words])
     if len(empty):
         first = empty[0]
-        place = f"word {words[first]} of line {lines[first]}"
-        raise ValueError(f"beat {first} is {place}, in which nothing was drawn")
+        name = f"word {words[first]} of line {lines[first]}"
+        raise ValueError(f"beat {first} is {name}, in which nothing was drawn")
     return Raster.from_words(depth[:, :width], colour[:, :width], config)
 
 
-def _check_places(
+def _check_positions(
     lines: npt.NDArray[np.int64],
     words: npt.NDArray[np.int64],
     width: int,
     height: int,
     config: EngineConfig,
 ) -> None:
-    """Raise if words of the image come out of order, twice or from outside."""
+    """Raise if raster words are out of order, repeated or outside the image."""
     outside = np.flatnonzero((lines >= height) | (words * config.raster_pixels >= width))
     if len(outside):
         beat = outside[0]
         raise ValueError(
             f"beat {beat} is word {words[beat]} of line {lines[beat]}, outside {width}x{height}"
         )
-    places = lines << config.raster_word.width | words
-    wrong = np.flatnonzero(places[1:] <= places[:-1])
+    positions = lines << config.raster_word.width | words
+    wrong = np.flatnonzero(positions[1:] <= positions[:-1])
     if len(wrong):
         beat = wrong[0] + 1
         raise ValueError(
@@ -148,9 +147,9 @@ def _check_places(
 
 
 def put_field(beats: _Limbs, field: Field, values: npt.NDArray[np.generic]) -> None:
-    """Set a field of at most 64 bits in words of several limbs.
+    """Set a field of at most 64 bits in beats of several limbs.
 
-    It must be 0 before, and may reach into the next limb.
+    The field must be 0 before. It may cross into the next limb.
     """
     limb, shift = divmod(field.lsb, LIMB)
     bits = values.astype(np.uint64)

@@ -1,4 +1,4 @@
-"""The registers of the engine's AXI4-Lite port, in plain Python: the one description there is.
+"""The registers of the engine's AXI4-Lite port, in plain Python.
 
 The register file (:mod:`splatline.rtl.bus.axi_registers`), the C header, the JSON map, the page
 ``docs/registers.md`` and the driver are all made from it. This file imports no Amaranth.
@@ -19,14 +19,13 @@ WORD = 4
 """Bytes of a register."""
 
 MATERIALS = 0x2000
-"""Offset of the material table: the same for every configuration, of which the largest ends at
-twice that."""
+"""Offset of the material table in every configuration; the largest table ends at twice that."""
 
 IDENTITY = 0x53504C54
-"""``SPLT``: what the first register reads as."""
+"""``SPLT``: the value of the first register."""
 
 VERSION = (2, 0)
-"""Of the map: the first number grows where an old driver would no longer work."""
+"""Version of the map: the first number grows if an old driver would no longer work."""
 
 PARAMETERS = (
     {
@@ -80,8 +79,8 @@ COUNTERS = {
 def raster_stream_bytes(config: EngineConfig) -> int:
     """Return the bytes of a raster beat on its stream: the next power of two, at least 8.
 
-    So a beat is whole 64-bit limbs, as ``contract.raster_beats`` has them, and a width that
-    vendors' DMA takes.
+    A beat is then whole 64-bit limbs, as in ``contract.raster_beats``, and vendors' DMA cores
+    accept its width.
     """
     return max(8, 1 << (-(-config.raster_end.end // 8) - 1).bit_length())
 
@@ -107,14 +106,14 @@ def register_map(config: EngineConfig) -> RegisterMap:
 
 
 CHOICES: dict[str, tuple[str | int, ...]] = {"shapes": tuple(SHAPES), "window": tuple(WINDOWS)}
-"""Parameters of which a field says which one of some it is."""
+"""Parameters whose field is the number of a choice."""
 
 # A register in short: its name, meaning and fields, and the engine's register that it becomes.
 _Row = tuple[str, str, list[BusField], int | None]
 
 
 def _identity(config: EngineConfig) -> Iterator[_Row]:
-    """Yield what a driver checks before all else."""
+    """Yield the registers that a driver checks first."""
     yield "ID", "what this is", [_constant("VALUE", 32, IDENTITY, "`SPLT`")], None
     version = [
         _constant("MINOR", 8, VERSION[1], "additions that an old driver need not know"),
@@ -133,19 +132,19 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
 
 
 def _number(config: EngineConfig, name: str) -> int:
-    """Return a parameter as a number: of ``CHOICES`` the place among what there is."""
+    """Return a parameter as a number; a choice is its number among ``CHOICES``."""
     value = getattr(config, name)
     return CHOICES[name].index(value) if name in CHOICES else int(value)
 
 
 def _meaning(name: str) -> str:
-    """Return what a parameter's field says, with its numbers' meanings where they are places."""
+    """Return the meaning of a parameter's field, with the numbers of its choices."""
     choices = (f"{number}: {choice}" for number, choice in enumerate(CHOICES.get(name, ())))
     return "; ".join([f"`{name}`", *choices])
 
 
 def _control() -> Iterator[_Row]:
-    """Yield what starts, stops and tells."""
+    """Yield the registers of control, status and interrupts."""
     control = [
         _field("HOLD", 1, Access.READ_WRITE, "no further frame begins: its code words wait"),
         _field("QUIET", 1, Access.READ_WRITE, "the bus answers OKAY where it would be an error"),
@@ -167,7 +166,7 @@ def _control() -> Iterator[_Row]:
 
 
 def _frame(config: EngineConfig) -> Iterator[_Row]:
-    """Yield what holds for a whole frame: the engine's own registers."""
+    """Yield the engine's own registers, which hold for a whole frame."""
     for name, bits, size, table in zip(
         ("column", "line"),
         (config.x_bits, config.line_bits),
@@ -208,7 +207,7 @@ def _materials(config: EngineConfig) -> MaterialWindow:
 
 
 def _field(name: str, width: int, access: Access, meaning: str, reset: int = 0) -> BusField:
-    """Return a field whose place is still to be found."""
+    """Return a field whose position ``_stack`` will set."""
     return BusField(name, Field(0, width), access, meaning, reset)
 
 

@@ -1,4 +1,4 @@
-"""What a register map is made of, in plain Python: registers, their fields and a table.
+"""The parts of a register map, in plain Python: registers, fields and the material table.
 
 The map of the engine is :mod:`splatline.contract.register_map`. This file imports no Amaranth.
 """
@@ -22,11 +22,11 @@ __all__ = [
 ]
 
 REGISTER_BYTES = 0x80
-"""Below it lie the registers of a map; a power of two."""
+"""Registers lie below this offset, a power of two."""
 
 
 class Access(Enum):
-    """What a bus may do with a field."""
+    """The accesses that a field allows."""
 
     READ_ONLY = "ro"
     READ_WRITE = "rw"
@@ -60,9 +60,9 @@ class BusField:
     meaning
         One phrase.
     reset
-        Value after reset; of a constant its only value.
+        Value after reset, or the value of a constant.
     live
-        A ``ro`` field that shows what the hardware does; else it is a constant.
+        Whether a ``ro`` field follows the hardware; else it is a constant.
     """
 
     name: str
@@ -122,7 +122,7 @@ class BusRegister:
 
 @dataclass(frozen=True)
 class MaterialWindow:
-    """The material table: each entry on a few words in a row, of which the last one writes it.
+    """The material table: an entry is a few consecutive words, and the last word writes it.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ class MaterialWindow:
 
 @dataclass(frozen=True)
 class RegisterMap:
-    """All that a driver sees of an engine on its AXI4-Lite port.
+    """The registers of an engine on its AXI4-Lite port.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class RegisterMap:
     materials: MaterialWindow
 
     def __post_init__(self) -> None:
-        """Check what the decoder of addresses relies on."""
+        """Check the offsets, on which the address decoder relies."""
         last = max(register.offset for register in self.registers)
         if last >= REGISTER_BYTES:
             raise ValueError(f"a register at {last:#x}: they must lie below {REGISTER_BYTES:#x}")

@@ -1,4 +1,4 @@
-"""Failures that are no fault of the input."""
+"""Failures of external tools."""
 
 import click
 

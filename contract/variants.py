@@ -1,6 +1,6 @@
 """Engines beside the presets: other windows, sizes and depths.
 
-They are what the tests simulate and what ``splatline bench configurations`` compares.
+The tests simulate them, and ``splatline bench configurations`` compares them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ __all__ = ["NARROW_BLOCKS", "SHAPED", "VARIANTS"]
 def _large(name: str, **changes: object) -> EngineConfig:
     """Return an engine for images of up to 2048 x 2048 pixels.
 
-    X has two bits more; one comes from each intensity.
+    X has two more bits, one from each intensity.
     """
     taken: dict[str, object] = {
         "x_bits": 11,
