@@ -13,8 +13,7 @@ from click.core import ParameterSource
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import DEFAULT
-from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES
-from splatline.host.encode.shape_source import SHAPE_SOURCES
+from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES

@@ -9,7 +9,7 @@ from amaranth.lib.wiring import In, Out
 from splatline.contract.config import BLOCK, EngineConfig
 from splatline.rtl.layouts import PlaceLayout, RasterLayout
 from splatline.rtl.lib.fifo import Fifo
-from splatline.rtl.lib.reduce import all_of, any_of
+from splatline.rtl.lib.mux import all_of, any_of
 
 from .lane_row import HALVES, BeatWordsLayout
 

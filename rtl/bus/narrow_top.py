@@ -199,7 +199,7 @@ class PinTop(wiring.Component):
         codeword = CodeWordLayout(self.config)
         table_write = TableWriteLayout(self.config)
         beat = RasterLayout(self.config)
-        m.submodules.engine = engine = self.engine
+        m.submodules.machine = engine = self.engine
         m.submodules.words = words = Gatherer(max(codeword.size, table_write.size), WORD_PIECE)
         m.submodules.initial = initial = Gatherer(beat.size, BEAT_PIECE)
         m.submodules.raster = raster = Splitter(beat.size, BEAT_PIECE)

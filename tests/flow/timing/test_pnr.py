@@ -4,6 +4,7 @@ import pytest
 
 from splatline.contract.presets import LANES8, PAPER, PRESETS
 from splatline.contract.variants import VARIANTS
+from splatline.flow.narrow_verilog import generate_pins
 from splatline.flow.timing.pnr import (
     CONSTRAINTS,
     RESOURCES,
@@ -14,7 +15,6 @@ from splatline.flow.timing.pnr import (
     smallest,
 )
 from splatline.flow.tools import ToolError
-from splatline.rtl.bus.narrow_top import generate_pins
 
 
 def step(kind, delay, cell, net=None):
