@@ -25,7 +25,7 @@ help:
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
-	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=bank: some)'
+	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
 	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'

@@ -65,6 +65,7 @@ PROOFS = [
         depth=9,
         engine="abc bmc3",
         slow=True,
+        long=True,
         faults=(
             Fault(
                 "right border",
