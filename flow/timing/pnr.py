@@ -122,6 +122,11 @@ def place_and_route(
         cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
         block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
         device = smallest(block_rams)
+        if block_rams > device.block_rams:
+            raise ToolError(
+                f"the engine needs {block_rams} block RAMs, and the largest ECP5 has"
+                f" {device.block_rams}"
+            )
         options = [device.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {n: _route(folder, [*route, str(n)], n) for n in range(seed, seed + tries)}
