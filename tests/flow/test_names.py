@@ -51,7 +51,7 @@ def test_what_verilog_does_not_take_is_no_identifier(name):
 
 def test_memories_of_zeros_take_a_line():
     text, _ = TOPS["engine"](PAPER, "painter")
-    assert len(text.splitlines()) < 7000
+    assert len(text.splitlines()) < 9000  # 17,384 with a line a word
     assert not re.search(r"\[\d+\] = \d+'h0+;", text)
     loops = re.findall(r"initial for \((\w+) = 0; \1 < (\d+); \1 = \1 \+ 1\) (\w+)\[\1\] =", text)
     for _, depth, memory in loops:

