@@ -90,8 +90,10 @@ def _unique(wanted: dict[str, str], taken: set[str]) -> dict[str, str]:
 
 
 def _without_empty_wires(body: str) -> str:
-    """Drop wires of no bits, which Verilog cannot write, and other names of them."""
+    """Drop wires of no bits, which Verilog cannot write, unless something reads them."""
     empty = {name for width, _, name in WIRE.findall(body) if width == "0"}
+    for name in NAME.findall(CONNECT.sub(r" \2\n", WIRE.sub("", body))):
+        empty.discard(name)
     body = CONNECT.sub(lambda found: "" if found[1] in empty else found[0], body)
     lines: list[str] = []
     for line in body.splitlines(keepends=True):
