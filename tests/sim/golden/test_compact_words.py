@@ -8,7 +8,7 @@ from splatline.contract.presets import PAPER
 from splatline.contract.variants import SHAPED
 from splatline.host.encode.shape_table import EMPTY_SCANS, SIZES, shape_table
 from splatline.host.encode.sort_by_line import end_word
-from splatline.host.encode.write_words import turned
+from splatline.host.encode.write_words import half_turn
 from splatline.sim import golden
 from splatline.sim.golden.compact_words import expand, expand_frame
 from tests.support.rom_words import compact_words, every_entry, mixed_words
@@ -40,7 +40,7 @@ def test_the_four_parts_of_a_large_shape_are_what_the_host_sends(size):
             if scans != EMPTY_SCANS:
                 row, side = fraction // 2, fraction % 2
                 expected[row].add((canonical(scans), 100 + 8 * side))
-                expected[3 - row].add((canonical(turned(scans)), 100 + 8 * (1 - side)))
+                expected[3 - row].add((canonical(half_turn(scans)), 100 + 8 * (1 - side)))
         for part in range(4):
             words = compact_words(FULL, size, level_x, level_y, part, rest=100 << FULL.x.lsb)
             expanded, _ = expand(words[np.newaxis], FULL)
