@@ -32,7 +32,8 @@ MEANINGS = {
 
 
 START = re.compile(r"\\\$auto\$verilog_backend\.cc:\d+:dump_module\$\d+ ")
-"""A register of each module that has blocks run when a simulation starts, as Yosys names it."""
+"""The register that makes a module's ``always @*`` blocks run when a simulation starts, as Yosys
+names it."""
 
 
 def convert(component: wiring.Component, name: str) -> str:
@@ -53,7 +54,19 @@ def convert(component: wiring.Component, name: str) -> str:
     )
     if done.returncode:
         raise RuntimeError(f"Yosys could not write Verilog:\n{done.stderr.strip()}")
-    return pack_contents(START.sub("_start_", done.stdout))
+    return pack_contents(_start_blocks(done.stdout))
+
+
+def _start_blocks(text: str) -> str:
+    """Return Verilog whose ``always @*`` blocks run at the start of every simulator.
+
+    Yosys writes ``reg _start_ = 0``. SystemVerilog sets that before any block waits for it, and no
+    block runs. A nonblocking assignment comes after all blocks have begun to wait. Verilator warns
+    of those.
+    """
+    text = START.sub("_start_", text)
+    text = text.replace("reg _start_ = 0;", "reg _start_;\n  initial _start_ <= 0;")
+    return f"/* verilator lint_off INITIALDLY */\n{text}"
 
 
 def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:

@@ -306,7 +306,8 @@ class BlockWindow(wiring.Component):
             m.d.comb += getattr(latest.words, name).eq(_word(block, half))
         m.d.sync += [before.eq(latest), before_that.eq(before)]
         for n, other in enumerate((before, before_that)):
-            m.d.comb += behind[n].eq(block.z >= other.new.depth)
+            # Without a block before, its depth may be undefined.
+            m.d.comb += behind[n].eq(other.drawn & (block.z >= other.new.depth))
             for name in HALVES:
                 same = getattr(latest.words, name) == getattr(other.words, name)
                 m.d.comb += getattr(again[n], name).eq(other.drawn & same)

@@ -202,7 +202,12 @@ class TileWindow(wiring.Component):
 
         drawing = Signal(PixelLayout(config), reset_less=True)
         with m.If(running):
-            m.d.sync += [drawing.depth.eq(tile.z), drawing.colour.eq(self.shade)]
+            m.d.sync += [
+                # An undefined depth on an idle input would make a lane's sum undefined, and with it
+                # the write enable of the clearing after reset.
+                drawing.depth.eq(Mux(self.i.valid, tile.z, 0)),
+                drawing.colour.eq(self.shade),
+            ]
         cleared = (~serving | sweeping).replicate(config.depth_bits)
         for i, row in enumerate(lanes):
             for j, lane in enumerate(row):

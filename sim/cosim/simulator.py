@@ -32,8 +32,7 @@ _BUILD_ARGS = {
         *("-Wno-fatal", "-Wno-lint", "-Wno-style", "-O3", "--x-assign", "unique"),
         *("--output-split", "0"),
     ],
-    # -g2012, cocotb's choice, leaves an `if` with constant arms at X (amaranth#1629).
-    "icarus": ["-g2005"],
+    "icarus": [],
 }
 
 
@@ -44,9 +43,9 @@ more time than the precompiled headers cost."""
 _IN_PARTS = ["--output-split", "20000"]
 
 
-def _arguments(simulator: str, *, parts: bool) -> list[str]:
+def _arguments(simulator: str, *, parts: bool, options: Sequence[str]) -> list[str]:
     """Return a simulator's arguments for a build."""
-    return [*_BUILD_ARGS[simulator], *(_IN_PARTS if parts else [])]
+    return [*_BUILD_ARGS[simulator], *(_IN_PARTS if parts else []), *options]
 
 
 def _make_flags(*, parts: bool = False) -> str:
@@ -119,6 +118,7 @@ def build(
     simulator: str = "verilator",
     parameters: Mapping[str, int] | None = None,
     visible: Sequence[tuple[str, str]] = (),
+    options: Sequence[str] = (),
 ) -> Build:
     """Build a simulator from Verilog, or return the cached build of the same Verilog.
 
@@ -135,6 +135,8 @@ def build(
         Verilog parameters of the top module.
     visible
         Further signals that cocotb may read, as pairs of module and signal name.
+    options
+        Further arguments of the simulator, such as ``-g2001`` of Icarus.
 
     Raises
     ------
@@ -158,7 +160,7 @@ def build(
         top,
         simulator,
         sorted((parameters or {}).items()),
-        _arguments(simulator, parts=parts),
+        _arguments(simulator, parts=parts, options=options),
         _make_flags(parts=parts),
         *visible,
     )
@@ -180,7 +182,7 @@ def build(
                     hdl_toplevel=top,
                     parameters=parameters or {},
                     build_dir=work,
-                    build_args=_arguments(simulator, parts=parts),
+                    build_args=_arguments(simulator, parts=parts, options=options),
                     timescale=("1ns", "1ps"),
                     log_file=log,
                 )

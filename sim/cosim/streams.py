@@ -7,14 +7,24 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import cocotb
 from cocotb.clock import Clock
+from cocotb.handle import LogicObject
 from cocotb.triggers import FallingEdge, ReadOnly
+from cocotb.types import Logic, LogicArray
 
-__all__ = ["Sink", "Source", "StreamBench", "StreamRuleError"]
+__all__ = ["Sink", "Source", "StreamBench", "StreamRuleError", "undefined"]
 
 
 class StreamRuleError(AssertionError):
     """A breach of the rules of valid/ready streams, or a bench that ran out of cycles."""
+
+
+def undefined(port: Any, numbers: random.Random) -> Logic | LogicArray | int:
+    """Return a value for an idle port: X, or a random number in a simulator without X."""
+    if cocotb.SIM_NAME.lower().startswith("verilator"):
+        return numbers.getrandbits(len(port))
+    return Logic("X") if isinstance(port, LogicObject) else LogicArray("X" * len(port))
 
 
 @dataclass
@@ -65,7 +75,9 @@ class StreamBench:
         if not self.cycles:
             Clock(self.dut.clk, 10, unit="ns").start()
         for source in self.sources:
+            payload = self._port(source.name, "payload")
             self._port(source.name, "valid").value = 0
+            payload.value = undefined(payload, self.random)
         for sink in self.sinks:
             self._port(sink.name, "ready").value = 0
         if hasattr(self.dut, "rst"):
@@ -154,8 +166,10 @@ class StreamBench:
             offers = source.sent < len(source.payloads) and self.random.random() < source.rate
             source.offering = offers
             self._port(source.name, "valid").value = offers
-            if offers:
-                self._port(source.name, "payload").value = source.payloads[source.sent]
+            payload = self._port(source.name, "payload")
+            payload.value = (
+                source.payloads[source.sent] if offers else undefined(payload, self.random)
+            )
 
     def _take(self, sink: Sink) -> None:
         valid = int(self._port(sink.name, "valid").value)

@@ -29,6 +29,8 @@ from cocotbext.axi import (  # type: ignore[import-untyped]
     AxiStreamSource,
 )
 
+from splatline.sim.cosim.streams import undefined
+
 __all__ = ["AxiBench", "serve"]
 
 PERIOD_NS = 10
@@ -43,6 +45,15 @@ CHANNELS = (
     ("m_axis_raster_t", ("tdata", "tkeep", "tlast")),
 )
 """The engine's output channels: prefix of valid and ready, and payload that must stay stable."""
+
+IDLE = (
+    ("s_axi_ctrl_aw", ("addr", "prot")),
+    ("s_axi_ctrl_w", ("data", "strb")),
+    ("s_axi_ctrl_ar", ("addr", "prot")),
+    ("s_axis_codewords_t", ("data", "keep", "last")),
+    ("s_axis_initial_t", ("data", "keep", "last")),
+)
+"""The engine's input channels: prefix of valid, and payload, which is undefined while not valid."""
 
 INPUTS = (
     *(f"s_axi_ctrl_{name}" for name in ("awaddr", "awprot", "awvalid", "wdata", "wstrb", "wvalid")),
@@ -69,7 +80,7 @@ async def serve(dut: Any) -> None:
         line: Connection[Any, Any] = Connection(end.detach())
     bench = AxiBench(dut)
     with line:
-        await bench.reset()
+        await bench.reset(int(os.environ["SPLATLINE_RESET_EDGES"]))
         line.send("ready")
         while True:
             try:
@@ -91,24 +102,23 @@ class AxiBench:
             for name in ("codewords", "initial")
         }
         self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_raster"), *common)
-        for source in self.sources.values():
-            # The sources start with X on data that is not valid. A lane compares depths with an
-            # adder, and in a simulator with X a sum with one unknown bit is entirely unknown. The
-            # clearing after reset would then miss memory words that the hardware clears.
-            source.bus.tdata.value = 0
+        self.random = random.Random(1)
         self.breaches: list[str] = []
         self.raster = [0, 0]
         self.engine = [0, 0]
         self.engine_watch: Task[None] | None = None
         dut.aresetn.value = 0
         Clock(dut.aclk, PERIOD_NS, unit="ns").start()
+        for prefix, names in IDLE:
+            cocotb.start_soon(self._undefine(prefix, [f"{prefix}{name}" for name in names]))
         for prefix, names in CHANNELS:
             cocotb.start_soon(self._watch(prefix, [f"{prefix[:-1]}{name}" for name in names]))
 
-    async def reset(self) -> None:
-        """Hold the reset for four clock edges."""
+    async def reset(self, edges: int = 4) -> None:
+        """Hold the reset for some clock edges."""
         self.dut.aresetn.value = 0
-        await ClockCycles(self.dut.aclk, 4)
+        await FallingEdge(self.dut.aclk)
+        await ClockCycles(self.dut.aclk, edges)
         self.dut.aresetn.value = 1
         await ClockCycles(self.dut.aclk, 2)
 
@@ -220,6 +230,15 @@ class AxiBench:
             for port, value in zip(inputs, values, strict=True):
                 port.value = value
         return [outputs[n]._name for n in sorted(moved)]
+
+    async def _undefine(self, prefix: str, names: list[str]) -> None:
+        """Drive no defined payload while a channel's valid is low."""
+        valid, payload = getattr(self.dut, f"{prefix}valid"), [getattr(self.dut, n) for n in names]
+        while True:
+            if valid.value != 1:
+                for part in payload:
+                    part.value = undefined(part, self.random)
+            await FallingEdge(self.dut.aclk)
 
     async def _watch(self, prefix: str, names: list[str]) -> None:
         """Record breaches: an offered payload that changes or vanishes before it is taken."""

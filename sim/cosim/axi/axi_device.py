@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
@@ -48,14 +49,27 @@ VISIBLE = [
 _SERVE = "import sys; from splatline.sim.cosim.axi.axi_device import serve; serve(sys.argv[1])"
 
 
-def build_axi(config: EngineConfig = DEFAULT, simulator_name: str = "verilator") -> Build:
-    """Build the simulator of an AXI top, or return its cached build."""
+def build_axi(
+    config: EngineConfig = DEFAULT,
+    simulator_name: str = "verilator",
+    *,
+    edit: Callable[[str], str] = lambda text: text,
+    options: Sequence[str] = (),
+) -> Build:
+    """Build the simulator of an AXI top, or return its cached build.
+
+    ``edit`` changes the Verilog, such as to plant a fault. ``options`` are the simulator's.
+    """
     from splatline.flow.verilog import convert
     from splatline.rtl.bus.axi_top import AxiTop
 
-    text = convert(AxiTop(config), "splatline")
+    text = edit(convert(AxiTop(config), "splatline"))
     return simulator.build(
-        {"splatline.v": text}, "splatline", simulator=simulator_name, visible=VISIBLE
+        {"splatline.v": text},
+        "splatline",
+        simulator=simulator_name,
+        visible=VISIBLE,
+        options=options,
     )
 
 
@@ -74,6 +88,8 @@ class SimulatedDevice:
         Cycles after which :meth:`receive` gives up.
     built
         Build to use instead of the configuration's own, such as one with a planted fault.
+    reset_edges
+        Clock edges of the reset before the first command.
 
     Raises
     ------
@@ -91,6 +107,7 @@ class SimulatedDevice:
         seed: int = 1,
         limit: int = 1_000_000,
         built: Build | None = None,
+        reset_edges: int = 4,
     ) -> None:
         if not 0.0 <= stall < 1.0:
             raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
@@ -104,7 +121,7 @@ class SimulatedDevice:
         with contextlib.ExitStack() as stack:
             scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="splatline-"))
             self._log = Path(scratch) / "log"
-            self._process, self._line = self._start(stack, Path(scratch), built)
+            self._process, self._line = self._start(stack, Path(scratch), built, reset_edges)
             self._stack = stack.pop_all()
         if stall:
             self.command("stall", stall, seed)
@@ -168,7 +185,7 @@ class SimulatedDevice:
         self.close()
 
     def _start(
-        self, stack: contextlib.ExitStack, scratch: Path, built: Build
+        self, stack: contextlib.ExitStack, scratch: Path, built: Build, reset_edges: int
     ) -> tuple[subprocess.Popen[bytes], Connection[Any, Any]]:
         """Start the simulator; return its process and the connection to it."""
         address = scratch / "socket"
@@ -177,6 +194,7 @@ class SimulatedDevice:
             "top": built.top,
             "simulator": built.simulator,
             "socket": str(address),
+            "reset_edges": reset_edges,
         }
         listener = stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(str(address))
@@ -226,5 +244,9 @@ def serve(job: str) -> None:
     simulator.run(
         Build(Path(told["folder"]), told["top"], told["simulator"], reused=True),
         f"{__package__}.axi_bench",
-        environment={"SPLATLINE_SOCKET": told["socket"], "COCOTB_LOG_LEVEL": "WARNING"},
+        environment={
+            "SPLATLINE_SOCKET": told["socket"],
+            "SPLATLINE_RESET_EDGES": str(told["reset_edges"]),
+            "COCOTB_LOG_LEVEL": "WARNING",
+        },
     )

@@ -29,13 +29,13 @@ async def play_frames(dut: Any) -> None:
     jobs = json.loads((folder / "jobs.json").read_text())
     Clock(dut.clk, PERIOD_NS, unit="ns").start()
     dut.start.value = 0
-    await reset(dut)
+    await reset(dut, jobs[0]["reset_edges"])
     outcomes = []
     for index, job in enumerate(jobs):
         if "reset_after" in job:
             await start(dut, index, job)
             await ClockCycles(dut.clk, job["reset_after"])
-            await reset(dut)
+            await reset(dut, job["reset_edges"])
         await start(dut, index, job)
         outcomes.append(await watch(dut, job))
         (folder / "outcomes.json").write_text(json.dumps(outcomes))
@@ -43,11 +43,11 @@ async def play_frames(dut: Any) -> None:
             break
 
 
-async def reset(dut: Any) -> None:
-    """Hold the reset for two clock edges."""
+async def reset(dut: Any, edges: int) -> None:
+    """Hold the reset for some clock edges."""
     await FallingEdge(dut.clk)
     dut.rst.value = 1
-    await ClockCycles(dut.clk, 2)
+    await ClockCycles(dut.clk, edges)
     await FallingEdge(dut.clk)
     dut.rst.value = 0
 

@@ -45,6 +45,8 @@ class Playing(ABC):
         Seed of the random gaps.
     reset_after
         Cycles after which the hardware is reset and the frames are started again.
+    reset_edges
+        Clock edges of that reset, and of the one before the first job.
     write_tables
         ``every``: all tables are written before every frame. ``first``: before the first frame
         alone, so that no frame waits for the one before to leave. ``none``: the tables of the
@@ -58,6 +60,7 @@ class Playing(ABC):
     rates: dict[str, float] = field(default_factory=dict)
     seed: int = 1
     reset_after: int | None = None
+    reset_edges: int = 2
     write_tables: str = "every"
     most_cycles: int | None = None
 

@@ -99,6 +99,7 @@ def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict
         "frames": len(job.parts),
         "seed": job.seed,
         "rates": rates,
+        "reset_edges": job.reset_edges,
         "most_cycles": job.most_cycles or int(4 * work / slowest),
         **reset,
     }

@@ -2,7 +2,7 @@
 //
 // `start` opens "<folder>/<frame>.<NAME>", which has one hexadecimal number a line. A missing file counts as empty.
 // While `run` is high, a gap before a payload ends with probability (rate + 1) / 256 in each cycle. An offered payload
-// stays until it is taken.
+// stays until it is taken. Between payloads it is undefined, or random in a simulator without undefined values.
 module stream_source #(
     parameter WIDTH = 64,
     parameter NAME = "words",
@@ -16,7 +16,7 @@ module stream_source #(
     input [7:0] rate,
     input run,
     output reg valid,
-    output reg [WIDTH-1:0] payload,
+    output [WIDTH-1:0] payload,
     input ready
 );
     reg [8*512-1:0] folder;
@@ -26,12 +26,18 @@ module stream_source #(
     reg [WIDTH-1:0] next;
     reg more;
     reg [31:0] random;
+    reg [WIDTH-1:0] offered;
+`ifdef VERILATOR
+    assign payload = valid ? offered : {(WIDTH + 31) / 32{random}};
+`else
+    assign payload = valid ? offered : {WIDTH{1'bx}};
+`endif
 
     initial begin
         file = 0;
         more = 0;
         valid = 0;
-        payload = 0;
+        offered = 0;
         random = 1;
         if (!$value$plusargs("folder=%s", folder)) folder = ".";
     end
@@ -54,7 +60,7 @@ module stream_source #(
             valid <= 0;
             if (more && run && random[12:5] <= rate) begin
                 valid <= 1;
-                payload <= next;
+                offered <= next;
                 got = $fscanf(file, "%h", next);
                 more <= got == 1;
             end
