@@ -216,11 +216,7 @@ class LaneRow(wiring.Component):
             Signal(words, name=name, reset_less=True) for name in ("hidden", "again", "twice")
         )
         behind = Signal(reset_less=True)
-        m.d.sync += [
-            twice.eq(again),
-            # Of a clear without a draw it may be undefined, and would make the clear's sum so.
-            behind.eq(caught.behind[1] & ~caught.clear),
-        ]
+        m.d.sync += [twice.eq(again), behind.eq(caught.behind[1])]
         for half in HALVES:
             now, then, last = (
                 getattr(place, half)[self.config.word_bits - 1 :]  # the group of its line

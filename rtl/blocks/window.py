@@ -306,8 +306,9 @@ class BlockWindow(wiring.Component):
             m.d.comb += getattr(latest.words, name).eq(_word(block, half))
         m.d.sync += [before.eq(latest), before_that.eq(before)]
         for n, other in enumerate((before, before_that)):
-            # Without a block before, its depth may be undefined.
-            m.d.comb += behind[n].eq(other.drawn & (block.z >= other.new.depth))
+            # The depth of what was not offered may be undefined.
+            known = self.i.valid & other.drawn
+            m.d.comb += behind[n].eq(known & (block.z >= other.new.depth))
             for name in HALVES:
                 same = getattr(latest.words, name) == getattr(other.words, name)
                 m.d.comb += getattr(again[n], name).eq(other.drawn & same)

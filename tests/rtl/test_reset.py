@@ -11,7 +11,6 @@ import pytest
 from splatline.contract.presets import PAPER, SWIFT
 from splatline.flow.verilog import generate
 from splatline.host.device.driver import Engine
-from splatline.rtl.blocks.lane_row import LaneRow
 from splatline.rtl.blocks.window import BlockWindow
 from splatline.rtl.tiles.window import TileWindow
 from splatline.sim import golden
@@ -38,8 +37,8 @@ BLOCKS = SWIFT.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 
 FAULTS = [
     (PAPER, TileWindow, "elaborate", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
-    (BLOCKS, BlockWindow, "_follow", r"other\.drawn & \(block\.z", "(block.z"),
-    (BLOCKS, LaneRow, "_meet", r"caught\.behind\[1\] & ~caught\.clear", "caught.behind[1]"),
+    (BLOCKS, BlockWindow, "_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
+    (BLOCKS, BlockWindow, "_follow", r"known & \(", "self.i.valid & ("),
 ]
 
 
@@ -77,7 +76,7 @@ def test_the_first_frame_after_a_short_reset_is_right(config, edges):
 
 @in_icarus
 @pytest.mark.parametrize(
-    "config, part, method, pattern, instead", FAULTS, ids=[fault[1].__name__ for fault in FAULTS]
+    "config, part, method, pattern, instead", FAULTS, ids=[fault[3] for fault in FAULTS]
 )
 def test_undefined_values_that_reach_a_lane_are_noticed(
     monkeypatch, config, part, method, pattern, instead

@@ -29,13 +29,13 @@ async def play_frames(dut: Any) -> None:
     jobs = json.loads((folder / "jobs.json").read_text())
     Clock(dut.clk, PERIOD_NS, unit="ns").start()
     dut.start.value = 0
-    await reset(dut, jobs[0]["reset_edges"])
+    await reset(dut, jobs[0].get("reset_edges", 2))
     outcomes = []
     for index, job in enumerate(jobs):
         if "reset_after" in job:
             await start(dut, index, job)
             await ClockCycles(dut.clk, job["reset_after"])
-            await reset(dut, job["reset_edges"])
+            await reset(dut, job.get("reset_edges", 2))
         await start(dut, index, job)
         outcomes.append(await watch(dut, job))
         (folder / "outcomes.json").write_text(json.dumps(outcomes))

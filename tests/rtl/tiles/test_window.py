@@ -58,7 +58,7 @@ async def tiles_on_each_other_take_two_cycles(dut):
     bench = Bench(dut, (1.0, 1.0, 1.0), 7)
     await bench.reset()
     for _ in range(520):  # until the lanes have been cleared
-        await bench.bench.step()
+        await bench.bench.step(bench.drive)
     cycles = []
     for step in (0, 4):
         frame = Painter(512, 40)
