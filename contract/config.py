@@ -358,6 +358,14 @@ class EngineConfig:
         """
         return 2 if self.window == "tiles" and self.pixels_per_word == BLOCK else 1
 
+    @property
+    def clear_cycles(self) -> int:
+        """Cycles after a reset in which the window is cleared: the pixels of one of its memories.
+
+        A memory of rows of lanes has the even words of its lines, or the odd ones.
+        """
+        return 1 << self.group_bits + self.word_bits - self.draws_blocks
+
     def raster_depth(self, pixel: int) -> Field:
         """Depth of a pixel of the beat; pixel 0 is the leftmost."""
         return Field(pixel * self.depth_bits, self.depth_bits)

@@ -9,11 +9,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
+from .beat_layout import raster_stream_bytes
 from .config import SHAPES, WINDOWS, EngineConfig
 from .fields import Field, Register
 from .register_types import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
-__all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "raster_stream_bytes", "register_map"]
+__all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "register_map"]
 
 WORD = 4
 """Bytes of a register."""
@@ -59,7 +60,7 @@ ERRORS = {
     "BUS_ADDRESS": "an access to where nothing is (DECERR)",
     "BUS_ACCESS": "a write of what is read only, or a read of what is write only (SLVERR)",
     "BUS_STROBE": "a write of less than 32 bits (SLVERR)",
-    "BUS_VALUE": "a write of a bit that the register does not have (SLVERR)",
+    "BUS_VALUE": "a write with a 1 in a bit that the register does not accept (SLVERR)",
     "BUS_BUSY": "a write to tables or size while a frame was open (SLVERR)",
 }
 
@@ -74,15 +75,6 @@ COUNTERS = {
     "WORDS": "words of the raster that were sent",
 }
 """Each wraps at 2^32."""
-
-
-def raster_stream_bytes(config: EngineConfig) -> int:
-    """Return the bytes of a raster beat on its stream: the next power of two, at least 8.
-
-    A beat is then whole 64-bit limbs, as in ``contract.raster_beats``, and vendors' DMA cores
-    accept its width.
-    """
-    return max(8, 1 << (-(-config.raster_end.end // 8) - 1).bit_length())
 
 
 def register_map(config: EngineConfig) -> RegisterMap:

@@ -115,6 +115,16 @@ class BusRegister:
         """The bits that a write may set; 0: no write is taken."""
         return sum(field.mask for field in self.fields if field.access.writable)
 
+    @property
+    def accepted(self) -> int:
+        """The bits that a write may have set; another one makes the bus refuse the write.
+
+        A register with ``w1c`` fields ignores all other bits, so that a driver can write back what
+        it read.
+        """
+        clears = any(field.access is Access.CLEAR for field in self.fields)
+        return (1 << 32) - 1 if clears else self.writable
+
     def __getitem__(self, name: str) -> BusField:
         """Return a field by name."""
         return next(field for field in self.fields if field.name == name)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from splatline.contract.register_map import raster_stream_bytes
+from splatline.contract.beat_layout import beat_fields, raster_stream_bytes
+from splatline.contract.config import EngineConfig
 from splatline.contract.register_types import Access, BusField, RegisterMap
 
-__all__ = ["c_header", "json_map", "markdown"]
+__all__ = ["c_header", "json_beat", "json_map", "markdown"]
 
 ACCESSES = {
     Access.READ_ONLY: "read only",
@@ -25,8 +26,14 @@ PROSE = """
 | `s_axis_initial` | {size} | the raster that a frame starts from; TLAST with the end beat |
 | `m_axis_raster` | {size} | the picture's beats; TLAST with the end beat |
 
-A beat has {beat} bits ([`contract.md`](contract.md)) and is filled up with zeros. Every packet of
-code words is answered by one of the raster, which has at least the end beat.
+Every packet of code words is answered by one of the raster, which has at least the end beat.
+
+A raster beat has {pixels} neighbouring pixels of a line ([`contract.md`](contract.md)). Bit 0 of it
+is bit 0 of TDATA, in the first byte in memory:
+
+| bits | field | meaning |
+|---|---|---|
+{fields}
 
 A packet that is no frame sets a bit of ERROR and becomes a frame all the same. TLAST before the
 end: an end is put in. An end before TLAST: the rest of the packet is dropped. TKEEP not all ones:
@@ -45,25 +52,87 @@ come, because the host's DMA was reset, write RESYNC after it.
 
 ## Answers of the bus
 
-Whatever is refused changes nothing and sets a bit of ERROR. The answer is DECERR where nothing is
-and SLVERR elsewhere, and such a read gives 0. A write is of all four bytes: one whose WSTRB is not
-all ones is refused. The two lowest bits of an address are not looked at. With CONTROL.QUIET every
-answer is OKAY, because on many processors an error of the bus ends the program. The bits of ERROR
-tell all the same.
+A refused access changes nothing and sets a bit of ERROR. The answer is DECERR where no register is
+and SLVERR elsewhere. A refused read gives 0. A write must have all four bytes: one whose WSTRB is
+not all ones is refused. The two lowest bits of an address are ignored. With CONTROL.QUIET every
+answer is OKAY, because on many processors a bus error ends the program. ERROR is set all the same.
+
+One refused write can set two bits of ERROR, for instance BUS_STROBE and BUS_VALUE. A driver may
+always write back to a register what it read from it, if the register can be written at all:
+
+| kind of register | a 1 in a read-only bit, or in a bit without a field |
+|---|---|
+| with `w1c` fields: ERROR, IRQ_STATUS | is ignored; the fields with a 1 are cleared |
+| with `rw` or `wo` fields: CONTROL, the size and others | the write is refused: BUS_VALUE |
+| with `ro` fields only | every write is refused: BUS_ACCESS |
+
+To acknowledge an interrupt, read IRQ_STATUS and write the value back. IRQ_STATUS.ERROR is 1 as long
+as a bit of ERROR is: clear those too.
+
+## Special cases
+
+- A packet of nothing but partial words is an empty frame. It sets PARTIAL_WORD and
+  FRAME_ENDED_EARLY.
+- The low word of a material is refused while BUSY, as the last word is.
+- LINE_PAST is set by a step to line height + 4 or beyond. An element about line height + 3 still
+  reaches the last line of the image.
+- A beat of background alone does not leave, whether it was drawn or came with the initial raster.
+
+## Reset
+
+`aresetn` is active low and synchronous. One clock edge is enough. A reset sets every register to
+the value below, and I0 to 0. The materials keep their values. Then the engine clears its window
+({clear} cycles). Table writes are taken meanwhile, and code words wait. CYCLES and INPUT_STALLS of
+the first frame count this time.
 """
 
 
+MACROS = """
+/* A raster beat is SPLATLINE_BEAT_LIMBS numbers of 64 bits, the lowest first, as on the stream of
+ * a little-endian machine. These take a field of a beat, and set one in a beat that was zero there;
+ * n is the number of the pixel, 0 the leftmost. */
+static inline uint64_t splatline_beat_get(const uint64_t *beat, unsigned lsb, unsigned width)
+{
+    uint64_t low = beat[lsb / 64] >> (lsb % 64);
+    if (lsb % 64 + width > 64)
+        low |= beat[lsb / 64 + 1] << (64 - lsb % 64);
+    return width < 64 ? low & ((UINT64_C(1) << width) - 1) : low;
+}
+
+static inline void splatline_beat_put(uint64_t *beat, unsigned lsb, unsigned width, uint64_t value)
+{
+    if (width < 64)
+        value &= (UINT64_C(1) << width) - 1;
+    beat[lsb / 64] |= value << (lsb % 64);
+    if (lsb % 64 + width > 64)
+        beat[lsb / 64 + 1] |= value >> (64 - lsb % 64);
+}
+
+#define SPLATLINE_BEAT_GET(field, beat, n) \\
+    splatline_beat_get(beat, SPLATLINE_BEAT_##field##_LSB \\
+        + (n) * SPLATLINE_BEAT_##field##_WIDTH, SPLATLINE_BEAT_##field##_WIDTH)
+#define SPLATLINE_BEAT_PUT(field, beat, n, value) \\
+    splatline_beat_put(beat, SPLATLINE_BEAT_##field##_LSB \\
+        + (n) * SPLATLINE_BEAT_##field##_WIDTH, SPLATLINE_BEAT_##field##_WIDTH, value)
+"""
+"""Of the C header: what packs and unpacks beats."""
+
+
 def c_header(registers: RegisterMap) -> str:
-    """Return the map as a header for C99 that needs no other.
+    """Return the map as a header for C99 that needs only ``stdint.h``.
 
     For each register ``SPLATLINE_NAME_OFFSET``, in bytes; for each field ``_MASK``, ``_SHIFT`` and
     ``_RESET``. ``SPLATLINE_GET`` and ``SPLATLINE_PUT`` take a field out of a word and put it in.
+    For each field of a raster beat ``SPLATLINE_BEAT_NAME_LSB`` and ``_WIDTH``;
+    ``SPLATLINE_BEAT_GET`` and ``SPLATLINE_BEAT_PUT`` unpack and pack it.
     """
     lines = [
         f"/* Registers of a Splatline engine, preset {registers.config.name}.",
         f" * Made by: splatline registers --preset {registers.config.name} --c-header FILE */",
         "#ifndef SPLATLINE_REGISTERS_H",
         "#define SPLATLINE_REGISTERS_H",
+        "",
+        "#include <stdint.h>",
         "",
         "/* A field of a word, and a word of a field: SPLATLINE_GET(STATUS_BUSY, word). */",
         "#define SPLATLINE_GET(field, word) \\",
@@ -100,7 +169,47 @@ def c_header(registers: RegisterMap) -> str:
             f"#define SPLATLINE_MATERIAL_{field.name}_BIT {field.place.lsb}u",
             f"#define SPLATLINE_MATERIAL_{field.name}_WIDTH {field.place.width}u",
         ]
-    return "\n".join([*lines, "", "#endif", ""])
+    return "\n".join([*lines, *_beat_macros(registers.config), "#endif", ""])
+
+
+def _beat_macros(config: EngineConfig) -> Iterator[str]:
+    """Yield the header's lines of a raster beat."""
+    size = raster_stream_bytes(config)
+    yield from ("", f"/* A raster beat of {size} bytes. */")
+    yield f"#define SPLATLINE_BEAT_BYTES {size}u"
+    yield f"#define SPLATLINE_BEAT_LIMBS {size // 8}u"
+    yield f"#define SPLATLINE_BEAT_PIXELS {config.raster_pixels}u"
+    yield f"#define SPLATLINE_BACKGROUND_DEPTH {config.background_depth}u"
+    for field in beat_fields(config):
+        if field.name == "padding":
+            continue
+        name = f"SPLATLINE_BEAT_{field.name.upper()}"
+        yield f"/* {field.meaning} */"
+        yield f"#define {name}_LSB {field.lsb}u"
+        yield f"#define {name}_WIDTH {field.width}u"
+    for number, channel in enumerate(("RED", "GREEN", "BLUE")):
+        yield f"/* {channel.lower()} of a colour */"
+        yield f"#define SPLATLINE_COLOUR_{channel}(colour) \\"
+        yield (f"    (((colour) >> {number * config.channel_bits}u) & {config.channel_max:#x}u)")
+    yield MACROS
+
+
+def json_beat(config: EngineConfig) -> dict:
+    """Return the layout of a raster beat as plain lists and dictionaries."""
+    return {
+        "bits": config.raster_end.end,
+        "stream_bytes": raster_stream_bytes(config),
+        "pixels": config.raster_pixels,
+        "fields": [field._asdict() for field in beat_fields(config)],
+    }
+
+
+def _beat_rows(config: EngineConfig) -> Iterator[str]:
+    """Yield a row of the page's table for each field of a raster beat."""
+    for field in beat_fields(config):
+        bits = f"{field.lsb}..{field.end - 1}" if field.end - field.lsb > 1 else f"{field.lsb}"
+        each = f", {field.count} of {field.width} bits" if field.count > 1 else ""
+        yield f"| {bits}{each} | {field.name} | {field.meaning} |"
 
 
 def json_map(registers: RegisterMap) -> dict:
@@ -127,6 +236,7 @@ def json_map(registers: RegisterMap) -> dict:
             "fields": _json_fields(window.fields),
         },
         "streams": {"codeword_bytes": 8, "raster_bytes": raster_stream_bytes(registers.config)},
+        "beat": json_beat(registers.config),
     }
 
 
@@ -151,14 +261,19 @@ def markdown(registers: RegisterMap) -> str:
         "# Registers and streams of the engine on AXI",
         "",
         f"Preset `{config.name}`. Made by `splatline registers --preset {config.name} --markdown"
-        " FILE`, from [`contract/register_map.py`](../rtl/register_map.py).",
+        " FILE`, from [`contract/register_map.py`](../contract/register_map.py).",
         "",
-        *PROSE.format(beat=config.raster_end.end, size=raster_stream_bytes(config)).split("\n")[1:],
+        *PROSE.format(
+            size=raster_stream_bytes(config),
+            pixels=config.raster_pixels,
+            fields="\n".join(_beat_rows(config)),
+            clear=config.clear_cycles,
+        ).split("\n")[1:],
         "## Registers",
         "32 bits each, at byte offsets. Access: "
         + "; ".join(f"`{access.value}`, {meaning}" for access, meaning in ACCESSES.items())
-        + ". Bits without a field read 0, and a write that sets one is refused. **Between frames**:"
-        " a write while STATUS.BUSY is refused.",
+        + ". Bits without a field read 0."
+        " **Between frames**: a write while STATUS.BUSY is refused.",
         "",
         "| offset | register | bits | field | access | reset | meaning |",
         "|---:|---|---:|---|---|---:|---|",

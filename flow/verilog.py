@@ -19,6 +19,7 @@ from splatline.flow.tidy_names import tidy
 from splatline.rtl.engine import Engine
 
 from .memory_files import pack_contents
+from .register_texts import json_beat
 
 __all__ = ["convert", "describe", "generate", "header"]
 
@@ -101,7 +102,7 @@ def describe(
     meanings: dict[str, str] = MEANINGS,
     ports: list[dict] | None = None,
 ) -> dict:
-    """Return an engine's ports with their fields, configuration, latency and tool versions.
+    """Return an engine's ports with their fields, configuration, beat, latency and tool versions.
 
     Parameters
     ----------
@@ -118,6 +119,7 @@ def describe(
         "top": name,
         "config": dataclasses.asdict(engine.config),
         "ports": _ports(engine, meanings) if ports is None else ports,
+        "beat": json_beat(engine.config),
         "latency": {
             "codeword_to_memory_cycles": engine.latency,
             "clear_after_reset_cycles": engine.clear_cycles,

@@ -6,14 +6,12 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
-from splatline.rtl.blocks.lane_row import row_address_bits
 from splatline.rtl.blocks.tiler import BlockTiler
 from splatline.rtl.blocks.window import BlockWindow
 from splatline.rtl.front.colour import ColourUnit
 from splatline.rtl.front.sequencer import Sequencer
 from splatline.rtl.front.tables import Tables
 from splatline.rtl.shapes.rom import ROM_LATENCY, ShapeRom
-from splatline.rtl.tiles.lane import lane_address_bits
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
 
@@ -72,8 +70,7 @@ class Engine(wiring.Component):
     @property
     def clear_cycles(self) -> int:
         """Cycles after reset in which the window's memory is cleared; code words wait."""
-        bits = row_address_bits if self.config.draws_blocks else lane_address_bits
-        return 1 << bits(self.config)
+        return self.config.clear_cycles
 
     def __init__(self, config: EngineConfig = PAPER, *, load: bool | None = None):
         self.config = config

@@ -21,8 +21,8 @@ from types import TracebackType
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.errors import InputError
-from splatline.contract.register_map import raster_stream_bytes
 
 from .device import DeviceTimeoutError
 from .driver import read_config

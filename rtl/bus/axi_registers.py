@@ -160,7 +160,7 @@ class RegisterFile(wiring.Component):
         writable = Signal()
         between = Signal()
         table = Signal()
-        extra = Signal(32)  # bits that the register does not have
+        extra = Signal(32)  # bits that the register does not accept
         whole = Signal()
         right = Signal()
         refused = Signal()
@@ -193,7 +193,7 @@ class RegisterFile(wiring.Component):
                         m.d.comb += [
                             writable.eq(1),
                             between.eq(register.between_frames),
-                            extra.eq(payload & ~register.writable & FULL),
+                            extra.eq(payload & ~register.accepted & FULL),
                         ]
                         with m.If(commit):
                             self._store(m, register, values, payload)

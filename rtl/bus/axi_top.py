@@ -6,9 +6,10 @@ from amaranth.hdl import Cat, ClockDomain, Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
-from splatline.contract.register_map import raster_stream_bytes, register_map
+from splatline.contract.register_map import register_map
 from splatline.rtl.engine import Engine
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout
 

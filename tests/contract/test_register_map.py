@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 from amaranth.sim import Simulator
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.config import MOST_BEAT_BITS, WINDOWS, EngineConfig
 from splatline.contract.presets import DEFAULT, PAPER, PRESETS, SWIFT
-from splatline.contract.register_map import PARAMETERS, VERSION, raster_stream_bytes, register_map
+from splatline.contract.register_map import PARAMETERS, VERSION, register_map
 from splatline.contract.register_types import Access
 from splatline.contract.variants import VARIANTS
 from splatline.flow.register_texts import c_header, json_map, markdown

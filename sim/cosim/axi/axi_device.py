@@ -24,10 +24,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError, install_hint
 from splatline.contract.presets import DEFAULT
-from splatline.contract.register_map import raster_stream_bytes
 from splatline.host.device.device import BusError, DeviceTimeoutError
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.simulator import Build, SimulationError

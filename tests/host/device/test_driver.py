@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER, PRESETS, SWIFT
-from splatline.contract.register_map import raster_stream_bytes, register_map
+from splatline.contract.register_map import register_map
 from splatline.contract.variants import NARROW_BLOCKS, SHAPED, VARIANTS
 from splatline.host.device.device import DeviceTimeoutError
 from splatline.host.device.driver import Engine, EngineError, read_config

@@ -82,7 +82,7 @@ def writes_of_some_bytes(device):
 def bits_that_a_register_lacks(device):
     registers = Driver(device).registers
     for register in registers.registers:
-        if register.writable and register.name != "CONTROL":
+        if 0 < register.accepted < 0xFFFF_FFFF and register.name != "CONTROL":
             lacking = 1 << register.writable.bit_length()
             before = register.readable and device.read32(register.offset)
             refused(device, SLVERR, "BUS_VALUE", register.offset, bytes_of(lacking))
@@ -91,6 +91,43 @@ def bits_that_a_register_lacks(device):
     if window.writable[-1] != 0xFFFF_FFFF:
         last = window.offset + 4 * (window.words - 1)
         refused(device, SLVERR, "BUS_VALUE", last, bytes_of(window.writable[-1] + 1))
+    right(device)
+
+
+@case(BUS)
+def an_interrupt_is_acknowledged_with_what_was_read(device):
+    """IRQ_STATUS is read and written back, and so is ERROR, also with ones where no bit is."""
+    engine, frame = setup(device, 23)
+    status, error = (engine.registers[name].offset for name in ("IRQ_STATUS", "ERROR"))
+    engine.set("IRQ_ENABLE", FRAME_DONE=1, ERROR=1)
+    for quiet in (0, 1):
+        engine.set("CONTROL", QUIET=quiet)
+        send(device, "codewords", frame.codewords[:-1])  # without its end word
+        device.receive()
+        assert device.command("irq") == 1
+        seen, response = device.command("read", status)
+        assert (seen, response) == (0b11, OKAY)
+        assert device.command("write", status, bytes_of(seen)) == OKAY
+        assert device.command("read", status) == (0b10, OKAY)  # as long as ERROR has a bit
+        assert engine.errors() == ["FRAME_ENDED_EARLY"]
+        value = 0xFFFF_FFFF if quiet else device.read32(error)
+        assert device.command("write", error, bytes_of(value)) == OKAY
+        assert device.command("read", status) == (0, OKAY)
+        assert device.command("irq") == 0
+        assert engine.errors() == []
+    engine.set("CONTROL")
+    engine.set("IRQ_ENABLE")
+    right(device)
+
+
+@case(BUS)
+def what_was_read_can_be_written_back(device):
+    engine = Driver(device)
+    for register in engine.registers.registers:
+        if register.readable and register.writable:
+            value = device.read32(register.offset)
+            assert device.command("write", register.offset, bytes_of(value)) == OKAY
+            assert engine.errors() == []
     right(device)
 
 

@@ -49,6 +49,10 @@ PARTS = [
         *(r" & ~extra\.any\(\)\)", ")", "bits are not looked at"),
     ),
     (
+        *(BUS, "an_interrupt_is_acknowledged_with_what_was_read", RegisterFile, "_write"),
+        *(r"~register\.accepted", "~register.writable", "an acknowledge is refused"),
+    ),
+    (
         *(BUS, "nothing_passes_within_a_cycle", AxiTop, "elaborate"),
         *(r"irq\.eq\(irq\)", "irq.eq(irq ^ self.s_axi_ctrl_awprot[0])", "a path across the chip"),
     ),

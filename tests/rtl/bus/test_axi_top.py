@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.presets import PAPER, RGB24, SWIFT
 from splatline.contract.raster_beats import from_beats
-from splatline.contract.register_map import VERSION, raster_stream_bytes, register_map
+from splatline.contract.register_map import VERSION, register_map
 from splatline.host.device.driver import Engine
 from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
