@@ -364,7 +364,9 @@ class TileWindowProperties(Properties):
         self.always(m, "order", ~raster.valid | beat.end | ((place > last) & shown))
 
 
-SWEPT = Fault("the sweep's last cycle", TileWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)")
+SWEPT = Fault(
+    "the sweep's last cycle", TileWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)", "_clear"
+)
 """The lanes have been cleared but for their last pixel."""
 
 
@@ -389,13 +391,20 @@ PROOFS = [
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
         15,
-        Fault("no conflict", TileWindow, r"\(drawn & tile\.meets\)", "(0)"),
-        Fault("a word leaves where a tile stood still", TileWindow, r"& ~\(stopped & drawn\)", ""),
+        Fault("no conflict", TileWindow, r"\(drawn & tile\.meets\)", "(0)", "_arbitrate"),
+        Fault(
+            "a word leaves where a tile stood still",
+            TileWindow,
+            r"& ~\(stopped & drawn\)",
+            "",
+            "_arbitrate",
+        ),
         Fault(
             "lanes not kept for a tile",
             TileWindow,
             r"& \(first \| ~\(offered & meeting\)\)",
             "",
+            "_arbitrate",
         ),
         Fault("a line left too early", TileFlushScan, r"here & moves & ", "here & "),
         Fault(
@@ -408,7 +417,7 @@ PROOFS = [
         Fault("a turn ahead unnoticed", FrameOverlap, r"self\.wraps &", "0 &"),
         Fault("frames meet", FrameOverlap, r"turns\[1:\], self\.closing", "turns[1:], 0"),
         Fault("over too early", FrameOverlap, r"self\.clean \| self", "1 | self"),
-        Fault("a frame closed twice", TileWindow, r" & ~flush_scan\.closing", ""),
+        Fault("a frame closed twice", TileWindow, r" & ~flush_scan\.closing", "", "_connect_frame"),
         Fault("no depth test", Lane, r"en\.eq\(difference\[-1\]", "en.eq(taken.draw | taken.clear"),
     ),
     plan(
@@ -416,8 +425,16 @@ PROOFS = [
         "the same, until every fault that is known of shows",
         0,
         18,
-        Fault("drawn while dirty bits are taken", TileWindow, r"swept & ~taking", "swept"),
-        Fault("a tile goes where a word does", TileWindow, r"& ~\(first & meeting\)", ""),
+        Fault(
+            "drawn while dirty bits are taken",
+            TileWindow,
+            r"swept & ~taking",
+            "swept",
+            "_arbitrate",
+        ),
+        Fault(
+            "a tile goes where a word does", TileWindow, r"& ~\(first & meeting\)", "", "_arbitrate"
+        ),
         long=True,
     ),
     plan(
@@ -442,23 +459,30 @@ PROOFS = [
             TileWindow,
             r"& ~stopped(\s+& ~flush_scan\.taking)",
             r"\1",
+            "_arbitrate",
         ),
         Fault(
             "loaded while dirty bits are taken",
             TileWindow,
             r"(& ~stopped\s+)& ~flush_scan\.taking",
             r"\1",
+            "_arbitrate",
         ),
         Fault(
             "loaded in a tile's row",
             TileWindow,
             r"& ~\(offered & wanted\.bit_select\(loader.*\)\)",
             "",
+            "_arbitrate",
         ),
         Fault(
-            "a load marked in a tile's place", TileWindow, r"If\(flush_scan\.lone\[i\]\)", "If(0)"
+            "a load marked in a tile's place",
+            TileWindow,
+            r"If\(flush_scan\.lone\[i\]\)",
+            "If(0)",
+            "_touch_loaded",
         ),
-        Fault("a tile in a load's", TileWindow, r"lone\.eq\(.*\)", "lone.eq(-1)"),
+        Fault("a tile in a load's", TileWindow, r"lone\.eq\(.*\)", "lone.eq(-1)", "_touch_loaded"),
         Fault(
             "another pair marked",
             TileDirtyBits,

@@ -37,7 +37,7 @@ BLOCKS = SWIFT.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 """The same with fewer bits, which Icarus draws in less time."""
 
 FAULTS = [
-    (PAPER, TileWindow, "elaborate", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
+    (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
     (BLOCKS, BlockWindow, "_follow", r"other\.drawn & \(block\.z", "(block.z"),
     (BLOCKS, LaneRow, "_meet", r"caught\.behind\[1\] & ~caught\.clear", "caught.behind[1]"),
 ]

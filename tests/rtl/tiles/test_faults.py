@@ -83,24 +83,33 @@ def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signa
 
 
 REWRITTEN = {
-    "no conflict": (TileWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
+    "no conflict": (
+        TileWindow,
+        r"conflict\.eq\(\(drawn",
+        "conflict.eq((0 & drawn",
+        "with_stalls",
+        "_arbitrate",
+    ),
     "drawn while marks are taken": (
         TileWindow,
         r"~swept\s+& ~taking",
         "~swept",
         "with_stalls",
+        "_arbitrate",
     ),
     "loaded while marks are taken": (
         TileWindow,
         r"~stopped\s+& ~flush_scan\.taking",
         "~stopped",
         "words_right_behind_what_leaves",
+        "_arbitrate",
     ),
     "no wait after the sweep": (
         TileWindow,
         r"running\s+& ~swept",
         "running",
         "reset_in_the_middle",
+        "_arbitrate",
     ),
     "a load offered again": (
         Loader,
@@ -119,18 +128,21 @@ REWRITTEN = {
         r"& ~\(offered & wanted\.bit_select\(loader\.o\.payload\.line\[:2\], 1\)\)",
         "",
         "with_stalls",
+        "_arbitrate",
     ),
     "a tile goes where a load goes first": (
         TileWindow,
         r"~tile\.end & ~pressing\)",
         "~tile.end)",
         "with_stalls",
+        "_arbitrate",
     ),
     "marked in the line of a load that waits": (
         TileWindow,
         r"If\(flush_scan\.lone\[i\]\)",
         "If(serving & line[i])",
         "with_stalls",
+        "_touch_loaded",
     ),
     "drawn before its lines have come": (
         Loader,
@@ -232,18 +244,21 @@ REWRITTEN = {
         r"& ~\(first & meeting\)",
         "",
         "with_stalls",
+        "_arbitrate",
     ),
     "lanes kept from what goes first": (
         TileWindow,
         r" & ~\(line & first\.replicate\(SIDE\)\)",
         "",
         "with_stalls",
+        "_arbitrate",
     ),
     "lanes not kept for a tile": (
         TileWindow,
         r"& \(first \| ~\(offered & meeting\)\)",
         "",
         "with_stalls",
+        "_arbitrate",
     ),
     "lower border": (
         Tiler,
@@ -323,21 +338,25 @@ REWRITTEN_COLLISIONS = {
         r"~swept\s+& ~stopped\s",
         "~swept ",
         "words_right_behind_what_leaves",
+        "_arbitrate",
     ),
     "a load meets what the sweep clears": (
         r"& ~swept\s+& ~stopped",
         "& ~stopped",
         "words_right_behind_the_sweep",
+        "_arbitrate",
     ),
     "a tile meets one that stood still": (
         r" \| stopped\)",
         ")",
         "tiles_while_the_raster_waits",
+        "_arbitrate",
     ),
     "a word leaves where a tile stood still": (
         r"& ~\(stopped & drawn\)",
         "",
         "a_line_that_leaves_behind_a_tile_that_stood_still",
+        "_arbitrate",
     ),
 }
 REWRITTEN_PAIRS = {
@@ -388,12 +407,14 @@ REWRITTEN_PAIRS = {
         r"m\.If\(readout\.busy\)",
         "m.If(0)",
         "with_stalls",
+        "_arbitrate",
     ),
     "a tile where marks are taken": (
         TileWindow,
         r"taking = flush_scan\.taking & meeting",
         "taking = 0",
         "with_stalls",
+        "_arbitrate",
     ),
     "the odd word in another's place": (TileReadout, r"m\.If\(flushed\)", "m.If(0)", "with_stalls"),
     "the end before an odd word": (
