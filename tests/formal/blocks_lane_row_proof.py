@@ -176,7 +176,13 @@ PROOFS = [
                 r"Mux\(caught\.clear, 0, (self\.new\.colour)\)",
                 r"\1",
             ),
-            Fault("not cleared where it was drawn", LaneRow, r" & ~caught\.clear", "", "_meet"),
+            Fault(
+                "not cleared where it was drawn",
+                LaneRow,
+                r"(?<=hides) & ~caught\.clear",
+                "",
+                "_meet",
+            ),
             Fault("nor where it was so before", LaneRow, r" & ~self\.request\.clear", "", "_meet"),
             Fault(
                 "leaves where nothing is cleared",
@@ -193,14 +199,14 @@ PROOFS = [
             Fault(
                 "whatever was nearer",
                 LaneRow,
-                r"behind\.eq\(caught\.behind\[1\]\)",
+                r"behind\.eq\(caught\.behind\[1\] & ~caught\.clear\)",
                 "behind.eq(0)",
                 "_meet",
             ),
             Fault(
                 "the stage before",
                 LaneRow,
-                r"behind\.eq\(caught\.behind\[1\]\)",
+                r"behind\.eq\(caught\.behind\[1\] & ~caught\.clear\)",
                 "behind.eq(self.request.behind[1])",
                 "_meet",
             ),

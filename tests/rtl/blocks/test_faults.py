@@ -56,7 +56,7 @@ REWRITTEN = {
     ),
     "cleared but where it was drawn": (
         LaneRow,
-        r" & ~caught\.clear",
+        r"(?<=hides) & ~caught\.clear",
         "",
         "random_requests",
         "_meet",
@@ -93,14 +93,14 @@ REWRITTEN = {
     "as of another line": (LaneRow, r" & \(now == last\)", "", FOLLOWS, "_meet"),
     "over what was nearer": (
         LaneRow,
-        r"behind\.eq\(caught\.behind\[1\]\)",
+        r"behind\.eq\(caught\.behind\[1\] & ~caught\.clear\)",
         "behind.eq(0)",
         FOLLOWS,
         "_meet",
     ),
     "hidden by what was behind": (
         LaneRow,
-        r"behind\.eq\(caught\.behind\[1\]\)",
+        r"behind\.eq\(caught\.behind\[1\] & ~caught\.clear\)",
         "behind.eq(1)",
         FOLLOWS,
         "_meet",
