@@ -1,17 +1,48 @@
 """The way along the lines that leave rows of lanes: to each beat that was written, and no other."""
 
-from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
+from typing import NamedTuple
+
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
 from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.lib.mux import number_of
+from splatline.rtl.window.flush_scan import (
+    connect_dirty_bits,
+    connect_frame_overlap,
+    mark_lines,
+)
 from splatline.rtl.window.frame_overlap import FrameOverlap
 
 from .dirty_bits import BlockDirtyBits, mark_bits, residue_bits, stretch_bits
 
 __all__ = ["BlockFlushScan"]
+
+
+class Leaving(NamedTuple):
+    """State of the line that is scanned.
+
+    Parameters
+    ----------
+    here
+        It is retired and dirty.
+    goes
+        It leaves in this cycle.
+    jumps
+        All retired lines leave in this cycle.
+    free
+        All lines are clean, loaded and of the frame that is drawn.
+    looked_at
+        The line whose state is known in the next cycle.
+    """
+
+    here: Value
+    goes: Value
+    jumps: Value
+    free: Value
+    looked_at: Value
 
 
 class BlockFlushScan(wiring.Component):
@@ -123,19 +154,37 @@ class BlockFlushScan(wiring.Component):
         m.submodules.frame_overlap = frame_overlap = FrameOverlap(config)
         line = Signal.like(self.line)
         place = line[: config.slot_bits]
-        written = Signal(config.window_lines)
+        written = Signal(config.window_lines)  # dirty lines, by slot
         clean = Signal()
+        left = Signal()  # the last dirty bits of ``line`` are taken
+        take = Signal()  # dirty bits are taken
         m.d.comb += [self.line.eq(line), clean.eq(~written.any())]
+        leaving = self._look(m, frame_overlap, line, written, clean, left)
+        stretch = self._stretches(m, line, clean, leaving.here, take, left)
+        beats = self._beats(m, dirty_bits.taken, leaving, line, stretch, take)
+        m.d.comb += dirty_bits.look.eq(self.enable | self.wipe)
+        connect_dirty_bits(m, self, dirty_bits, take, place, stretch)
+        wraps = Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()
+        connect_frame_overlap(m, self, frame_overlap, line, leaving.goes, wraps, clean)
+        m.d.comb += self.over.eq(frame_overlap.over & ~beats.any())
+        mark_lines(m, self, written, left, place, self._written)
+        with m.If(leaving.jumps):
+            m.d.sync += line.eq(self.top)
+        with m.Elif(leaving.goes & ~frame_overlap.last):
+            m.d.sync += line.eq(leaving.looked_at)
+        with m.If(self.restart):
+            m.d.sync += line.eq(0)
+        return m
 
-        # What is to be done with the line at hand is known a cycle ahead: it is looked at while the
-        # line above it is still there.
-        here, empty = Signal(), Signal()  # it is on its way out, and was written or was not
-        left = Signal()  # the last of its marks are taken
+    def _look(self, m, frame_overlap, line, written, clean, left):
+        """Look at a line a cycle ahead, while the line above it is still there."""
+        config = self.config
+        here, empty = Signal(), Signal()  # ``line`` is retired, and dirty or clean
         known, goes = Signal(), Signal()
         leaving, jumps = Signal(), Signal()
-        free = Signal()  # nothing keeps it from the line at ``top``
-        looked_at = Signal.like(line)  # the line at hand, or once that is known the next one
-        complete, loaded = Signal(), Signal()  # it is
+        free = Signal()  # nothing keeps the window from the line at ``top``
+        looked_at = Signal.like(line)  # ``line``, or the next one once ``line`` is known
+        complete, loaded = Signal(), Signal()  # the line that is looked at
         m.d.comb += [
             known.eq(here | empty),
             goes.eq(left | empty),
@@ -156,16 +205,20 @@ class BlockFlushScan(wiring.Component):
         with m.Elif(~known | goes):
             is_written = written.bit_select(looked_at[: config.slot_bits], 1)
             m.d.sync += [here.eq(leaving & is_written), empty.eq(leaving & ~is_written)]
+        return Leaving(here, goes, jumps, free, looked_at)
 
-        # Its stretches that are still to be taken: none that nothing reached. The first of them is
-        # known a cycle ahead.
-        ahead = Signal(1 << stretch_bits(config), init=-1)
+    def _stretches(self, m, line, clean, here, take, left):
+        """Return the stretch of ``line`` whose dirty bits are taken next.
+
+        Stretches without recent writes are skipped. The stretch is a register.
+        """
+        config = self.config
+        ahead = Signal(1 << stretch_bits(config), init=-1)  # stretches that are still to be taken
         reached, wanted, rest, soon = (
             Signal.like(ahead, init=0, name=name) for name in ("reached", "wanted", "rest", "soon")
         )
         stretch_bit = Signal.like(ahead, init=0)
         stretch = Signal(stretch_bits(config))
-        take = Signal()
         m.d.comb += [
             reached.eq(self._reached(m, line, clean)),
             wanted.eq(reached & ahead),
@@ -180,9 +233,14 @@ class BlockFlushScan(wiring.Component):
             m.d.sync += ahead.eq(-1)
         with m.Elif(take):
             m.d.sync += ahead.eq(rest)
+        return stretch
 
-        # The beats of the marks taken last that are still to be asked for. The next marks are taken
-        # as the last of them goes.
+    def _beats(self, m, taken, leaving, line, stretch, take):
+        """Request the dirty beats of the stretch taken last; return those not flushed yet.
+
+        The next dirty bits are taken while the last beat is flushed.
+        """
+        config = self.config
         beats, first, behind = (
             Signal(1 << mark_bits(config), name=name) for name in ("beats", "first", "behind")
         )
@@ -192,66 +250,25 @@ class BlockFlushScan(wiring.Component):
             first.eq(beats & (~beats + 1)),
             behind.eq(beats & ~first),
             turns.eq(~beats.any() | (self.flush.ready & ~behind.any())),
-            take.eq(here & turns & self.enable),
-            self.takes.eq(here),
+            take.eq(leaving.here & turns & self.enable),
+            self.takes.eq(leaving.here),
             self.flush.valid.eq(beats.any()),
             self.flush.payload.word.eq(
                 Cat(Const(0, 1), number_of(first, mark_bits(config)), asked_stretch)
             ),
             self.flush.payload.line.eq(oldest),
             self.oldest.eq(oldest),
-            self.empties.eq(~behind.any() & free),
+            self.empties.eq(~behind.any() & leaving.free),
         ]
         with m.If(take):
-            m.d.sync += beats.eq(dirty_bits.taken)
+            m.d.sync += beats.eq(taken)
         with m.Elif(self.flush.ready):
             m.d.sync += beats.eq(behind)
         with m.If(self.restart):
             m.d.sync += oldest.eq(0)
         with m.Elif(turns):
-            m.d.sync += [oldest.eq(Mux(jumps, self.top, line)), asked_stretch.eq(stretch)]
-
-        m.d.comb += [
-            dirty_bits.look.eq(self.enable | self.wipe),
-            dirty_bits.take.eq(take | self.wipe),
-            dirty_bits.wipe.eq(self.wipe),
-            dirty_bits.line.eq(
-                Mux(
-                    self.wipe,
-                    Cat(Const(0, residue_bits(config)), self.wipe_row[len(stretch) :]),
-                    place,
-                )
-            ),
-            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[: len(stretch)], stretch)),
-            *(
-                getattr(dirty_bits, name).eq(getattr(self, name))
-                for name in ("drawing", "touch", "group", "words", "load", "load_word", "lone")
-            ),
-            frame_overlap.oldest.eq(self.oldest),
-            frame_overlap.line.eq(line),
-            frame_overlap.leaves.eq(goes),
-            frame_overlap.wraps.eq(
-                Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()
-            ),
-            frame_overlap.clean.eq(clean),
-            frame_overlap.close.eq(self.close),
-            frame_overlap.restart.eq(self.restart),
-            self.front.eq(frame_overlap.front),
-            self.closing.eq(frame_overlap.closing),
-            self.over.eq(frame_overlap.over & ~beats.any()),
-        ]
-        for slot in range(config.window_lines):
-            group, residue = divmod(slot, config.tile_lines)
-            touched = self._written(residue) & (self.group[residue] == group)
-            gone = left & (place == slot)
-            m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
-        with m.If(jumps):
-            m.d.sync += line.eq(self.top)
-        with m.Elif(goes & ~frame_overlap.last):
-            m.d.sync += line.eq(looked_at)
-        with m.If(self.restart):
-            m.d.sync += line.eq(0)
-        return m
+            m.d.sync += [oldest.eq(Mux(leaving.jumps, self.top, line)), asked_stretch.eq(stretch)]
+        return beats
 
     def _wraps(self, residue, place):
         """Return whether a line is written whose place is before one."""

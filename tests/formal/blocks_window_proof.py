@@ -228,10 +228,22 @@ PROOFS = [
             "1",
             "_arbitrate",
         ),
-        Fault("dirty bits taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", ""),
-        Fault("not held by its beats", BlockFlushScan, r"m\.Elif\(turns\)", "m.Elif(1)"),
-        Fault("jumps over what is written", BlockFlushScan, r"self\.jump & clean", "self.jump"),
-        Fault("comes while beats are behind", BlockFlushScan, r"~behind\.any\(\) & free", "free"),
+        Fault("dirty bits taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", "", "_beats"),
+        Fault("not held by its beats", BlockFlushScan, r"m\.Elif\(turns\)", "m.Elif(1)", "_beats"),
+        Fault(
+            "jumps over what is written",
+            BlockFlushScan,
+            r"self\.jump & clean",
+            "self.jump",
+            "_look",
+        ),
+        Fault(
+            "comes while beats are behind",
+            BlockFlushScan,
+            r"~behind\.any\(\) & leaving\.free",
+            "leaving.free",
+            "_beats",
+        ),
         Fault(
             "comes while there is no room",
             BlockWindow,
@@ -303,7 +315,7 @@ PROOFS = [
             " &",
             "_arbitrate",
         ),
-        Fault("a line left unloaded", BlockFlushScan, r"self\.jump \| loaded", "1"),
+        Fault("a line left unloaded", BlockFlushScan, r"self\.jump \| loaded", "1", "_look"),
         Fault(
             "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
         ),

@@ -406,7 +406,7 @@ PROOFS = [
             "",
             "_arbitrate",
         ),
-        Fault("a line left too early", TileFlushScan, r"here & moves & ", "here & "),
+        Fault("a line left too early", TileFlushScan, r"scans & moves & ", "scans & ", "_pairs"),
         Fault(
             "reached at the moment",
             TileFlushScan,
