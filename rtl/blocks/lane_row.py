@@ -1,6 +1,8 @@
 """A row of lanes: the pixels of every eighth line, for elements that are drawn in one cycle."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from typing import NamedTuple
+
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -51,6 +53,40 @@ class RowRequestLayout(data.StructLayout):
                 "behind": 2,
             }
         )
+
+
+class Stages(NamedTuple):
+    """Registers of the catch stage and the test stage.
+
+    Parameters
+    ----------
+    caught
+        Catch: the request of the cycle before.
+    mask
+        Catch: pixels to draw; none without ``draw``.
+    addresses
+        Test: addresses of the two words.
+    draws
+        Test: pixels to draw or to clear.
+    not_even
+        Test: pixels not in the even word.
+    odd
+        Test: pixels in the odd word.
+    before
+        Test: the depth that is compared; 0 for a clear.
+    depth, colour
+        Test: what is written.
+    """
+
+    caught: Value
+    mask: Value
+    addresses: Value
+    draws: Value
+    not_even: Value
+    odd: Value
+    before: Value
+    depth: Value
+    colour: Value
 
 
 class LaneRow(wiring.Component):
@@ -112,20 +148,40 @@ class LaneRow(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        request = self.request
-        background = config.background_depth
         columns = range(config.pixels_per_word)
-        words = data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word))
+        stages = self._stages(m)
+        kept = self._keep(m)
+        written = Signal(data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word)))
+        hazards = self._meet(m, stages.caught, stages.addresses, written)
+        blank = {"depth": [config.background_depth for _ in columns]}
+        leaving = Signal(
+            BeatWordsLayout(config), init=dict.fromkeys(HALVES, blank), reset_less=True
+        )
+        m.d.comb += self.leaving.eq(leaving)
+        for column in columns:
+            olds, writes = {}, {}
+            for half in HALVES:
+                read, writes[half] = self._memory(m, half, column, stages)
+                self._leave(m, half, column, read.data, leaving, kept)
+                olds[half] = self._read(m, f"{half}_{column}", read.data, stages.caught)
+            self._test(m, column, stages, hazards, olds, writes, written)
+        return m
 
-        # What is cleared is drawn in both words, and before whatever is there. Registers without a
-        # reset, as that is what they are set or cleared with for nothing.
+    def _stages(self, m):
+        """Return the registers of the catch and test stages.
+
+        A clear draws background into both words, whatever is there. Registers without a reset: the
+        set and reset inputs of their flip-flops are used for the clear.
+        """
+        config, request = self.config, self.request
+        background = config.background_depth
         caught = Signal(RowRequestLayout(config))
         mask = Signal(config.pixels_per_word, reset_less=True)  # of what is drawn
         addresses = Signal.like(caught.addresses, name="addresses")
         draws = Signal(config.pixels_per_word, init=-1, reset_less=True)
         not_even = Signal(config.pixels_per_word, reset_less=True)
         odd = Signal(config.pixels_per_word, init=-1, reset_less=True)
-        before = Signal(config.depth_bits, reset_less=True)  # what it must lie before
+        before = Signal(config.depth_bits, reset_less=True)  # the depth that is compared
         depth = Signal(config.depth_bits, init=background, reset_less=True)
         colour = Signal(config.colour_bits, reset_less=True)
         m.d.sync += [
@@ -138,72 +194,82 @@ class LaneRow(wiring.Component):
             depth.eq(Mux(caught.clear, background, self.new.depth)),
             colour.eq(Mux(caught.clear, 0, self.new.colour)),
         ]
-        kept = Signal(words, reset_less=True)  # pixels that do not leave, for those that are read
+        return Stages(caught, mask, addresses, draws, not_even, odd, before, depth, colour)
+
+    def _keep(self, m):
+        """Return which pixels that are read are not flushed."""
+        words = data.StructLayout(dict.fromkeys(HALVES, self.config.pixels_per_word))
+        kept = Signal(words, reset_less=True)
         for half in HALVES:
             m.d.sync += [
-                keep.eq(Mux(outside, 1, ~request.clear))
+                keep.eq(Mux(outside, 1, ~self.request.clear))
                 for keep, outside in zip(
                     getattr(kept, half), getattr(self.outside, half), strict=True
                 )
             ]
-        written = Signal(words)
-        hidden, twice, behind = self._meet(m, caught, addresses, written)
+        return kept
 
-        blank = {"depth": [background for _ in columns]}
-        leaving = Signal(
-            BeatWordsLayout(config), init=dict.fromkeys(HALVES, blank), reset_less=True
+    def _memory(self, m, half, column, stages):
+        """Add a memory; return its read port and its write port."""
+        ram = memory.Memory(
+            shape=PixelLayout(self.config),
+            depth=1 << row_address_bits(self.config),
+            init=[],
+            # Nobody uses a pixel that was read while it was being written.
+            attrs={"ram_style": "block", "no_rw_check": 1},
         )
-        m.d.comb += self.leaving.eq(leaving)
-        for column in columns:
-            olds, writes = {}, {}
-            for half in HALVES:
-                ram = memory.Memory(
-                    shape=PixelLayout(config),
-                    depth=1 << row_address_bits(config),
-                    init=[],
-                    # Nobody uses a pixel that was read while it was being written.
-                    attrs={"ram_style": "block", "no_rw_check": 1},
-                )
-                m.submodules[f"{half}_{column}"] = ram
-                read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
-                loaded = getattr(self.loaded, half)
-                m.d.comb += [
-                    read.addr.eq(getattr(request.addresses, half)),
-                    # Of the same address: the two are one port of the block RAM.
-                    load.addr.eq(getattr(request.addresses, half)),
-                    load.en.eq(request.load),
-                    load.data.depth.eq(loaded.depth[column]),
-                    load.data.colour.eq(loaded.colour[column]),
-                    write.addr.eq(getattr(addresses, half)),
-                    write.data.depth.eq(depth),
-                    write.data.colour.eq(colour),
-                ]
-                word, keep = getattr(leaving, half), getattr(kept, half)[column]
-                name = f"old_{half}_{column}"
-                old = Signal(config.depth_bits, name=name, init=background, reset_less=True)
-                m.d.sync += [
-                    word.depth[column].eq(Mux(keep, background, read.data.depth)),
-                    word.colour[column].eq(Mux(keep, 0, read.data.colour)),
-                    old.eq(Mux(caught.clear, background, read.data.depth)),
-                ]
-                olds[half], writes[half] = old, write
-            # Not ``<``: in this order the choice rides on the LUTs of the carry chain. The bit
-            # above the depths is the same on both sides and changes nothing, unless the pixel was
-            # written two cycles before: then it alone decides.
-            meets = Mux(odd[column], twice.odd[column], twice.even[column])
-            other = Mux(odd[column], olds["odd"], olds["even"])
-            difference = Signal(config.depth_bits + 2, name=f"difference_{column}")
-            passes = Signal(name=f"passes_{column}")
-            m.d.sync += draws[column].eq(Mux(caught.clear, 1, mask[column]))
-            m.d.comb += [
-                difference.eq(Cat(before, behind) - Cat(other, behind ^ meets)),
-                passes.eq(difference[-1] & draws[column]),
-                written.even[column].eq(passes & ~not_even[column] & ~hidden.even[column]),
-                written.odd[column].eq(passes & odd[column] & ~hidden.odd[column]),
-                writes["even"].en.eq(written.even[column]),
-                writes["odd"].en.eq(written.odd[column]),
-            ]
-        return m
+        m.submodules[f"{half}_{column}"] = ram
+        read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
+        address, loaded = getattr(self.request.addresses, half), getattr(self.loaded, half)
+        m.d.comb += [
+            read.addr.eq(address),
+            load.addr.eq(address),  # of the same address: the two are one port of the block RAM
+            load.en.eq(self.request.load),
+            load.data.depth.eq(loaded.depth[column]),
+            load.data.colour.eq(loaded.colour[column]),
+            write.addr.eq(getattr(stages.addresses, half)),
+            write.data.depth.eq(stages.depth),
+            write.data.colour.eq(stages.colour),
+        ]
+        return read, write
+
+    def _leave(self, m, half, column, pixel, leaving, kept):
+        """Set a flushed pixel; it is background unless it is cleared."""
+        word, keep = getattr(leaving, half), getattr(kept, half)[column]
+        m.d.sync += [
+            word.depth[column].eq(Mux(keep, self.config.background_depth, pixel.depth)),
+            word.colour[column].eq(Mux(keep, 0, pixel.colour)),
+        ]
+
+    def _read(self, m, name, pixel, caught):
+        """Return the depth that was read; it is background where the pixel is cleared."""
+        background = self.config.background_depth
+        old = Signal(self.config.depth_bits, name=f"old_{name}", init=background, reset_less=True)
+        m.d.sync += old.eq(Mux(caught.clear, background, pixel.depth))
+        return old
+
+    def _test(self, m, column, stages, hazards, olds, writes, written):
+        """Compare depths, and write the pixel of a column in one of its two words, or in both.
+
+        Not ``<``: in this order the choice of the word is in the LUTs of the carry chain. The bit
+        above the depths is the same on both sides and changes nothing, unless the pixel was written
+        two cycles before. Then it alone decides.
+        """
+        caught, mask, _, draws, not_even, odd, before, *_ = stages
+        hidden, twice, behind = hazards
+        meets = Mux(odd[column], twice.odd[column], twice.even[column])
+        other = Mux(odd[column], olds["odd"], olds["even"])
+        difference = Signal(self.config.depth_bits + 2, name=f"difference_{column}")
+        passes = Signal(name=f"passes_{column}")
+        m.d.sync += draws[column].eq(Mux(caught.clear, 1, mask[column]))
+        m.d.comb += [
+            difference.eq(Cat(before, behind) - Cat(other, behind ^ meets)),
+            passes.eq(difference[-1] & draws[column]),
+            written.even[column].eq(passes & ~not_even[column] & ~hidden.even[column]),
+            written.odd[column].eq(passes & odd[column] & ~hidden.odd[column]),
+            writes["even"].en.eq(written.even[column]),
+            writes["odd"].en.eq(written.odd[column]),
+        ]
 
     def _meet(self, m, caught, addresses, written):
         """Return what of the pixels that are tested was written just before.

@@ -165,8 +165,16 @@ CHANGES = (
         r"\1",
         "_rows",
     ),
-    Fault("nothing was caught before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
-    Fault("nothing was drawn before", LaneRow, r"(draws = .*), init=-1, reset_less=True", r"\1"),
+    Fault(
+        "nothing was caught before", LaneRow, r", reset_less=True(\)  # of what)", r"\1", "_stages"
+    ),
+    Fault(
+        "nothing was drawn before",
+        LaneRow,
+        r"(draws = .*), init=-1, reset_less=True",
+        r"\1",
+        "_stages",
+    ),
 )
 """The fifo is as said above, and the lanes have been cleared but for their last pixels.
 
@@ -196,7 +204,7 @@ PROOFS = [
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
         15,
-        Fault("no depth test", LaneRow, r"difference\[-1\] & ", ""),
+        Fault("no depth test", LaneRow, r"difference\[-1\] & ", "", "_test"),
         Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
         Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
         Fault(

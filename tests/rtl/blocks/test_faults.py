@@ -29,30 +29,34 @@ FOLLOWS = "one_pixel_a_cycle"
 WALK = "written_beats_are_asked_for_once_and_in_order"
 COMES = "every_beat_comes_out"
 REWRITTEN = {
-    "no depth test": (LaneRow, r"difference\[-1\] & draws", "draws", "random_requests"),
+    "no depth test": (LaneRow, r"difference\[-1\] & draws", "draws", "random_requests", "_test"),
     "ties drawn": (
         LaneRow,
         r"Cat\(other, behind \^ meets\)",
         r"\g<0> - 1",
         "nearer_wins_and_equal_stays",
+        "_test",
     ),
     "odd and even swapped": (
         LaneRow,
         r"Mux\(odd\[column\], olds\[.odd.\], olds\[.even.\]\)",
         'Mux(odd[column], olds["even"], olds["odd"])',
         "random_requests",
+        "_test",
     ),
     "not cleared": (
         LaneRow,
         r"Mux\(caught\.clear, 1, mask\[column\]\)",
         "mask[column]",
         "random_requests",
+        "_test",
     ),
     "cleared but where it is nearest": (
         LaneRow,
-        r"Mux\(caught\.clear, background, read\.data\.depth\)",
-        "read.data.depth",
+        r"Mux\(caught\.clear, background, pixel\.depth\)",
+        "pixel.depth",
         "random_requests",
+        "_read",
     ),
     "cleared but where it was drawn": (
         LaneRow,
@@ -61,10 +65,11 @@ REWRITTEN = {
         "random_requests",
         "_meet",
     ),
+    # Either condition is enough for a clear, so the fault takes both away.
     "cleared but where it was drawn before": (
         LaneRow,
-        r" & ~self\.request\.clear",
-        "",
+        r" & ~caught\.clear(\),\n(?s:.*)) & ~self\.request\.clear",
+        r"\1",
         "random_requests",
         "_meet",
     ),
@@ -73,18 +78,21 @@ REWRITTEN = {
         r"Mux\(caught\.clear, 0, self\.new\.colour\)",
         "self.new.colour",
         "random_requests",
+        "_stages",
     ),
     "leaving is not background": (
         LaneRow,
-        r"Mux\(keep, background, read\.data\.depth\)",
-        "read.data.depth",
+        r"Mux\(keep, self\.config\.background_depth, pixel\.depth\)",
+        "pixel.depth",
         "random_requests",
+        "_leave",
     ),
     "leaving from outside": (
         LaneRow,
-        r"Mux\(outside, 1, ~request\.clear\)",
-        "~request.clear",
+        r"Mux\(outside, 1, ~self\.request\.clear\)",
+        "~self.request.clear",
         "random_requests",
+        "_keep",
     ),
     "over what is nearer": (LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
     "hidden by what is behind": (LaneRow, r" & caught\.behind\[0\]", "", FOLLOWS, "_meet"),
