@@ -163,8 +163,8 @@ FAULTS = (
     Fault("not shifted", Tiler, r"lower & shifted", "0"),
     Fault("the middle drawn twice", Tiler, r"Mux\(raised, 0, other\)", "other", "_turn"),
     Fault("not yet the next frame's window", Tiler, r" \| \(valid & given\.end\)", ""),
-    Fault("in the window's last line", Tiler, r"low > 2 \* SIDE", "low >= 2 * SIDE"),
-    Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & "),
+    Fault("in the window's last line", Tiler, r"low > 2 \* SIDE", "low >= 2 * SIDE", "_compare"),
+    Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & ", "_give"),
 )
 
 PROOFS = [
