@@ -94,15 +94,8 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         0 if there is no end word.
     """
     across = BLOCK // machine.pixels
-    pairs = machine.half_words
-    lanes = Lanes(
-        np.zeros((2 * across, SIDE), np.int64),
-        np.zeros(1, np.int64),
-        np.zeros((machine.lines, pairs), np.bool_),
-        np.zeros(CHOSEN + 1, np.int64),
-    )
+    lanes = _new_lanes(machine)
     walk = lanes.walk
-    walk[TOP], walk[AHEAD] = -ABOVE, -1
     tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
     given, meets, drawn, ending, halfway = NOTHING, False, False, False, False
     lagging = False  # in the cycle before, for lines that leave to go before tiles
@@ -122,11 +115,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         # A pair left one cycle before: no other does, and its odd word is still to come.
         halfway = machine.flush_words == PAIR and walk[FLUSHED]
         conflict = machine.hazard and meets and drawn
-        rows = 0  # of lanes that are kept for the tile
-        for k in range(SIDE):
-            if given == TILE and tile[2 + k]:
-                rows |= 1 << (tile[0] + k) % SIDE
-        meeting = rows >> walk[OLDEST] % SIDE & 1  # the line that leaves, with the tile
+        meeting = given == TILE and _meets_row(tile, walk[OLDEST])
         # Marks are taken beside a tile where only their own row of lanes must be free for it.
         waits = taking and (meeting or machine.flush_words == 1)
         going = given == TILE and not (settling or waits or conflict)
@@ -145,9 +134,7 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             head, top = front.held[HEAD], front.tops[HEAD]
             ends = head != EMPTY and head == front.state[END_WORD]
             left = lanes.left[0]
-            number = 0
-            while left and not left >> number & 1:
-                number += 1
+            number = _lowest(left)
             may = ends or near[0 if left & ((1 << across) - 1) else 1]
             given = END if ends else TILE if left and may else NOTHING
             if head != EMPTY:
@@ -161,10 +148,8 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         waiting = front.held[HEAD] != EMPTY and not (near[0] and near[1])
         top = front.tops[HEAD if waiting else FIRST_STAGE]
         moved = advance(words, front, done, machine)
-        for lower in range(2 if waiting or moved else 0):
-            # Once all lines above it have left there is room in any case.
-            room = max(machine.lines - SIDE - SIDE * lower, 1)
-            near[lower] = not (waiting and moved) and top - oldest < room
+        if waiting or moved:
+            _compare(near, top - oldest, waiting and moved, machine)
         if moved:
             head = front.held[HEAD]
             lanes.left[0] = 0
@@ -173,6 +158,44 @@ def walk_lanes(words: Any, machine: Machine) -> int:
                 lanes.left[0], right = _cut(words[head], lanes.tiles, machine.pixels)
         cycle += 1
     return 0
+
+
+@nb.njit(cache=True)
+def _new_lanes(machine: Machine) -> Lanes:
+    """Return the registers after reset."""
+    walk = np.zeros(CHOSEN + 1, np.int64)
+    walk[TOP], walk[AHEAD] = -ABOVE, -1
+    tiles = np.zeros((2 * BLOCK // machine.pixels, SIDE), np.int64)
+    dirty_bits = np.zeros((machine.lines, machine.half_words), np.bool_)
+    return Lanes(tiles, np.zeros(1, np.int64), dirty_bits, walk)
+
+
+@nb.njit(cache=True)
+def _meets_row(tile: Any, line: int) -> bool:
+    """Return whether a tile draws into the row of lanes of a line."""
+    return tile[2 + (line - tile[0]) % SIDE] != 0
+
+
+@nb.njit(cache=True)
+def _lowest(bits: int) -> int:
+    """Return the number of the lowest bit that is set, or 0."""
+    number = 0
+    while bits and not bits >> number & 1:
+        number += 1
+    return number
+
+
+@nb.njit(cache=True)
+def _compare(near: Any, ahead: int, missing: bool, machine: Machine) -> None:
+    """Set whether the lines of the upper and of the lower tiles are in the window.
+
+    ``ahead``: lines from the window's first to the element's. ``missing``: the element was not
+    compared while the one before waited.
+    """
+    for lower in range(2):
+        # Once all lines above the element have left, there is room in any case.
+        room = max(machine.lines - SIDE - SIDE * lower, 1)
+        near[lower] = not missing and ahead < room
 
 
 @nb.njit(cache=True)
