@@ -15,7 +15,7 @@ from splatline.rtl.window.frame_overlap import FrameOverlap
 from splatline.rtl.window.loader import Loader
 from tests.formal.properties import OneWord, any_value
 from tests.formal.prove import Fault, Proof
-from tests.formal.tiles_window_proof import Narrow, TileWindowProperties
+from tests.formal.window_properties import Narrow, TileWindowProperties
 
 __all__ = ["PROOFS", "Passing", "any_value", "comes_to_top", "lines_are_there"]
 
