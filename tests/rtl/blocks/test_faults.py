@@ -9,20 +9,22 @@ from splatline.rtl.blocks.lane_row import LaneRow
 from splatline.rtl.blocks.readout import BlockReadout
 from splatline.rtl.blocks.tiler import BlockTiler
 from splatline.sim.cosim.simulator import SimulationError
-from tests.rtl.blocks import test_dirty_bits as test_beat_marks
-from tests.rtl.blocks import test_flush_scan as test_beat_walker
-from tests.rtl.blocks import test_lane_row
-from tests.rtl.blocks import test_readout as test_beat_emitter
-from tests.rtl.blocks import test_tiler as test_block_tiler
+from tests.rtl.blocks import (
+    test_dirty_bits,
+    test_flush_scan,
+    test_lane_row,
+    test_readout,
+    test_tiler,
+)
 from tests.support.bench_config import run_bench
 from tests.support.faults import rewrite
 
 BENCHES = {
     LaneRow: test_lane_row,
-    BlockTiler: test_block_tiler,
-    BlockDirtyBits: test_beat_marks,
-    BlockFlushScan: test_beat_walker,
-    BlockReadout: test_beat_emitter,
+    BlockTiler: test_tiler,
+    BlockDirtyBits: test_dirty_bits,
+    BlockFlushScan: test_flush_scan,
+    BlockReadout: test_readout,
 }
 LAGS = "a_window_that_lags_behind"
 FOLLOWS = "one_pixel_a_cycle"

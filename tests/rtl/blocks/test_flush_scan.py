@@ -267,5 +267,5 @@ async def nothing_leaves_unasked(dut):
         await slide.finish(rng)
 
 
-def test_walker_asks_for_what_was_written():
+def test_flush_scan_asks_for_what_was_written():
     run_bench(SWIFT, BlockFlushScan, __file__)
