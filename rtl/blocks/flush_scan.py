@@ -1,4 +1,4 @@
-"""The way along the lines that leave rows of lanes: to each beat that was written, and no other."""
+"""The flush scan of the blocks engine."""
 
 from typing import NamedTuple
 
@@ -46,73 +46,72 @@ class Leaving(NamedTuple):
 
 
 class BlockFlushScan(wiring.Component):
-    """Asks for each written beat of the lines that no later element touches to be flushed.
+    """Scans retired lines and requests a flush of every dirty beat.
 
-    Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
-    first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
-    above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written
-    into leaves in one cycle, and all at once if none was written.
+    Line n of the image is in slot n mod ``window_lines``. ``oldest`` is the first line that has not
+    left. The window holds it and the ``window_lines - 1`` lines after it. Lines above ``top`` are
+    retired. Once a frame is closed, all of its lines are retired, and ``top`` and all writes are of
+    the next frame (see :class:`FrameOverlap`).
 
-    Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
-    asked for: ``line`` is ``oldest``, or lies below it. A stretch that nothing has reached for long
-    is passed over (``_reached``).
+    A clean line leaves in one cycle. If all lines of the window are clean, all retired ones leave
+    in one cycle. The dirty bits of other lines are taken a stretch at a time, while the last beat
+    of the stretch before is requested. ``line`` is therefore ``oldest`` or a line after it. A
+    stretch without recent writes is skipped (``_reached``).
 
     **Latency**: 2 cycles from a complete line to its first beat. **Throughput**: one beat a cycle,
-    or a stretch without marks.
+    or one stretch without dirty bits.
 
     Members
     -------
     top : In(signed(line_bits + 2))
-        Lines above this one are complete: nothing is drawn into them in this cycle, nor later.
-        Never falls during a frame.
+        Lines above this one are complete: they are not written in this cycle or later. Never falls
+        during a frame.
     close : In(1)
-        The frame at hand is complete; not while ``closing``.
+        The frame that is drawn is complete; never while ``closing``.
     limit : In(signed(line_bits + 2))
-        Lines above this one have received all of the initial raster that is meant for them.
+        Lines above this one have received their initial raster.
     jump : In(1)
-        No initial raster will come for any line, and ``limit`` means nothing: lines may leave many
-        at a time.
+        The initial raster has ended. ``limit`` means nothing, and many lines may leave at a time.
     enable : In(1)
-        Marks may be taken: nothing is touched or loaded in lines of the residue of ``line``.
+        Dirty bits may be taken: no line of the residue of ``line`` is written in this cycle.
     drawing : In(1)
-        What ``touch`` says is written in this cycle.
+        The words of ``touch`` are written in this cycle.
     touch : In(8 x 2)
-        By residue of the line: whether a block is drawn into an odd word, and into an even one.
+        By residue of the line modulo 8: a block is drawn into an odd word, and into an even one.
     group : In(8 x group_bits)
-        Places in the window of those lines, or of the one that is loaded, but for the three lowest
-        bits.
+        Slots of those lines, or of the line that is loaded, without the three lowest bits.
     words : In(2 x word_bits)
-        The block's two words, the second one more than the first.
+        The block's two words. The second is one more than the first.
     reaching : In(1)
-        Something may be written in this cycle into ``words``; at least if ``drawing``.
+        ``words`` may be written in this cycle; high whenever ``drawing`` is.
     load : In(8)
         By residue of the line, the beat of ``load_word`` is written in this cycle.
     load_word : In(word_bits)
         A word of the initial raster.
     lone : In(8)
-        By residue of the line, it may be that beat that is written, and not ``words``.
+        By residue of the line, the beat of ``load_word`` may be written, and ``words`` are not.
     wipe : In(1)
-        Clear the marks of all lines' stretches at ``wipe_row``.
+        Clear the dirty bits of all residues at ``wipe_row``.
     wipe_row : In
         Group of lines (high bits) and stretch.
     restart : In(1)
-        The closed frame is over: go on with line 0 of the next.
+        The closed frame is over: continue with line 0 of the next.
     oldest : Out(line_bits + 1)
-        First line in the window, of the frame that leaves.
+        First line in the window, in lines of the frame that leaves.
     line : Out(line_bits + 1)
-        The line whose marks are taken next.
+        The line whose dirty bits are taken next.
     takes : Out(1)
-        They are about to be taken; if ``enable`` and what is asked for let them, in this cycle.
+        ``line`` has dirty bits to take. They are taken in this cycle if ``enable`` is high and the
+        beats of the stretch before have been requested.
     front : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn.
+        First line in the window, in lines of the frame that is drawn.
     closing : Out(1)
-        A frame was closed and is not over.
+        A closed frame is not over yet.
     empties : Out(1)
-        Nothing is left in the window but one beat of ``oldest`` at most: as soon as that goes, the
-        window comes to what is ``top`` now, unless it is there.
+        At most one beat of ``oldest`` is left in the window. In the cycle in which it is flushed,
+        the window moves to ``top``, if it is not there.
     over : Out(1)
-        Nothing of the closed frame is in the window any more.
+        The closed frame has left the window.
     flush : Out(stream of PlaceLayout)
         The even word of each beat to read and clear.
     """
@@ -271,7 +270,7 @@ class BlockFlushScan(wiring.Component):
         return beats
 
     def _wraps(self, residue, place):
-        """Return whether a line is written whose place is before one."""
+        """Return whether a line is written in a slot before ``place``."""
         bits = residue_bits(self.config)
         group, own = self.group[residue], place[bits:]
         return self._written(residue) & (
@@ -279,14 +278,14 @@ class BlockFlushScan(wiring.Component):
         )
 
     def _written(self, residue):
-        """Return whether something is written into a line of this residue."""
+        """Return whether a line of this residue is written."""
         return (self.drawing & self.touch[residue].any()) | self.load[residue]
 
     def _reached(self, m, line, clean):
-        """Return which stretches may have marks, for all lines of the window together.
+        """Return the stretches that may have dirty bits, for all lines of the window together.
 
-        Those reached since the window was last clean, and since ``line`` last passed a multiple of
-        the window's height but one: all that was written before that has left.
+        These are the stretches written since the window was last clean, in this lap of ``line`` or
+        in the one before. All beats of earlier laps have left.
         """
         config = self.config
         now, before = (Signal(1 << stretch_bits(config), name=name) for name in ("now", "before"))

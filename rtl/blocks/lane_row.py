@@ -1,4 +1,4 @@
-"""A row of lanes: the pixels of every eighth line, for elements that are drawn in one cycle."""
+"""A row of lanes of the blocks engine: the pixels of every eighth line."""
 
 from typing import NamedTuple
 
@@ -12,11 +12,11 @@ from splatline.rtl.layouts import PixelLayout, WordLayout
 __all__ = ["HALVES", "BeatWordsLayout", "LaneRow", "RowRequestLayout", "row_address_bits"]
 
 HALVES = ("even", "odd")
-"""The words of a line, by what their numbers are."""
+"""The two kinds of window words: of even and of odd number in their line."""
 
 
 def row_address_bits(config: EngineConfig) -> int:
-    """Return the address bits of a row's memories: those of its lines, and of half their words."""
+    """Return the address bits of a row's memories: of its lines, and of half of their words."""
     return config.group_bits + config.word_bits - 1
 
 
@@ -28,15 +28,16 @@ class BeatWordsLayout(data.StructLayout):
 
 
 class RowRequestLayout(data.StructLayout):
-    """What a row is asked to do in a cycle.
+    """A request to a row of lanes, at most one of three operations.
 
-    ``draw``: depth-test the pixels of ``mask``, of those in ``odd`` that of the odd word.
-    ``clear``: read both words and leave background there. ``load``: copy a beat there, whatever it
-    is. At most one of the three, but that ``draw`` may come with another if its mask is empty, and
-    then ``again`` of what is drawn after it means something else. ``addresses``: where the even
-    word lies, and where the odd one. ``again``: what was drawn one cycle before, and two cycles
-    before, was so in the same even word or in the same odd one, but for the group of its line.
-    ``behind``: it was nearer than what is drawn, or as near.
+    ``draw``: depth-test the pixels of ``mask``; those in ``odd`` lie in the odd word. ``clear``:
+    read both words and leave background there. ``load``: write a beat there without a depth test.
+    A ``draw`` with an empty mask may come with another operation. ``again`` of the next draws then
+    means nothing.
+
+    ``addresses``: addresses of the even and the odd word. ``again``: the block drawn one cycle
+    before, and two cycles before, has the same even or odd word; the group of the line is not
+    compared. ``behind``: that block is nearer than this one, or as near.
     """
 
     def __init__(self, config: EngineConfig):
@@ -90,46 +91,49 @@ class Stages(NamedTuple):
 
 
 class LaneRow(wiring.Component):
-    """Reads a pixel a column, tests it, and writes over it if it is behind.
+    """Reads a pixel of each column, compares depths, and writes the new pixel if it is nearer.
 
-    Each column has a memory for the even words of its lines and one for the odd ones, a pixel a
-    word of memory: so nothing need be merged with what was there. An element has a pixel of a
-    column in one of the two at most, so they share the comparison, whose LUTs have an input to
-    spare for the choice. All memories of a half have one address.
+    Each column has a memory for the even words and one for the odd words of its lines. A memory
+    word is one pixel, so a write need not merge anything with the old word. An element has at most
+    one pixel of a column, in one of the two memories, so they share a comparison. The LUTs of the
+    comparison have an input to spare for the choice. All memories of a half have one address.
 
-    Three stages: a pixel is *read* in the cycle of the request, *caught* in a register in the next
-    and *tested* in the third, at whose end it is written. So it is read before that is written
-    which was requested a cycle before; and while that is written which was requested two cycles
-    before, so that what is read may be anything. No pixel is handed on for that, as an element has
-    one depth. Where the one of two cycles before was written, what is drawn passes if it is nearer,
-    and only then. Where the one of a cycle before was, it passes as if that had not been there, and
-    is written after it; or not at all, if it is not nearer.
+    The pipeline has three stages. *Read*: the memory reads, in the cycle of the request. *Catch*:
+    the pixel is registered. *Test*: depths are compared, and the pixel is written at the end of the
+    cycle.
 
-    What is cleared is read into a register, which has background otherwise. So what leaves the
-    window is what all rows have there together, and is not chosen from them.
+    Read-after-write hazards: a pixel is read before the request of the cycle before has written
+    it, and while the request of two cycles before writes it, so its value may be undefined. No
+    pixel is forwarded, because depth is constant within an element (decision 0029). If the request
+    of two cycles before has written the pixel, the new one passes exactly if its element is nearer
+    than that one's. If the request of the cycle before writes the pixel, the new one is compared
+    with the old value and is written a cycle later; it is ``hidden`` unless its element is nearer
+    than that one's.
 
-    A beat is loaded through the port that reads, which has no other use for that cycle: so it takes
-    no multiplexer, and the other port may write at the same time, but not the same pixel.
+    A pixel that is read for a clear goes to a register, which is background otherwise. The readout
+    joins the registers of all rows without a multiplexer.
 
-    Nothing ever stands still: whoever has a word cleared must have room for it.
+    A load goes through the read port, which is otherwise unused in that cycle. It needs no
+    multiplexer. The other port may write at the same time, but not the same pixel.
 
-    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. A line of which something
-    is cleared may be drawn into or loaded three cycles later, and what is drawn cleared.
+    The row never stalls: the requester of a clear must have room for the word.
+
+    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. A line may be drawn into or
+    loaded three cycles after a clear in it, and a pixel may be cleared three cycles after a draw.
     **Throughput**: one request a cycle.
 
     Members
     -------
     request : In(RowRequestLayout)
-        What to do.
+        The request.
     new : In(PixelLayout)
-        What to draw, in the cycle after the request.
+        The pixel to draw, in the cycle after the request.
     loaded : In(BeatWordsLayout)
-        What to load, in the cycle of the request.
+        The beat to load, in the cycle of the request.
     outside : In(2 x pixels_per_word)
-        Pixels of what is requested to be cleared that leave as background, whatever they were.
+        Pixels of the requested beat that leave as background, in the cycle of the request.
     leaving : Out(BeatWordsLayout)
-        The words that were requested to be cleared two cycles before, as they were, else
-        background.
+        The words cleared by the request of two cycles before, as they were; else background.
     """
 
     def __init__(self, config: EngineConfig):
@@ -249,11 +253,11 @@ class LaneRow(wiring.Component):
         return old
 
     def _test(self, m, column, stages, hazards, olds, writes, written):
-        """Compare depths, and write the pixel of a column in one of its two words, or in both.
+        """Compare depths, and write the pixel of a column; a clear writes it in both words.
 
-        Not ``<``: in this order the choice of the word is in the LUTs of the carry chain. The bit
-        above the depths is the same on both sides and changes nothing, unless the pixel was written
-        two cycles before. Then it alone decides.
+        A subtraction and not ``<``: the LUTs of its carry chain also choose the word. The bit above
+        the depths is equal on both sides, unless the pixel was written two cycles before. Then it
+        alone decides.
         """
         caught, mask, _, draws, not_even, odd, before, *_ = stages
         hidden, twice, behind = hazards
@@ -272,10 +276,10 @@ class LaneRow(wiring.Component):
         ]
 
     def _meet(self, m, caught, addresses, written):
-        """Return what of the pixels that are tested was written just before.
+        """Find read-after-write hazards of the pixels in the test stage.
 
-        Those written a cycle before that are not to be drawn, as that lies before; those written
-        two cycles before; and whether that lay before.
+        ``hidden``: a nearer element wrote the pixel one cycle before. ``twice``: an element wrote
+        it two cycles before. ``behind``: the element of two cycles before is nearer, or as near.
         """
         words = written.shape()
         hidden, again, twice = (
@@ -284,7 +288,7 @@ class LaneRow(wiring.Component):
         behind = Signal(reset_less=True)
         m.d.sync += [
             twice.eq(again),
-            # Of a clear without a draw it may be undefined, and would make the clear's sum so.
+            # ``behind`` may be undefined without a draw, and would make the sum of a clear so.
             behind.eq(caught.behind[1] & ~caught.clear),
         ]
         for half in HALVES:

@@ -1,4 +1,4 @@
-"""The sliding window in rows of lanes: an element a cycle, whatever its size."""
+"""The sliding window of the blocks engine, in rows of lanes: one element a cycle."""
 
 from typing import NamedTuple
 
@@ -62,46 +62,50 @@ class Grants(NamedTuple):
 class BlockWindow(wiring.Component):
     """Draws blocks into a window of lines that slides down the image.
 
-    A line's row of lanes is its residue modulo 8, a pixel's lane in it that of its column modulo a
-    word's pixels; so a block has each lane once, wherever it lies. Each lane has two memories, for
-    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`).
-    Stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
-    half), *read*, *catch*, and *test* (the lanes write over what is behind), or *emit* in its place
-    (what was flushed waits for ``raster`` in a queue, see :class:`BlockReadout`). A block and a
-    beat that is flushed go together if their rows differ; if not, the block goes first, or the beat
-    (see ``lagging``). In place of that beat one of the initial raster goes, into a row that the
-    block leaves free, or alone (see ``pressing``). Where ``raster`` takes nothing, beats are
-    flushed until the queue is half full, and blocks go on as long as their lines are in the window.
+    The row of lanes of a pixel is the residue of its line modulo 8. Its lane in the row is the
+    residue of its column modulo the pixels of a window word. A block therefore uses each lane at
+    most once, wherever it lies. Each lane has two memories, for even and for odd words, so both
+    words of a beat are flushed in one cycle (see :class:`LaneRow`).
 
-    Blocks follow each other whatever pixels they have in common: each is told what the two before
-    it have. After reset the lanes are cleared, which takes as many cycles as one of their memories
-    has pixels.
+    The pipeline never stalls. *Request*: each row gets an address for either half. *Read*: the
+    memories read. *Catch*: the pixels are registered. *Test*: each lane compares depths and writes.
+    A flushed beat goes to the FIFO of :class:`BlockReadout` instead.
 
-    **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle but
-    for beats that go first; a beat of the initial raster in two cycles; and a beat a cycle of
-    ``raster``, of those that were written, but for blocks that go first.
+    Arbitration: one block and one service, a flush or a load, go in a cycle if they use different
+    rows of lanes. On a conflict the block has priority over a flush, except while ``lagging``; and
+    over a load, except while ``pressing``, when the load goes alone. While ``raster`` is not ready,
+    flushes stop once the FIFO is half full. Blocks go on as long as their lines are in the window.
+
+    Hazards: none stalls. Each block comes with a comparison to the two blocks before it
+    (``_follow``), by which a lane decides about pixels that are still being written.
+
+    After reset the lanes are cleared, in as many cycles as one of their memories has pixels.
+
+    **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle,
+    less one cycle for each flush or load with priority. A load in two cycles. A dirty beat a cycle
+    on ``raster``, less the cycles of blocks with priority and of loads.
 
     Members
     -------
     i : In(stream of BlockLayout)
-        Blocks in the order of their lines, which are there, as :class:`BlockTiler` has it, by what
-        ``oldest``, ``cleared`` and ``empties`` said a cycle before it came. An ``end`` token is
-        taken once nothing more comes of its frame's initial raster, and the frame before is out;
-        then blocks of the next frame may follow.
+        Blocks in the order of their lines. Their lines are in the window, as ``oldest``,
+        ``cleared`` and ``empties`` said a cycle before (see :class:`BlockTiler`). An ``end`` token
+        is taken once its frame's initial raster has ended and the frame before is out. Blocks of
+        the next frame may follow it.
     shade : In(colour_bits)
         Colour of the block that is offered on ``i``.
     oldest : Out(signed(line_bits + 2))
-        First line of the window as far as it was loaded, of the frame that is drawn: negative while
-        one leaves.
+        First line of the window as far as it was loaded, in lines of the frame that is drawn:
+        negative while the frame before leaves.
     cleared : Out(ClearedLayout)
-        A beat of that line was asked for in the cycle before, and is not cleared yet.
+        Slot of the beat that was requested in the cycle before. It is not cleared yet.
     empties : Out(1)
-        Nothing is left in the window but a beat of its first line that leaves in this cycle, if no
-        block is offered: then it comes to ``top``, and only the place of that line is not free.
+        If no block is offered, the window moves to ``top`` in this cycle. At most one beat is left,
+        which is flushed in this cycle. Only the slot of its line is not free then.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
-        The beats in which something was drawn, then an ``end`` beat.
+        The dirty beats, then an ``end`` beat.
     last_column, last_line : In
         Size of the image less 1; steady until ``finished``, as is ``load``.
     load : In(1)
@@ -109,9 +113,9 @@ class BlockWindow(wiring.Component):
     active : In(1)
         A frame is open: from its first code word until its ``end`` token is taken.
     closing : Out(1)
-        A frame whose ``end`` token was taken is not out.
+        A frame whose ``end`` token was taken is still leaving.
     finished : Out(1)
-        High for one cycle: the frame's end beat goes into the queue.
+        High for one cycle: the frame's end beat goes into the FIFO.
     """
 
     def __init__(self, config: EngineConfig):
@@ -368,9 +372,10 @@ class BlockWindow(wiring.Component):
         ]
 
     def _follow(self, m, going):
-        """Return what was drawn two cycles before, and what of a block's request says so.
+        """Compare the block with the two before it; return the earlier pixel, and the results.
 
-        That is ``again`` and ``behind``.
+        The results are ``again`` and ``behind`` of :class:`RowRequestLayout`. The pixel is that of
+        two cycles before, which the rows draw in this cycle.
         """
         block = self.i.payload
         words = data.StructLayout(dict.fromkeys(HALVES, self.config.word_bits - 1))
@@ -389,7 +394,7 @@ class BlockWindow(wiring.Component):
             m.d.comb += getattr(latest.words, name).eq(_word(block, half))
         m.d.sync += [before.eq(latest), before_that.eq(before)]
         for n, other in enumerate((before, before_that)):
-            # Without a block before, its depth may be undefined.
+            # If no block went in that cycle, its depth may be undefined.
             m.d.comb += behind[n].eq(other.drawn & (block.z >= other.new.depth))
             for name in HALVES:
                 same = getattr(latest.words, name) == getattr(other.words, name)
@@ -397,9 +402,9 @@ class BlockWindow(wiring.Component):
         return before_that.new, again, behind
 
     def _outside(self, m, word):
-        """Return which pixels of the beat that is requested lie beyond the right border.
+        """Return which pixels of the requested beat lie outside the right border.
 
-        As elements are clipped by words. ``word`` is that of the next one.
+        Elements are clipped by whole words only. ``word``: word of the beat requested next.
         """
         config = self.config
         bits = config.pixel_bits + 1
@@ -410,8 +415,8 @@ class BlockWindow(wiring.Component):
 
 
 def _word(block, half):
-    """Return the number of a block's even word, or its odd one, among those of its line.
+    """Return the number of a block's even or odd word among the even or odd words of its line.
 
-    Of its two words the first one is the odd one, or both have one number.
+    If the first of its two words is even, both numbers are the same.
     """
     return block.words[1 - half][1:]
