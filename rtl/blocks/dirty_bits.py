@@ -1,4 +1,4 @@
-"""Which beats of the window were written, where an element is drawn in one cycle."""
+"""The dirty bits of the blocks engine: one for each beat of a line."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, memory, wiring
@@ -11,15 +11,15 @@ __all__ = ["BlockDirtyBits", "mark_bits", "residue_bits", "stretch_bits"]
 
 
 def residue_bits(config: EngineConfig) -> int:
-    """Return the bits of a line's residue: which row of lanes it lies in."""
+    """Return the bits of a line's residue, which names its row of lanes."""
     return config.slot_bits - config.group_bits
 
 
 def mark_bits(config: EngineConfig) -> int:
-    """Return the bits of a beat's number within its stretch: up to four beats are a stretch.
+    """Return the bits of a beat's number within its stretch of up to four beats.
 
-    With two lines to a residue and 32 beats to a line, that is what sixteen rows hold: as many as a
-    LUT of a Virtex-II has.
+    With two lines a residue and 32 beats a line, a memory has sixteen rows, as many as a LUT of a
+    Virtex-II.
     """
     return min(2, config.word_bits - 1)
 
@@ -30,47 +30,48 @@ def stretch_bits(config: EngineConfig) -> int:
 
 
 class BlockDirtyBits(wiring.Component):
-    """Marks beats as written, and hands out a stretch of a line's marks at a time.
+    """Marks beats as dirty, and gives and clears the dirty bits of a stretch.
 
-    As :class:`TileDirtyBits`, but for eight residues of lines, with a mark a beat (a pair of
-    words), a memory a mark, so that nothing is read to be written, and an address a residue, so
-    that marks are taken of one while a block is drawn into others. They are read by an address of
-    their own, which hangs on nothing that is known late: the way from there to what is taken is
-    long.
+    As :class:`TileDirtyBits`, with four differences. There are eight residues of lines. A dirty bit
+    is of a beat, two words. Each bit of a row is written by itself, so no row is read to be
+    written. Each residue has a write address of its own, so the dirty bits of one may be taken
+    while a block is drawn into others.
 
-    **Latency**: 1 cycle from a touch to the mark, 0 from ``take`` to ``taken``. **Throughput**: a
-    block, and a stretch or a beat of the initial raster in another residue's line, a cycle.
+    The read address depends on no late signal, because the path from it to ``taken`` is long.
+
+    **Latency**: 1 cycle from a touch to the dirty bit, 0 from ``take`` to ``taken``.
+    **Throughput**: one block a cycle, and a stretch or a load in a line of another residue.
 
     Members
     -------
     drawing : In(1)
-        What ``touch`` says is written in this cycle.
+        The words of ``touch`` are written in this cycle.
     touch : In(8 x 2)
-        By residue of the line: whether a block is drawn into an odd word, and into an even one. If
-        its first word is even, both are of one beat.
+        By residue of the line: a block is drawn into an odd word, and into an even one. If the
+        first word is even, both are of one beat.
     group : In(8 x group_bits)
-        Places in the window of those lines, or of the one that is loaded, but for the three lowest
-        bits.
+        Slots of those lines, or of the line that is loaded, without the three lowest bits.
     words : In(2 x word_bits)
-        The block's two words, the second one more than the first.
+        The block's two words. The second is one more than the first.
     load : In(8)
-        By residue of the line: the beat of ``load_word`` is written; where the block is not.
+        By residue of the line: the beat of ``load_word`` is written, and ``words`` are not.
     load_word : In(word_bits)
-        A word of a third beat, of one line alone.
+        A word of a third beat, of one line.
     lone : In(8)
-        By residue of the line: the block is not drawn into it. Known sooner than that it is.
+        By residue of the line: ``words`` are not written. It comes earlier in the cycle than
+        ``drawing``.
     look : In(1)
-        A stretch's marks may be taken; nothing is written in lines of its residue.
+        A stretch may be taken. No line of its residue is written in this cycle.
     take : In(1)
-        Clear them as well; with ``look`` alone. Known later.
+        Clear the stretch; only with ``look``. It comes later in the cycle.
     line : In(slot_bits)
-        Place in the window of the line that it is of.
+        Slot of the stretch's line.
     stretch : In(stretch_bits)
         Its number in the line.
     wipe : In(1)
         Clear the stretch for all residues, with ``take``.
     taken : Out(2 ** mark_bits)
-        Its marks, from left to right.
+        Its dirty bits, from left to right.
     """
 
     def __init__(self, config: EngineConfig):
@@ -105,8 +106,8 @@ class BlockDirtyBits(wiring.Component):
         # An odd first word has its neighbour in the next beat.
         apart = self.words[0][0]
         loaded = self.load_word[1:]
-        # What is taken or loaded, which is so in one residue's line alone, or wiped.
-        aside = Signal.like(self.stretch)  # its stretch
+        # Beside the block: a stretch that is taken or wiped, or a beat that is loaded.
+        aside = Signal.like(self.stretch)
         aside_bits = Signal(1 << mark_bits(config))
         m.d.comb += [
             aside.eq(Mux(self.look, self.stretch, loaded[1 + low_bits :])),
@@ -123,7 +124,7 @@ class BlockDirtyBits(wiring.Component):
 
         kept = [Signal(2 << low_bits, name=f"kept_{q}") for q in residues]
         for parity in range(2):
-            # The beat with this parity: the first word's, or else the one after.
+            # The beat of this parity: the first word's, or the next one.
             own = Signal(name=f"own_{parity}")
             beat = Signal.like(beats[0], name=f"beat_{parity}")
             bits = Signal(1 << low_bits, name=f"bits_{parity}")

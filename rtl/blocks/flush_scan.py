@@ -1,12 +1,19 @@
-"""The way along the lines that leave rows of lanes: to each beat that was written, and no other."""
+"""The flush scan of the blocks engine."""
 
-from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
+from typing import NamedTuple
+
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
 from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.lib.mux import number_of
+from splatline.rtl.window.flush_scan import (
+    connect_dirty_bits,
+    connect_frame_overlap,
+    mark_lines,
+)
 from splatline.rtl.window.frame_overlap import FrameOverlap
 
 from .dirty_bits import BlockDirtyBits, mark_bits, residue_bits, stretch_bits
@@ -14,74 +21,97 @@ from .dirty_bits import BlockDirtyBits, mark_bits, residue_bits, stretch_bits
 __all__ = ["BlockFlushScan"]
 
 
+class Leaving(NamedTuple):
+    """State of the line that is scanned.
+
+    Parameters
+    ----------
+    here
+        It is retired and dirty.
+    goes
+        It leaves in this cycle.
+    jumps
+        All retired lines leave in this cycle.
+    free
+        All lines are clean, loaded and of the frame that is drawn.
+    looked_at
+        The line whose state is known in the next cycle.
+    """
+
+    here: Value
+    goes: Value
+    jumps: Value
+    free: Value
+    looked_at: Value
+
+
 class BlockFlushScan(wiring.Component):
-    """Asks for each written beat of the lines that no later element touches to be flushed.
+    """Scans retired lines and requests a flush of every dirty beat.
 
-    Line n of the image stands in place n mod ``window_lines`` of the window. ``oldest`` is the
-    first line that has not left: it and the ``window_lines - 1`` after it are in the window, those
-    above ``top`` are on their way out. Once a frame was closed, they all are, and ``top`` and what
-    is written are the next frame's (see :class:`FrameOverlap`). A line that nothing was written
-    into leaves in one cycle, and all at once if none was written.
+    Line n of the image is in slot n mod ``window_lines``. ``oldest`` is the first line that has not
+    left. The window holds it and the ``window_lines - 1`` lines after it. Lines above ``top`` are
+    retired. Once a frame is closed, all of its lines are retired, and ``top`` and all writes are of
+    the next frame (see :class:`FrameOverlap`).
 
-    Of others the marks are taken a stretch at a time, while the last beat of the stretch before is
-    asked for: ``line`` is ``oldest``, or lies below it. A stretch that nothing has reached for long
-    is passed over (``_reached``).
+    A clean line leaves in one cycle. If all lines of the window are clean, all retired ones leave
+    in one cycle. The dirty bits of other lines are taken a stretch at a time, while the last beat
+    of the stretch before is requested. ``line`` is therefore ``oldest`` or a line after it. A
+    stretch without recent writes is skipped (``_reached``).
 
     **Latency**: 2 cycles from a complete line to its first beat. **Throughput**: one beat a cycle,
-    or a stretch without marks.
+    or one stretch without dirty bits.
 
     Members
     -------
     top : In(signed(line_bits + 2))
-        Lines above this one are complete: nothing is drawn into them in this cycle, nor later.
-        Never falls during a frame.
+        Lines above this one are complete: they are not written in this cycle or later. Never falls
+        during a frame.
     close : In(1)
-        The frame at hand is complete; not while ``closing``.
+        The frame that is drawn is complete; never while ``closing``.
     limit : In(signed(line_bits + 2))
-        Lines above this one have received all of the initial raster that is meant for them.
+        Lines above this one have received their initial raster.
     jump : In(1)
-        No initial raster will come for any line, and ``limit`` means nothing: lines may leave many
-        at a time.
+        The initial raster has ended. ``limit`` means nothing, and many lines may leave at a time.
     enable : In(1)
-        Marks may be taken: nothing is touched or loaded in lines of the residue of ``line``.
+        Dirty bits may be taken: no line of the residue of ``line`` is written in this cycle.
     drawing : In(1)
-        What ``touch`` says is written in this cycle.
+        The words of ``touch`` are written in this cycle.
     touch : In(8 x 2)
-        By residue of the line: whether a block is drawn into an odd word, and into an even one.
+        By residue of the line modulo 8: a block is drawn into an odd word, and into an even one.
     group : In(8 x group_bits)
-        Places in the window of those lines, or of the one that is loaded, but for the three lowest
-        bits.
+        Slots of those lines, or of the line that is loaded, without the three lowest bits.
     words : In(2 x word_bits)
-        The block's two words, the second one more than the first.
+        The block's two words. The second is one more than the first.
     reaching : In(1)
-        Something may be written in this cycle into ``words``; at least if ``drawing``.
+        ``words`` may be written in this cycle; high whenever ``drawing`` is.
     load : In(8)
         By residue of the line, the beat of ``load_word`` is written in this cycle.
     load_word : In(word_bits)
         A word of the initial raster.
     lone : In(8)
-        By residue of the line, it may be that beat that is written, and not ``words``.
+        By residue of the line, the beat of ``load_word`` may be written, and ``words`` are not.
     wipe : In(1)
-        Clear the marks of all lines' stretches at ``wipe_row``.
+        Clear the dirty bits of all residues at ``wipe_row``.
     wipe_row : In
         Group of lines (high bits) and stretch.
     restart : In(1)
-        The closed frame is over: go on with line 0 of the next.
+        The closed frame is over: continue with line 0 of the next.
     oldest : Out(line_bits + 1)
-        First line in the window, of the frame that leaves.
+        First line in the window, in lines of the frame that leaves.
     line : Out(line_bits + 1)
-        The line whose marks are taken next.
+        The line whose dirty bits are taken next.
     takes : Out(1)
-        They are about to be taken; if ``enable`` and what is asked for let them, in this cycle.
+        ``line`` has dirty bits to take. They are taken in this cycle if ``enable`` is high and the
+        beats of the stretch before have been requested.
     front : Out(signed(line_bits + 2))
-        First line in the window, of the frame that is drawn.
+        First line in the window, in lines of the frame that is drawn.
     closing : Out(1)
-        A frame was closed and is not over.
+        A closed frame is not over yet.
     empties : Out(1)
-        Nothing is left in the window but one beat of ``oldest`` at most: as soon as that goes, the
-        window comes to what is ``top`` now, unless it is there.
+        At most one beat of ``oldest`` is left in the window. In the cycle in which it is flushed,
+        the window moves to ``top``, if it is not there.
     over : Out(1)
-        Nothing of the closed frame is in the window any more.
+        The closed frame has left the window.
     flush : Out(stream of PlaceLayout)
         The even word of each beat to read and clear.
     """
@@ -123,19 +153,37 @@ class BlockFlushScan(wiring.Component):
         m.submodules.frame_overlap = frame_overlap = FrameOverlap(config)
         line = Signal.like(self.line)
         place = line[: config.slot_bits]
-        written = Signal(config.window_lines)
+        written = Signal(config.window_lines)  # dirty lines, by slot
         clean = Signal()
+        left = Signal()  # the last dirty bits of ``line`` are taken
+        take = Signal()  # dirty bits are taken
         m.d.comb += [self.line.eq(line), clean.eq(~written.any())]
+        leaving = self._look(m, frame_overlap, line, written, clean, left)
+        stretch = self._stretches(m, line, clean, leaving.here, take, left)
+        beats = self._beats(m, dirty_bits.taken, leaving, line, stretch, take)
+        m.d.comb += dirty_bits.look.eq(self.enable | self.wipe)
+        connect_dirty_bits(m, self, dirty_bits, take, place, stretch)
+        wraps = Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()
+        connect_frame_overlap(m, self, frame_overlap, line, leaving.goes, wraps, clean)
+        m.d.comb += self.over.eq(frame_overlap.over & ~beats.any())
+        mark_lines(m, self, written, left, place, self._written)
+        with m.If(leaving.jumps):
+            m.d.sync += line.eq(self.top)
+        with m.Elif(leaving.goes & ~frame_overlap.last):
+            m.d.sync += line.eq(leaving.looked_at)
+        with m.If(self.restart):
+            m.d.sync += line.eq(0)
+        return m
 
-        # What is to be done with the line at hand is known a cycle ahead: it is looked at while the
-        # line above it is still there.
-        here, empty = Signal(), Signal()  # it is on its way out, and was written or was not
-        left = Signal()  # the last of its marks are taken
+    def _look(self, m, frame_overlap, line, written, clean, left):
+        """Look at a line a cycle ahead, while the line above it is still there."""
+        config = self.config
+        here, empty = Signal(), Signal()  # ``line`` is retired, and dirty or clean
         known, goes = Signal(), Signal()
         leaving, jumps = Signal(), Signal()
-        free = Signal()  # nothing keeps it from the line at ``top``
-        looked_at = Signal.like(line)  # the line at hand, or once that is known the next one
-        complete, loaded = Signal(), Signal()  # it is
+        free = Signal()  # nothing keeps the window from the line at ``top``
+        looked_at = Signal.like(line)  # ``line``, or the next one once ``line`` is known
+        complete, loaded = Signal(), Signal()  # the line that is looked at
         m.d.comb += [
             known.eq(here | empty),
             goes.eq(left | empty),
@@ -156,16 +204,20 @@ class BlockFlushScan(wiring.Component):
         with m.Elif(~known | goes):
             is_written = written.bit_select(looked_at[: config.slot_bits], 1)
             m.d.sync += [here.eq(leaving & is_written), empty.eq(leaving & ~is_written)]
+        return Leaving(here, goes, jumps, free, looked_at)
 
-        # Its stretches that are still to be taken: none that nothing reached. The first of them is
-        # known a cycle ahead.
-        ahead = Signal(1 << stretch_bits(config), init=-1)
+    def _stretches(self, m, line, clean, here, take, left):
+        """Return the stretch of ``line`` whose dirty bits are taken next.
+
+        Stretches without recent writes are skipped. The stretch is a register.
+        """
+        config = self.config
+        ahead = Signal(1 << stretch_bits(config), init=-1)  # stretches that are still to be taken
         reached, wanted, rest, soon = (
             Signal.like(ahead, init=0, name=name) for name in ("reached", "wanted", "rest", "soon")
         )
         stretch_bit = Signal.like(ahead, init=0)
         stretch = Signal(stretch_bits(config))
-        take = Signal()
         m.d.comb += [
             reached.eq(self._reached(m, line, clean)),
             wanted.eq(reached & ahead),
@@ -180,9 +232,14 @@ class BlockFlushScan(wiring.Component):
             m.d.sync += ahead.eq(-1)
         with m.Elif(take):
             m.d.sync += ahead.eq(rest)
+        return stretch
 
-        # The beats of the marks taken last that are still to be asked for. The next marks are taken
-        # as the last of them goes.
+    def _beats(self, m, taken, leaving, line, stretch, take):
+        """Request the dirty beats of the stretch taken last; return those not flushed yet.
+
+        The next dirty bits are taken while the last beat is flushed.
+        """
+        config = self.config
         beats, first, behind = (
             Signal(1 << mark_bits(config), name=name) for name in ("beats", "first", "behind")
         )
@@ -192,69 +249,28 @@ class BlockFlushScan(wiring.Component):
             first.eq(beats & (~beats + 1)),
             behind.eq(beats & ~first),
             turns.eq(~beats.any() | (self.flush.ready & ~behind.any())),
-            take.eq(here & turns & self.enable),
-            self.takes.eq(here),
+            take.eq(leaving.here & turns & self.enable),
+            self.takes.eq(leaving.here),
             self.flush.valid.eq(beats.any()),
             self.flush.payload.word.eq(
                 Cat(Const(0, 1), number_of(first, mark_bits(config)), asked_stretch)
             ),
             self.flush.payload.line.eq(oldest),
             self.oldest.eq(oldest),
-            self.empties.eq(~behind.any() & free),
+            self.empties.eq(~behind.any() & leaving.free),
         ]
         with m.If(take):
-            m.d.sync += beats.eq(dirty_bits.taken)
+            m.d.sync += beats.eq(taken)
         with m.Elif(self.flush.ready):
             m.d.sync += beats.eq(behind)
         with m.If(self.restart):
             m.d.sync += oldest.eq(0)
         with m.Elif(turns):
-            m.d.sync += [oldest.eq(Mux(jumps, self.top, line)), asked_stretch.eq(stretch)]
-
-        m.d.comb += [
-            dirty_bits.look.eq(self.enable | self.wipe),
-            dirty_bits.take.eq(take | self.wipe),
-            dirty_bits.wipe.eq(self.wipe),
-            dirty_bits.line.eq(
-                Mux(
-                    self.wipe,
-                    Cat(Const(0, residue_bits(config)), self.wipe_row[len(stretch) :]),
-                    place,
-                )
-            ),
-            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[: len(stretch)], stretch)),
-            *(
-                getattr(dirty_bits, name).eq(getattr(self, name))
-                for name in ("drawing", "touch", "group", "words", "load", "load_word", "lone")
-            ),
-            frame_overlap.oldest.eq(self.oldest),
-            frame_overlap.line.eq(line),
-            frame_overlap.leaves.eq(goes),
-            frame_overlap.wraps.eq(
-                Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()
-            ),
-            frame_overlap.clean.eq(clean),
-            frame_overlap.close.eq(self.close),
-            frame_overlap.restart.eq(self.restart),
-            self.front.eq(frame_overlap.front),
-            self.closing.eq(frame_overlap.closing),
-            self.over.eq(frame_overlap.over & ~beats.any()),
-        ]
-        for slot in range(config.window_lines):
-            group, residue = divmod(slot, config.tile_lines)
-            touched = self._written(residue) & (self.group[residue] == group)
-            gone = left & (place == slot)
-            m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
-        with m.If(jumps):
-            m.d.sync += line.eq(self.top)
-        with m.Elif(goes & ~frame_overlap.last):
-            m.d.sync += line.eq(looked_at)
-        with m.If(self.restart):
-            m.d.sync += line.eq(0)
-        return m
+            m.d.sync += [oldest.eq(Mux(leaving.jumps, self.top, line)), asked_stretch.eq(stretch)]
+        return beats
 
     def _wraps(self, residue, place):
-        """Return whether a line is written whose place is before one."""
+        """Return whether a line is written in a slot before ``place``."""
         bits = residue_bits(self.config)
         group, own = self.group[residue], place[bits:]
         return self._written(residue) & (
@@ -262,14 +278,14 @@ class BlockFlushScan(wiring.Component):
         )
 
     def _written(self, residue):
-        """Return whether something is written into a line of this residue."""
+        """Return whether a line of this residue is written."""
         return (self.drawing & self.touch[residue].any()) | self.load[residue]
 
     def _reached(self, m, line, clean):
-        """Return which stretches may have marks, for all lines of the window together.
+        """Return the stretches that may have dirty bits, for all lines of the window together.
 
-        Those reached since the window was last clean, and since ``line`` last passed a multiple of
-        the window's height but one: all that was written before that has left.
+        These are the stretches written since the window was last clean, in this lap of ``line`` or
+        in the one before. All beats of earlier laps have left.
         """
         config = self.config
         now, before = (Signal(1 << stretch_bits(config), name=name) for name in ("now", "before"))

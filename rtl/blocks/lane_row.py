@@ -1,6 +1,8 @@
-"""A row of lanes: the pixels of every eighth line, for elements that are drawn in one cycle."""
+"""A row of lanes of the blocks engine: the pixels of every eighth line."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from typing import NamedTuple
+
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -10,11 +12,11 @@ from splatline.rtl.layouts import PixelLayout, WordLayout
 __all__ = ["HALVES", "BeatWordsLayout", "LaneRow", "RowRequestLayout", "row_address_bits"]
 
 HALVES = ("even", "odd")
-"""The words of a line, by what their numbers are."""
+"""The two kinds of window words: of even and of odd number in their line."""
 
 
 def row_address_bits(config: EngineConfig) -> int:
-    """Return the address bits of a row's memories: those of its lines, and of half their words."""
+    """Return the address bits of a row's memories: of its lines, and of half of their words."""
     return config.group_bits + config.word_bits - 1
 
 
@@ -26,15 +28,16 @@ class BeatWordsLayout(data.StructLayout):
 
 
 class RowRequestLayout(data.StructLayout):
-    """What a row is asked to do in a cycle.
+    """A request to a row of lanes, at most one of three operations.
 
-    ``draw``: depth-test the pixels of ``mask``, of those in ``odd`` that of the odd word.
-    ``clear``: read both words and leave background there. ``load``: copy a beat there, whatever it
-    is. At most one of the three, but that ``draw`` may come with another if its mask is empty, and
-    then ``again`` of what is drawn after it means something else. ``addresses``: where the even
-    word lies, and where the odd one. ``again``: what was drawn one cycle before, and two cycles
-    before, was so in the same even word or in the same odd one, but for the group of its line.
-    ``behind``: it was nearer than what is drawn, or as near.
+    ``draw``: depth-test the pixels of ``mask``; those in ``odd`` lie in the odd word. ``clear``:
+    read both words and leave background there. ``load``: write a beat there without a depth test.
+    A ``draw`` with an empty mask may come with another operation. ``again`` of the next draws then
+    means nothing.
+
+    ``addresses``: addresses of the even and the odd word. ``again``: the block drawn one cycle
+    before, and two cycles before, has the same even or odd word; the group of the line is not
+    compared. ``behind``: that block is nearer than this one, or as near.
     """
 
     def __init__(self, config: EngineConfig):
@@ -53,47 +56,84 @@ class RowRequestLayout(data.StructLayout):
         )
 
 
+class Stages(NamedTuple):
+    """Registers of the catch stage and the test stage.
+
+    Parameters
+    ----------
+    caught
+        Catch: the request of the cycle before.
+    mask
+        Catch: pixels to draw; none without ``draw``.
+    addresses
+        Test: addresses of the two words.
+    draws
+        Test: pixels to draw or to clear.
+    not_even
+        Test: pixels not in the even word.
+    odd
+        Test: pixels in the odd word.
+    before
+        Test: the depth that is compared; 0 for a clear.
+    depth, colour
+        Test: what is written.
+    """
+
+    caught: Value
+    mask: Value
+    addresses: Value
+    draws: Value
+    not_even: Value
+    odd: Value
+    before: Value
+    depth: Value
+    colour: Value
+
+
 class LaneRow(wiring.Component):
-    """Reads a pixel a column, tests it, and writes over it if it is behind.
+    """Reads a pixel of each column, compares depths, and writes the new pixel if it is nearer.
 
-    Each column has a memory for the even words of its lines and one for the odd ones, a pixel a
-    word of memory: so nothing need be merged with what was there. An element has a pixel of a
-    column in one of the two at most, so they share the comparison, whose LUTs have an input to
-    spare for the choice. All memories of a half have one address.
+    Each column has a memory for the even words and one for the odd words of its lines. A memory
+    word is one pixel, so a write need not merge anything with the old word. An element has at most
+    one pixel of a column, in one of the two memories, so they share a comparison. The LUTs of the
+    comparison have an input to spare for the choice. All memories of a half have one address.
 
-    Three stages: a pixel is *read* in the cycle of the request, *caught* in a register in the next
-    and *tested* in the third, at whose end it is written. So it is read before that is written
-    which was requested a cycle before; and while that is written which was requested two cycles
-    before, so that what is read may be anything. No pixel is handed on for that, as an element has
-    one depth. Where the one of two cycles before was written, what is drawn passes if it is nearer,
-    and only then. Where the one of a cycle before was, it passes as if that had not been there, and
-    is written after it; or not at all, if it is not nearer.
+    The pipeline has three stages. *Read*: the memory reads, in the cycle of the request. *Catch*:
+    the pixel is registered. *Test*: depths are compared, and the pixel is written at the end of the
+    cycle.
 
-    What is cleared is read into a register, which has background otherwise. So what leaves the
-    window is what all rows have there together, and is not chosen from them.
+    Read-after-write hazards: a pixel is read before the request of the cycle before has written
+    it, and while the request of two cycles before writes it, so its value may be undefined. No
+    pixel is forwarded, because depth is constant within an element (decision 0029). If the request
+    of two cycles before has written the pixel, the new one passes exactly if its element is nearer
+    than that one's. If the request of the cycle before writes the pixel, the new one is compared
+    with the old value and is written a cycle later; it is ``hidden`` unless its element is nearer
+    than that one's.
 
-    A beat is loaded through the port that reads, which has no other use for that cycle: so it takes
-    no multiplexer, and the other port may write at the same time, but not the same pixel.
+    A pixel that is read for a clear goes to a register, which is background otherwise. The readout
+    joins the registers of all rows without a multiplexer.
 
-    Nothing ever stands still: whoever has a word cleared must have room for it.
+    A load goes through the read port, which is otherwise unused in that cycle. It needs no
+    multiplexer. The other port may write at the same time, but not the same pixel.
 
-    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. A line of which something
-    is cleared may be drawn into or loaded three cycles later, and what is drawn cleared.
+    The row never stalls: the requester of a clear must have room for the word.
+
+    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. A line may be drawn into or
+    loaded three cycles after a clear in it, and a pixel may be cleared three cycles after a draw.
     **Throughput**: one request a cycle.
 
     Members
     -------
     request : In(RowRequestLayout)
-        What to do.
+        The request.
     new : In(PixelLayout)
-        What to draw, in the cycle after the request.
+        The pixel to draw, in the cycle after the request.
     loaded : In(BeatWordsLayout)
-        What to load, in the cycle of the request.
+        The beat to load, in the cycle of the request.
     outside : In(2 x pixels_per_word)
-        Pixels of what is requested to be cleared that leave as background, whatever they were.
+        Pixels of the requested beat that leave as background, in the cycle of the request.
     leaving : Out(BeatWordsLayout)
-        The words that were requested to be cleared two cycles before, as they were, else
-        background.
+        The words cleared by the request of two cycles before, as they were; else background.
     """
 
     def __init__(self, config: EngineConfig):
@@ -112,20 +152,40 @@ class LaneRow(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        request = self.request
-        background = config.background_depth
         columns = range(config.pixels_per_word)
-        words = data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word))
+        stages = self._stages(m)
+        kept = self._keep(m)
+        written = Signal(data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word)))
+        hazards = self._meet(m, stages.caught, stages.addresses, written)
+        blank = {"depth": [config.background_depth for _ in columns]}
+        leaving = Signal(
+            BeatWordsLayout(config), init=dict.fromkeys(HALVES, blank), reset_less=True
+        )
+        m.d.comb += self.leaving.eq(leaving)
+        for column in columns:
+            olds, writes = {}, {}
+            for half in HALVES:
+                read, writes[half] = self._memory(m, half, column, stages)
+                self._leave(m, half, column, read.data, leaving, kept)
+                olds[half] = self._read(m, f"{half}_{column}", read.data, stages.caught)
+            self._test(m, column, stages, hazards, olds, writes, written)
+        return m
 
-        # What is cleared is drawn in both words, and before whatever is there. Registers without a
-        # reset, as that is what they are set or cleared with for nothing.
+    def _stages(self, m):
+        """Return the registers of the catch and test stages.
+
+        A clear draws background into both words, whatever is there. Registers without a reset: the
+        set and reset inputs of their flip-flops are used for the clear.
+        """
+        config, request = self.config, self.request
+        background = config.background_depth
         caught = Signal(RowRequestLayout(config))
         mask = Signal(config.pixels_per_word, reset_less=True)  # of what is drawn
         addresses = Signal.like(caught.addresses, name="addresses")
         draws = Signal(config.pixels_per_word, init=-1, reset_less=True)
         not_even = Signal(config.pixels_per_word, reset_less=True)
         odd = Signal(config.pixels_per_word, init=-1, reset_less=True)
-        before = Signal(config.depth_bits, reset_less=True)  # what it must lie before
+        before = Signal(config.depth_bits, reset_less=True)  # the depth that is compared
         depth = Signal(config.depth_bits, init=background, reset_less=True)
         colour = Signal(config.colour_bits, reset_less=True)
         m.d.sync += [
@@ -138,78 +198,88 @@ class LaneRow(wiring.Component):
             depth.eq(Mux(caught.clear, background, self.new.depth)),
             colour.eq(Mux(caught.clear, 0, self.new.colour)),
         ]
-        kept = Signal(words, reset_less=True)  # pixels that do not leave, for those that are read
+        return Stages(caught, mask, addresses, draws, not_even, odd, before, depth, colour)
+
+    def _keep(self, m):
+        """Return which pixels that are read are not flushed."""
+        words = data.StructLayout(dict.fromkeys(HALVES, self.config.pixels_per_word))
+        kept = Signal(words, reset_less=True)
         for half in HALVES:
             m.d.sync += [
-                keep.eq(Mux(outside, 1, ~request.clear))
+                keep.eq(Mux(outside, 1, ~self.request.clear))
                 for keep, outside in zip(
                     getattr(kept, half), getattr(self.outside, half), strict=True
                 )
             ]
-        written = Signal(words)
-        hidden, twice, behind = self._meet(m, caught, addresses, written)
+        return kept
 
-        blank = {"depth": [background for _ in columns]}
-        leaving = Signal(
-            BeatWordsLayout(config), init=dict.fromkeys(HALVES, blank), reset_less=True
+    def _memory(self, m, half, column, stages):
+        """Add a memory; return its read port and its write port."""
+        ram = memory.Memory(
+            shape=PixelLayout(self.config),
+            depth=1 << row_address_bits(self.config),
+            init=[],
+            # Nobody uses a pixel that was read while it was being written.
+            attrs={"ram_style": "block", "no_rw_check": 1},
         )
-        m.d.comb += self.leaving.eq(leaving)
-        for column in columns:
-            olds, writes = {}, {}
-            for half in HALVES:
-                ram = memory.Memory(
-                    shape=PixelLayout(config),
-                    depth=1 << row_address_bits(config),
-                    init=[],
-                    # Nobody uses a pixel that was read while it was being written.
-                    attrs={"ram_style": "block", "no_rw_check": 1},
-                )
-                m.submodules[f"{half}_{column}"] = ram
-                read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
-                loaded = getattr(self.loaded, half)
-                m.d.comb += [
-                    read.addr.eq(getattr(request.addresses, half)),
-                    # Of the same address: the two are one port of the block RAM.
-                    load.addr.eq(getattr(request.addresses, half)),
-                    load.en.eq(request.load),
-                    load.data.depth.eq(loaded.depth[column]),
-                    load.data.colour.eq(loaded.colour[column]),
-                    write.addr.eq(getattr(addresses, half)),
-                    write.data.depth.eq(depth),
-                    write.data.colour.eq(colour),
-                ]
-                word, keep = getattr(leaving, half), getattr(kept, half)[column]
-                name = f"old_{half}_{column}"
-                old = Signal(config.depth_bits, name=name, init=background, reset_less=True)
-                m.d.sync += [
-                    word.depth[column].eq(Mux(keep, background, read.data.depth)),
-                    word.colour[column].eq(Mux(keep, 0, read.data.colour)),
-                    old.eq(Mux(caught.clear, background, read.data.depth)),
-                ]
-                olds[half], writes[half] = old, write
-            # Not ``<``: in this order the choice rides on the LUTs of the carry chain. The bit
-            # above the depths is the same on both sides and changes nothing, unless the pixel was
-            # written two cycles before: then it alone decides.
-            meets = Mux(odd[column], twice.odd[column], twice.even[column])
-            other = Mux(odd[column], olds["odd"], olds["even"])
-            difference = Signal(config.depth_bits + 2, name=f"difference_{column}")
-            passes = Signal(name=f"passes_{column}")
-            m.d.sync += draws[column].eq(Mux(caught.clear, 1, mask[column]))
-            m.d.comb += [
-                difference.eq(Cat(before, behind) - Cat(other, behind ^ meets)),
-                passes.eq(difference[-1] & draws[column]),
-                written.even[column].eq(passes & ~not_even[column] & ~hidden.even[column]),
-                written.odd[column].eq(passes & odd[column] & ~hidden.odd[column]),
-                writes["even"].en.eq(written.even[column]),
-                writes["odd"].en.eq(written.odd[column]),
-            ]
-        return m
+        m.submodules[f"{half}_{column}"] = ram
+        read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
+        address, loaded = getattr(self.request.addresses, half), getattr(self.loaded, half)
+        m.d.comb += [
+            read.addr.eq(address),
+            load.addr.eq(address),  # of the same address: the two are one port of the block RAM
+            load.en.eq(self.request.load),
+            load.data.depth.eq(loaded.depth[column]),
+            load.data.colour.eq(loaded.colour[column]),
+            write.addr.eq(getattr(stages.addresses, half)),
+            write.data.depth.eq(stages.depth),
+            write.data.colour.eq(stages.colour),
+        ]
+        return read, write
+
+    def _leave(self, m, half, column, pixel, leaving, kept):
+        """Set a flushed pixel; it is background unless it is cleared."""
+        word, keep = getattr(leaving, half), getattr(kept, half)[column]
+        m.d.sync += [
+            word.depth[column].eq(Mux(keep, self.config.background_depth, pixel.depth)),
+            word.colour[column].eq(Mux(keep, 0, pixel.colour)),
+        ]
+
+    def _read(self, m, name, pixel, caught):
+        """Return the depth that was read; it is background where the pixel is cleared."""
+        background = self.config.background_depth
+        old = Signal(self.config.depth_bits, name=f"old_{name}", init=background, reset_less=True)
+        m.d.sync += old.eq(Mux(caught.clear, background, pixel.depth))
+        return old
+
+    def _test(self, m, column, stages, hazards, olds, writes, written):
+        """Compare depths, and write the pixel of a column; a clear writes it in both words.
+
+        A subtraction and not ``<``: the LUTs of its carry chain also choose the word. The bit above
+        the depths is equal on both sides, unless the pixel was written two cycles before. Then it
+        alone decides.
+        """
+        caught, mask, _, draws, not_even, odd, before, *_ = stages
+        hidden, twice, behind = hazards
+        meets = Mux(odd[column], twice.odd[column], twice.even[column])
+        other = Mux(odd[column], olds["odd"], olds["even"])
+        difference = Signal(self.config.depth_bits + 2, name=f"difference_{column}")
+        passes = Signal(name=f"passes_{column}")
+        m.d.sync += draws[column].eq(Mux(caught.clear, 1, mask[column]))
+        m.d.comb += [
+            difference.eq(Cat(before, behind) - Cat(other, behind ^ meets)),
+            passes.eq(difference[-1] & draws[column]),
+            written.even[column].eq(passes & ~not_even[column] & ~hidden.even[column]),
+            written.odd[column].eq(passes & odd[column] & ~hidden.odd[column]),
+            writes["even"].en.eq(written.even[column]),
+            writes["odd"].en.eq(written.odd[column]),
+        ]
 
     def _meet(self, m, caught, addresses, written):
-        """Return what of the pixels that are tested was written just before.
+        """Find read-after-write hazards of the pixels in the test stage.
 
-        Those written a cycle before that are not to be drawn, as that lies before; those written
-        two cycles before; and whether that lay before.
+        ``hidden``: a nearer element wrote the pixel one cycle before. ``twice``: an element wrote
+        it two cycles before. ``behind``: the element of two cycles before is nearer, or as near.
         """
         words = written.shape()
         hidden, again, twice = (

@@ -1,4 +1,4 @@
-"""What travels between the tiler and the window of blocks."""
+"""Layouts between the tiler and the window of the blocks engine."""
 
 from amaranth.hdl import signed
 from amaranth.lib import data
@@ -9,13 +9,13 @@ __all__ = ["BlockLayout", "ClearedLayout"]
 
 
 class BlockLayout(data.StructLayout):
-    """Pixels of an element, its whole block, as a window of rows of lanes needs them.
+    """A block: the pixels of an element, by residue of line and column.
 
-    ``mask[q][p]``: the pixel on the line with residue q modulo 8 and in the column with residue p
-    is drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: the line's place in
-    the window but for its three lowest bits. ``words``: the two words that the block's columns lie
-    in. ``touch[q]``: whether pixels of an odd word are drawn on the line, and of an even one;
-    ``rows[q]``: of any. ``mode``: of the first four lines alone. ``end`` and ``top`` as in
+    ``mask[q][p]``: the pixel on the line with residue q modulo 8, in the column with residue p, is
+    drawn. ``odd[q][p]``: it lies in an odd word of its line. ``group[q]``: slot of the line,
+    without the three lowest bits. ``words``: the two words that the block's columns lie in.
+    ``touch[q]``: pixels of an odd word are drawn on the line, and of an even one. ``rows[q]``: any
+    pixel is. ``mode``: only the first four lines have pixels. ``end`` and ``top`` as in
     :class:`TileLayout`.
     """
 
@@ -38,7 +38,7 @@ class BlockLayout(data.StructLayout):
 
 
 class ClearedLayout(data.StructLayout):
-    """A line of a window of rows of lanes, by its place there, of which a beat is cleared."""
+    """The slot of a line of which a beat is being cleared."""
 
     def __init__(self, config: EngineConfig):
         super().__init__({"valid": 1, "place": config.slot_bits})

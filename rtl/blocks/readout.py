@@ -1,4 +1,4 @@
-"""The way out of rows of lanes: beats wait in a queue, so that nothing else stands still."""
+"""The readout of the blocks engine, with a FIFO so that no stage stalls."""
 
 from itertools import pairwise
 
@@ -16,37 +16,37 @@ from .lane_row import HALVES, BeatWordsLayout
 __all__ = ["BlockReadout"]
 
 DEPTH = 512
-"""Beats of the queue. As many block RAMs hold up to 512: their width decides how many they are."""
+"""Beats of the FIFO. Fewer would not save block RAMs: a block RAM has 512 words."""
 
 
 class BlockReadout(wiring.Component):
-    """Takes each flushed beat from its row of lanes and offers it on ``raster``.
+    """Reads flushed beats and puts them into a FIFO on ``raster``.
 
-    A beat stands on its row's output three cycles after it was asked for, while all other rows give
-    background; from there it goes into a queue. ``room`` says that this was not half full a cycle
-    before: so it has a place for all that is on its way, the lanes go on whatever ``raster`` does,
-    and no way leads from there to them. A beat of background only is dropped behind the queue: what
-    was drawn there did not pass the depth test or lies outside the image.
+    A beat is on its row's output three cycles after its request, while all other rows give
+    background. It goes into the FIFO from there. ``room``: the FIFO was less than half full a cycle
+    before, so it has room for all requested beats. The lanes therefore never stall, and no path
+    leads from ``raster`` to them. A beat of background only is dropped behind the FIFO: none of its
+    pixels passed the depth test in the image.
 
-    **Latency**: 6 cycles from a request to ``raster``. **Throughput**: one beat a cycle; while
-    ``raster`` is not ready, dropping one takes two.
+    **Latency**: 6 cycles from a request to ``raster``. **Throughput**: one beat a cycle. While
+    ``raster`` is not ready, dropping a beat takes two.
 
     Members
     -------
     flush : In(1)
-        A beat is asked for in this cycle; only with ``room``.
+        A beat is requested in this cycle; only with ``room``.
     place : In(PlaceLayout)
-        Its even word.
+        Position of its even word.
     rows : In(8 x BeatWordsLayout)
         The rows' outputs.
     end : In(1)
-        The frame is over, and no beat is asked for until ``finished``.
+        Send the end beat. No beat is requested until ``finished``.
     raster : Out(stream of RasterLayout)
         The beats, and the end beat.
     room : Out(1)
-        A beat may be asked for.
+        A beat may be requested.
     finished : Out(1)
-        High for one cycle: the end beat goes into the queue, behind all others.
+        High for one cycle: the end beat goes into the FIFO, behind all others.
     """
 
     def __init__(self, config: EngineConfig):
@@ -69,7 +69,7 @@ class BlockReadout(wiring.Component):
         config = self.config
         m.submodules.queue = queue = Fifo(config, DEPTH)
 
-        # Its stages: the request, the pixels that were read, the row's output.
+        # A beat's stages: the request, the pixels that were read, the row's output.
         valid = Signal(3)
         places = [Signal(PlaceLayout(config), name=f"place_{n}", reset_less=True) for n in range(3)]
         m.d.sync += valid.eq(Cat(self.flush, valid))
@@ -85,10 +85,10 @@ class BlockReadout(wiring.Component):
         ]
         self._join(m, beat)
 
-        # What is background is known behind the queue's register: the way to it is long enough.
+        # Background is detected behind the FIFO's register, because the path to it is long.
         out, raster = queue.o, self.raster
         visible = Signal()
-        blank = Signal()  # it was not visible in the cycle before, and still stands there
+        blank = Signal()  # the offered beat was not visible in the cycle before
         m.d.comb += [
             visible.eq(out.payload.end | ~Cat(d.all() for d in out.payload.pixels.depth).all()),
             raster.valid.eq(out.valid & visible),
@@ -100,7 +100,7 @@ class BlockReadout(wiring.Component):
         return m
 
     def _join(self, m, beat):
-        """Join the rows: all but the one that gives a beat up give background, ones and zeros."""
+        """Join the rows by gates: rows that flush nothing give background, all ones and zeros."""
         for pixel in range(self.config.raster_pixels):
             number, column = divmod(pixel, self.config.pixels_per_word)
             words = [getattr(row, HALVES[number]) for row in self.rows]

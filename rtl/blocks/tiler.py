@@ -1,4 +1,4 @@
-"""Laying an element's whole block out for lanes that take it in a cycle."""
+"""The tiler of the blocks engine: rotates an element's block to the lanes."""
 
 from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, stream, wiring
@@ -14,13 +14,14 @@ __all__ = ["BlockTiler"]
 
 
 class ShapeLayout(data.StructLayout):
-    """An element's rows, and what they are clipped by.
+    """An element's rows, and how they are rotated and clipped.
 
-    ``rows``: the columns of each, from X on, or one further right for the lower four where they are
-    ``shifted``. ``turns``: the lane of the first of them, one bit of eight, in the upper four rows
-    and in the lower. ``inside``: which of the words of X and the one after it lie in the image.
-    ``groups``: groups of eight lines from that of the first row to the image's last, 0..3: 0 if it
-    lies below, 3 stands for more. The others as in :class:`GeometryLayout`.
+    ``rows``: the columns of each row, from X on; those of the lower four rows begin one column
+    further right if ``shifted``. ``turns``: the lane of the first column, one-hot, for the upper
+    four rows and for the lower four. ``inside``: the word of X, and the one after it, lies in the
+    image. ``groups``: groups of eight lines from that of the first row to the image's last, 0..3: 0
+    if the image ends above the block, 3 for three or more. The others as in
+    :class:`GeometryLayout`.
     """
 
     def __init__(self, config: EngineConfig):
@@ -38,10 +39,10 @@ class ShapeLayout(data.StructLayout):
 
 
 class TurnedLayout(data.StructLayout):
-    """The same with the columns of the lanes, clipped to the image's words.
+    """The rows with their columns rotated to the lanes, and clipped to the image's words.
 
-    ``odd``: which of them lie in odd words, of the upper four rows and of the lower ones. ``turn``:
-    the row of lanes of the first line, one bit of eight.
+    ``odd``: columns that lie in odd words, of the upper four rows and of the lower four. ``turn``:
+    the row of lanes of the first line, one-hot.
     """
 
     def __init__(self, config: EngineConfig):
@@ -57,16 +58,16 @@ class TurnedLayout(data.StructLayout):
 
 
 class BlockTiler(wiring.Component):
-    """Gives an element's pixels in one cycle, dealt to the lanes of the window.
+    """Rotates the pixels of an element's block to the lanes, one element a cycle.
 
-    A block has eight lines of eight columns, one for each residue of either, wherever it lies: its
-    rows are turned to theirs, and its columns to theirs, and clipped to the image (columns by whole
-    words). What is turned of a shape whose middle lies at a half place begins a column further
-    right, or has its rows a line higher.
+    A block has eight lines of eight columns, one for each residue of line and column, wherever it
+    lies. Rows and columns are rotated to their residues, and clipped to the image, columns by whole
+    words. If the centre of a shape lies at half a pixel, its lower rows begin a column further
+    right, or a line higher, or both.
 
-    An element waits here until its lines are in the window, and none of them has the place of one
-    that is still being cleared. Meanwhile its ``top`` is known already, so that the lines above it
-    may leave. Where the window is about to come to it, it goes as that does.
+    Stall: an element waits here until its lines are in the window, and none of them has the slot of
+    a line that is still being cleared. Its ``top`` is given while it waits, so that the lines above
+    it may leave. If the window is about to move to its lines (``empties``), it goes at that moment.
 
     **Latency**: 4 cycles. **Throughput**: one element a cycle; a frame's first comes two cycles
     after the ``end`` token before it at the soonest, as the window must have moved on.
@@ -76,17 +77,19 @@ class BlockTiler(wiring.Component):
     i : In(stream of GeometryLayout)
         Elements, and ``end`` tokens.
     o : Out(stream of BlockLayout)
-        Blocks; for an ``end`` token one without pixels, to be taken when the frame before is out.
+        Blocks. An ``end`` token becomes one without pixels, to be taken when the frame before is
+        out.
     moves : Out(1)
-        What each stage has in the next cycle is of the element behind, or nothing: colours move on.
+        In the next cycle all stages hold the elements after those that they hold now, or none:
+        their colours advance.
     oldest : In(signed(line_bits + 2))
-        First line of the window as far as it was loaded, of the frame that is drawn: which is the
-        next one as soon as an ``end`` token was taken from ``o``.
+        First line of the window as far as it was loaded, in lines of the frame that is drawn. Once
+        an ``end`` token is taken from ``o``, this is the next frame.
     cleared : In(ClearedLayout)
-        The place of that line is not free in this cycle and the next one.
+        This slot is not free in this cycle and in the next.
     empties : In(1)
-        The window comes to the ``top`` of what waits, and of its places only those of ``cleared``
-        and of the line of ``oldest`` are not free, the latter in the two cycles after this as well.
+        The window moves to the ``top`` of the element that waits. All slots are free but that of
+        ``cleared`` and that of the line of ``oldest``, the latter for two more cycles.
     last_column : In(x_bits)
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
@@ -112,10 +115,10 @@ class BlockTiler(wiring.Component):
         """Build the circuit."""
         m = Module()
         element = self.i.payload
-        # Four stages: the element's rows, those in the columns of lanes, its pixels in lanes, and
-        # those with all that is said of them together.
+        # Four stages: the element's rows; the rows rotated to the columns of lanes; the pixels in
+        # their lanes; the block with ``touch`` and ``rows``.
         shaped, there, laid, offered = Signal(), Signal(), Signal(), Signal()
-        # They move on together, with gaps between elements, as who is taken is known late.
+        # They move on together and keep gaps between elements, because ``o.ready`` is late.
         steps = Signal()
         m.d.comb += [
             steps.eq(~offered | (self.o.valid & self.o.ready)),
@@ -126,7 +129,7 @@ class BlockTiler(wiring.Component):
         turned = Signal(TurnedLayout(self.config), reset_less=True)
         lanes = Signal(BlockLayout(self.config), reset_less=True)
         last = Signal(BlockLayout(self.config), reset_less=True)
-        top = Signal.like(last.top, name="last_top", init=-ROWS)  # it stays where nothing follows
+        top = Signal.like(last.top, name="last_top", init=-ROWS)  # stays until the next element
         rows, columns, pixels = self._shape(m, element), self._turn(m, shape), self._lay(m, turned)
         with m.If(steps):
             m.d.sync += [
@@ -146,13 +149,13 @@ class BlockTiler(wiring.Component):
             with m.Elif(offered & last.end):
                 m.d.sync += top.eq(-ROWS)  # of the next frame
 
-        # Whether the lines of what the last stage has are in the window is known a cycle ahead,
-        # because all before it waits for it. While it waits itself, what is behind it is not looked
-        # at, and comes as one whose lines are not there.
+        # ``near``: the lines of the last stage's element are in the window. It is a register,
+        # because all stages before stall for it. While an element waits, the next one is not
+        # compared: when it comes, its lines count as missing.
         near, waiting = Signal(), Signal()
         wanted, mode = Mux(waiting, top, lanes.top), waiting & last.mode
         behind = Signal(signed(len(top) + 1))
-        left = Signal(self.config.slot_bits)  # lines from ``wanted`` to the place that is cleared
+        left = Signal(self.config.slot_bits)  # lines from ``wanted`` to the slot that is cleared
         m.d.comb += [
             waiting.eq(offered & ~near),
             behind.eq(self.oldest - wanted),
@@ -161,7 +164,7 @@ class BlockTiler(wiring.Component):
             self.o.payload.eq(last),
             self.o.payload.top.eq(top),
         ]
-        # Until an end token was taken, ``oldest`` is not of the frame behind it.
+        # Until an end token is taken, ``oldest`` is of the frame that it ends.
         with m.If(offered & last.end):
             m.d.sync += near.eq(0)
         with m.Elif(waiting | steps):
@@ -172,7 +175,7 @@ class BlockTiler(wiring.Component):
         return m
 
     def _shape(self, m, element):
-        """Return the columns of an element's rows, and what they are clipped by."""
+        """Return the columns of an element's rows, and how they are rotated and clipped."""
         config = self.config
         bits = config.pixel_bits
         rows = Signal(ShapeLayout(config))
@@ -180,11 +183,11 @@ class BlockTiler(wiring.Component):
         masks = [Signal(BLOCK, name=f"mask_{k}") for k in range(ROWS)]
         for row, mask in zip(shape.rows, masks, strict=True):
             m.d.comb += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
-        # A raised shape's row 3 is in its middle and has no half turn.
+        # Row 3 of a raised shape is its middle row and has no half rotation.
         turned = [mask[::-1] for mask in masks[::-1]]
         raised = [*turned[1:], 0]
-        # Neither they nor ``groups`` are a choice of 0, which would clear the register from where
-        # ``ready`` is known last.
+        # The lower rows and ``groups`` are masked by gates. Yosys would make a reset of the
+        # register from a Mux with 0, which depends on ``ready`` and would be late.
         whole = ~element.mode.replicate(BLOCK)
         lower = [
             Mux(shape.raised, high, low) & whole for high, low in zip(raised, turned, strict=True)
@@ -209,9 +212,9 @@ class BlockTiler(wiring.Component):
         return rows
 
     def _turn(self, m, shape):
-        """Return the rows with their columns turned to the lanes', and clipped.
+        """Return the rows with their columns rotated to the lanes, and clipped.
 
-        A multiplier turns a row's pixels, by a power of two.
+        A multiplication by a power of two rotates a row's pixels.
         """
         turned = Signal(TurnedLayout(self.config))
         bits = self.config.pixel_bits
@@ -237,7 +240,7 @@ class BlockTiler(wiring.Component):
         return turned
 
     def _lay(self, m, turned):
-        """Return the pixels in lanes: a multiplier turns those of a column, by a power of two."""
+        """Return the block: a multiplication by a power of two rotates the pixels of a column."""
         block = Signal(BlockLayout(self.config))
         bits = self.config.pixel_bits
         top = turned.top
@@ -259,9 +262,10 @@ class BlockTiler(wiring.Component):
         return block
 
     def _lines(self, m, turned, block):
-        """Place the block's lines; return which of them lie in the image, by residue.
+        """Set the slots of the block's lines; return the lines in the image, by residue.
 
-        Those in the group of eight lines that its first row is in, and those in the next group.
+        ``here``: lines in the group of eight lines of the block's first row. ``past``: lines in the
+        next group.
         """
         top, left = turned.top, turned.groups
         here, past = Signal(BLOCK), Signal(BLOCK)
@@ -276,13 +280,13 @@ class BlockTiler(wiring.Component):
 
 
 def _outside(lines, mode):
-    """Return whether a place so many lines below a block's first one is none of the block's.
+    """Return whether a slot lies outside a block: below its eighth line, or fourth with ``mode``.
 
-    Modulo the window's height; of its upper four if ``mode`` is set.
+    ``lines``: slots from that of the block's first line, modulo the window's height.
     """
     return lines[3:].any() | (mode & lines[2])
 
 
 def _one_of(number):
-    """Return the bit of a number alone; not as ``1 << number``, which is a choice of 0 as well."""
+    """Return a number one-hot; ``1 << number`` would become a Mux with 0 (see ``_shape``)."""
     return Cat(number == n for n in range(1 << len(number)))

@@ -1,12 +1,21 @@
-"""The sliding window in rows of lanes: an element a cycle, whatever its size."""
+"""The sliding window of the blocks engine, in rows of lanes: one element a cycle."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from typing import NamedTuple
+
+from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.rtl.layouts import PixelLayout, PlaceLayout, RasterLayout
+from splatline.rtl.layouts import PixelLayout, RasterLayout
 from splatline.rtl.window.loader import Loader
+from splatline.rtl.window.service import (
+    Clearing,
+    connect_flush_scan,
+    connect_frame_end,
+    connect_loader,
+    select_service,
+)
 
 from .dirty_bits import residue_bits
 from .flush_scan import BlockFlushScan
@@ -17,49 +26,86 @@ from .readout import BlockReadout
 __all__ = ["BlockWindow"]
 
 
+class Grants(NamedTuple):
+    """Result of the arbitration in a cycle.
+
+    Parameters
+    ----------
+    going
+        The offered block is drawn.
+    loading
+        The offered beat of the initial raster is loaded.
+    flushing
+        The requested beat is flushed.
+    service
+        Word and line of the load or the flush, whether it goes or not.
+    row_served
+        Its row of lanes, one-hot.
+    busy
+        Rows of lanes that take the block's addresses.
+    marks
+        Dirty bits may be taken in the row of lanes of the flush scan's line.
+    lone
+        Rows of lanes without a block.
+    """
+
+    going: Value
+    loading: Value
+    flushing: Value
+    service: Value
+    row_served: Value
+    busy: Value
+    marks: Value
+    lone: Value
+
+
 class BlockWindow(wiring.Component):
     """Draws blocks into a window of lines that slides down the image.
 
-    A line's row of lanes is its residue modulo 8, a pixel's lane in it that of its column modulo a
-    word's pixels; so a block has each lane once, wherever it lies. Each lane has two memories, for
-    even words and for odd ones, and both words of a beat leave at once (see :class:`LaneRow`).
-    Stages, and what they hold goes on in every cycle: *request* (who may go; an address a row and
-    half), *read*, *catch*, and *test* (the lanes write over what is behind), or *emit* in its place
-    (what was flushed waits for ``raster`` in a queue, see :class:`BlockReadout`). A block and a
-    beat that is flushed go together if their rows differ; if not, the block goes first, or the beat
-    (see ``lagging``). In place of that beat one of the initial raster goes, into a row that the
-    block leaves free, or alone (see ``pressing``). Where ``raster`` takes nothing, beats are
-    flushed until the queue is half full, and blocks go on as long as their lines are in the window.
+    The row of lanes of a pixel is the residue of its line modulo 8. Its lane in the row is the
+    residue of its column modulo the pixels of a window word. A block therefore uses each lane at
+    most once, wherever it lies. Each lane has two memories, for even and for odd words, so both
+    words of a beat are flushed in one cycle (see :class:`LaneRow`).
 
-    Blocks follow each other whatever pixels they have in common: each is told what the two before
-    it have. After reset the lanes are cleared, which takes as many cycles as one of their memories
-    has pixels.
+    The pipeline never stalls. *Request*: each row gets an address for either half. *Read*: the
+    memories read. *Catch*: the pixels are registered. *Test*: each lane compares depths and writes.
+    A flushed beat goes to the FIFO of :class:`BlockReadout` instead.
 
-    **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle but
-    for beats that go first; a beat of the initial raster in two cycles; and a beat a cycle of
-    ``raster``, of those that were written, but for blocks that go first.
+    Arbitration: one block and one service, a flush or a load, go in a cycle if they use different
+    rows of lanes. On a conflict the block has priority over a flush, except while ``lagging``; and
+    over a load, except while ``pressing``, when the load goes alone. While ``raster`` is not ready,
+    flushes stop once the FIFO is half full. Blocks go on as long as their lines are in the window.
+
+    Hazards: none stalls. Each block comes with a comparison to the two blocks before it
+    (``_follow``), by which a lane decides about pixels that are still being written.
+
+    After reset the lanes are cleared, in as many cycles as one of their memories has pixels.
+
+    **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle,
+    less one cycle for each flush or load with priority. A load in two cycles. A dirty beat a cycle
+    on ``raster``, less the cycles of blocks with priority and of loads.
 
     Members
     -------
     i : In(stream of BlockLayout)
-        Blocks in the order of their lines, which are there, as :class:`BlockTiler` has it, by what
-        ``oldest``, ``cleared`` and ``empties`` said a cycle before it came. An ``end`` token is
-        taken once nothing more comes of its frame's initial raster, and the frame before is out;
-        then blocks of the next frame may follow.
+        Blocks in the order of their lines. Their lines are in the window, as ``oldest``,
+        ``cleared`` and ``empties`` said a cycle before (see :class:`BlockTiler`). An ``end`` token
+        is taken once its frame's initial raster has ended and the frame before is out. Blocks of
+        the next frame may follow it.
     shade : In(colour_bits)
         Colour of the block that is offered on ``i``.
     oldest : Out(signed(line_bits + 2))
-        First line of the window as far as it was loaded, of the frame that is drawn: negative while
-        one leaves.
+        First line of the window as far as it was loaded, in lines of the frame that is drawn:
+        negative while the frame before leaves.
     cleared : Out(ClearedLayout)
-        A beat of that line was asked for in the cycle before, and is not cleared yet.
+        Slot of the beat that was requested in the cycle before. It is not cleared yet.
     empties : Out(1)
-        Nothing is left in the window but a beat of its first line that leaves in this cycle, if no
-        block is offered: then it comes to ``top``, and only the place of that line is not free.
+        If no block is offered, the window moves to ``top`` in this cycle. At most one beat is left,
+        which is flushed in this cycle. Only the slot of its line is not free then.
     initial : In(stream of RasterLayout)
         Initial raster; read if ``load`` is set.
     raster : Out(stream of RasterLayout)
-        The beats in which something was drawn, then an ``end`` beat.
+        The dirty beats, then an ``end`` beat.
     last_column, last_line : In
         Size of the image less 1; steady until ``finished``, as is ``load``.
     load : In(1)
@@ -67,9 +113,9 @@ class BlockWindow(wiring.Component):
     active : In(1)
         A frame is open: from its first code word until its ``end`` token is taken.
     closing : Out(1)
-        A frame whose ``end`` token was taken is not out.
+        A frame whose ``end`` token was taken is still leaving.
     finished : Out(1)
-        High for one cycle: the frame's end beat goes into the queue.
+        High for one cycle: the frame's end beat goes into the FIFO.
     """
 
     def __init__(self, config: EngineConfig):
@@ -96,26 +142,38 @@ class BlockWindow(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        block = self.i.payload
-        bits = residue_bits(config)
-
         m.submodules.flush_scan = flush_scan = BlockFlushScan(config)
         m.submodules.loader = loader = Loader(config)
         m.submodules.readout = readout = BlockReadout(config)
-        close = Signal()  # the end token is taken
-        closable = Signal()  # it may be: known a cycle ahead, as much waits for who is taken
-        ending = Signal()
-        front = Signal.like(flush_scan.front, name="front")
+        clearing = self._clear(m)
+        close = self._connect_frame(m, flush_scan, loader, readout)
+        grants = self._arbitrate(m, flush_scan, loader, readout, clearing.swept, close)
+        new, again, behind = self._follow(m, grants.going)
+        requests, loaded = self._rows(m, flush_scan, readout, new)
+        self._request(m, requests, grants, again, behind, clearing.sweeping)
+        self._address(m, requests, grants, clearing)
+        self._load(m, loaded, loader)
+        self._mark(m, flush_scan, loader, grants, clearing)
+        return m
 
+    def _clear(self, m):
+        """Clear the lanes after reset, address by address."""
         sweeping = Signal(init=1)
-        sweep = Signal(row_address_bits(config))
+        sweep = Signal(row_address_bits(self.config))
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
-        # In one of the two cycles before: the last pixels are still to be written.
+        # Two cycles longer: the last pixels are still to be written.
         swept, just_swept = Signal(init=1), Signal(init=1)
         m.d.sync += [just_swept.eq(sweeping), swept.eq(sweeping | just_swept)]
+        return Clearing(sweeping, sweep, swept)
 
-        beat, load = self.initial.payload, loader.o.payload
+    def _connect_frame(self, m, flush_scan, loader, readout):
+        """Connect the rasters and the loader; return whether the frame's end token is taken."""
+        config = self.config
+        close = Signal()
+        closable = Signal()  # a register, because every stage before the window waits for ``ready``
+        front = Signal.like(flush_scan.front, name="front")
+        beat = self.initial.payload
         connect(m, readout.raster, flipped(self.raster))
         m.d.comb += [
             loader.i.valid.eq(self.initial.valid),
@@ -124,53 +182,45 @@ class BlockWindow(wiring.Component):
             loader.i.payload.line.eq(beat.line),
             loader.i.payload.end.eq(beat.end),
             self.initial.ready.eq(loader.i.ready),
-            loader.enable.eq(self.load),
-            loader.active.eq(self.active),
-            loader.last_line.eq(self.last_line),
-            loader.last_word.eq(self.last_column[config.pixel_bits :]),
-            loader.oldest.eq(front),
-            loader.restart.eq(close),
-            readout.end.eq(ending),
-            self.finished.eq(readout.finished),
-            close.eq(self.i.valid & block.end & closable),
-            flush_scan.close.eq(close),
-            self.closing.eq(flush_scan.closing),
+        ]
+        connect_loader(m, self, loader, front, close)
+        closes = self.i.valid & self.i.payload.end & closable
+        connect_frame_end(m, self, flush_scan, readout, close, closes)
+        m.d.comb += [
             self.oldest.eq(Mux(loader.finished, flush_scan.front, loader.front)),
-            # While none is offered that beat goes at once, if there is room.
+            # If no block is offered, the last beat is flushed in this cycle if there is room.
             self.empties.eq(flush_scan.empties & readout.room),
         ]
-        m.d.sync += [
-            ending.eq(flush_scan.over & ~self.finished),
-            closable.eq(loader.finished & ~flush_scan.closing & ~close),
-        ]
-        # A beat that left a cycle ago is still to be cleared. Loading waits that long for any; an
-        # element for those in its place alone. Which lines are in the window of the next frame is
-        # known a cycle after its ``close``: until then none of them.
+        m.d.sync += closable.eq(loader.finished & ~flush_scan.closing & ~close)
+        # ``front`` is a cycle late, because a beat that was flushed a cycle ago is still to be
+        # cleared. A load waits for that on any line; a block only on its own lines. The window of
+        # the next frame is known a cycle after ``close``: until then it has no lines.
         with m.If(close):
             m.d.sync += front.eq(-2 * config.window_lines)
         with m.Else():
             m.d.sync += front.eq(flush_scan.front)
+        return close
 
-        # What is served beside the block: a beat of the initial raster, or one that leaves.
-        service = Signal(PlaceLayout(config))
-        serving = Signal()  # the former
-        m.d.comb += service.eq(flush_scan.flush.payload)
-        with m.If(serving):
-            m.d.comb += [service.word.eq(load.word), service.line.eq(load.line)]
-        row_served = Signal(BLOCK)  # the row of lanes that it lies in
+    def _arbitrate(self, m, flush_scan, loader, readout, swept, close):
+        """Grant a block, and a load or a flush, if they use different rows of lanes."""
+        config = self.config
+        block, load = self.i.payload, loader.o.payload
+        bits = residue_bits(config)
+        serving = Signal()  # the service is a load, not a flush
+        service = select_service(m, self, flush_scan.flush.payload, load, serving)
+        row_served = Signal(BLOCK)  # its row of lanes
         m.d.comb += row_served.eq(1 << service.line[:bits])
 
-        # Who may go: the block, and a load or a flush, in rows of lanes that differ.
         offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
-        wanted = Signal(BLOCK)  # rows of lanes where the block has pixels
-        meeting, marking = Signal(), Signal()  # it wants the row of what leaves, of marks
-        leaves = Signal()  # a beat that is asked for, if nothing goes before it
+        wanted = Signal(BLOCK)  # rows of lanes that the block draws into
+        meeting, marking = Signal(), Signal()  # one of them is the flush's, the dirty bits'
+        leaves = Signal()  # a flush is requested, and there is room for it
         lagging, first, marks_first = Signal(), Signal(), Signal()
-        pressing = Signal()  # a beat of the initial raster goes, and no block
-        refused = Signal()  # a beat of the initial raster, in the cycle before
+        pressing = Signal()  # a load goes, and no block
+        refused = Signal()  # a load was refused in the cycle before
         busy = Signal(BLOCK)
         m.d.comb += [
-            # Until all is swept the lanes' addresses are the sweep's.
+            # Until all is cleared, the lanes' addresses are those of the clearing.
             offered.eq(self.i.valid & ~block.end & ~pressing & ~swept),
             going.eq(offered & ~(first & meeting) & ~(marks_first & marking)),
             self.i.ready.eq(going | close),
@@ -180,9 +230,9 @@ class BlockWindow(wiring.Component):
             leaves.eq(flush_scan.flush.valid & readout.room),
             first.eq(leaves & lagging),
             marks_first.eq(flush_scan.takes & lagging),
-            # Whether the block goes is known late; its lanes are kept for it in any case.
+            # ``going`` is late, so the block's rows are reserved whether it goes or not.
             busy.eq(wanted & offered.replicate(BLOCK) & ~(row_served & first.replicate(BLOCK))),
-            # In turn with beats that leave, where one of the two is refused.
+            # A load that was refused gives way to a flush, so the two alternate.
             serving.eq(loader.o.valid & (pressing | ~(leaves & (refused | lagging)))),
             loading.eq(serving & ~swept & ~(offered & wanted.bit_select(load.line[:bits], 1))),
             loader.o.ready.eq(loading),
@@ -195,34 +245,59 @@ class BlockWindow(wiring.Component):
             self.cleared.valid.eq(flushing),
             self.cleared.place.eq(flush_scan.flush.payload.line[: config.slot_bits]),
         ]
-        # Which of them goes first. Elements of up to four lines lie about the fifth line from
-        # ``top`` on and leave the rows of the lines one and two above ``top``: those leave beside
-        # them. What lies further above goes first, so that it comes to that; were all to go first,
-        # there would be none left to leave beside the elements. Of what is loaded the lines 6 and 7
-        # below ``top``, modulo 8, go beside them, in the rows of those two; others go first.
-        above, distance = Signal(3), Signal(3)
-        m.d.comb += [
-            above.eq(block.top[:3] - flush_scan.oldest[:3]),
-            distance.eq(load.line[:3] - block.top[:3]),
-        ]
+        flush_first, load_first = self._priorities(m, flush_scan, load)
+        # Registers, because every stage before the window waits for a block to go.
         m.d.sync += [
-            lagging.eq(above >= 2),
-            # Known a cycle ahead, as all before a block waits for it. Marks that go before a block
-            # are not taken beside what is offered to load, and that may want the block's row: so it
-            # goes where lines lag, or none of the three ever would.
-            pressing.eq(serving & ~loading & ((distance < 6) | lagging)),
+            lagging.eq(flush_first),
+            # Dirty bits with priority over a block are not taken while a load is offered, and the
+            # load may wait for the block's row. So the load has priority while lines lag, or none
+            # of the three would ever go.
+            pressing.eq(serving & ~loading & (load_first | lagging)),
             refused.eq(serving & ~loading),
         ]
+        return Grants(
+            going=going,
+            loading=loading,
+            flushing=flushing,
+            service=service,
+            row_served=row_served,
+            busy=busy,
+            # ``serving`` and not ``loading``, which is late.
+            marks=~serving & (marks_first | ~(offered & marking)),
+            lone=~(wanted & offered.replicate(BLOCK)),
+        )
 
+    def _priorities(self, m, flush_scan, load):
+        """Return whether a flush has priority over a block, and whether a load has.
+
+        Elements of up to four lines lie about the fifth line from ``top`` on. They leave the rows
+        of the lines one and two above ``top`` free, and flushes of these lines go beside them.
+        Flushes of lines further above have priority, so that the flush scan comes to those lines.
+        With priority for all lines no flush would be left to go beside the elements.
+
+        Loads of the lines six and seven below ``top``, modulo 8, go beside the elements, in the
+        same two rows. Loads of other lines have priority.
+        """
+        above, distance = Signal(3), Signal(3)
+        m.d.comb += [
+            above.eq(self.i.payload.top[:3] - flush_scan.oldest[:3]),
+            distance.eq(load.line[:3] - self.i.payload.top[:3]),
+        ]
+        return above >= 2, distance < 6
+
+    def _rows(self, m, flush_scan, readout, new):
+        """Add the rows of lanes; return the registers of their requests and of the loaded beat.
+
+        The registers cut two long paths: the one to an address, and the one from there to the
+        many lanes.
+        """
+        config = self.config
         rows = [LaneRow(config) for _ in range(BLOCK)]
-        # What goes is requested in the next cycle: the way to an address is long, and so is the one
-        # from there to the lanes, of which there are many.
         requests = [
             Signal(RowRequestLayout(config), name=f"request_{q}", reset_less=True)
             for q in range(BLOCK)
         ]
         loaded = Signal(BeatWordsLayout(config), reset_less=True)
-        new, again, behind = self._follow(m, going)
         outside = self._outside(m, flush_scan.flush.payload.word)
         for q, (row, request) in enumerate(zip(rows, requests, strict=True)):
             m.submodules[f"row_{q}"] = row
@@ -233,61 +308,74 @@ class BlockWindow(wiring.Component):
                 row.outside.eq(outside),
                 readout.rows[q].eq(row.leaving),
             ]
+        return requests, loaded
+
+    def _request(self, m, requests, grants, again, behind, sweeping):
+        """Request the block's pixels, the load and the flush of their rows of lanes."""
+        block = self.i.payload
+        for q, request in enumerate(requests):
             m.d.sync += [
-                request.draw.eq(going),
+                request.draw.eq(grants.going),
                 request.mask.eq(block.mask[q]),
                 request.odd.eq(block.odd[q]),
                 request.again.eq(again),
                 request.behind.eq(behind),
-                request.load.eq(loading & row_served[q]),
-                request.clear.eq((flushing & row_served[q]) | sweeping),
+                request.load.eq(grants.loading & grants.row_served[q]),
+                request.clear.eq((grants.flushing & grants.row_served[q]) | sweeping),
             ]
+
+    def _address(self, m, requests, grants, clearing):
+        """Set the rows' addresses: of the block's words, of the service, or of the clearing."""
+        config = self.config
+        block, service = self.i.payload, grants.service
+        group = service.line[residue_bits(config) : config.slot_bits]
         place = Signal(row_address_bits(config))
-        m.d.comb += place.eq(
-            Mux(sweeping, sweep, Cat(service.word[1:], service.line[bits : config.slot_bits]))
-        )
+        served = Cat(service.word[1:], group)
+        m.d.comb += place.eq(Mux(clearing.sweeping, clearing.sweep, served))
         for half, name in enumerate(HALVES):
             m.d.sync += [
                 getattr(request.addresses, name).eq(
-                    Mux(busy[q], Cat(_word(block, half), block.group[q]), place)
+                    Mux(grants.busy[q], Cat(_word(block, half), block.group[q]), place)
                 )
                 for q, request in enumerate(requests)
             ]
-            left = config.pixels_per_word * half
+
+    def _load(self, m, loaded, loader):
+        """Split the loaded beat into its even and its odd word."""
+        pixels = loader.o.payload.pixels
+        for half, name in enumerate(HALVES):
+            left = self.config.pixels_per_word * half
             m.d.sync += [
-                getattr(loaded, name)[kind][column].eq(load.pixels[kind][left + column])
+                getattr(loaded, name)[kind][column].eq(pixels[kind][left + column])
                 for kind in ("depth", "colour")
-                for column in range(config.pixels_per_word)
+                for column in range(self.config.pixels_per_word)
             ]
 
-        # The words that are written, for the flush scan.
+    def _mark(self, m, flush_scan, loader, grants, clearing):
+        """Tell the flush scan which words are written, and when it may take dirty bits."""
+        config = self.config
+        block, load = self.i.payload, loader.o.payload
         for q in range(BLOCK):
-            group = load.line[bits : config.slot_bits]
+            group = load.line[residue_bits(config) : config.slot_bits]
             m.d.comb += flush_scan.group[q].eq(Mux(flush_scan.lone[q], group, block.group[q]))
+        m.d.comb += flush_scan.top.eq(block.top)
+        connect_flush_scan(m, self, flush_scan, loader, grants.marks, clearing)
         m.d.comb += [
-            flush_scan.top.eq(block.top),
-            flush_scan.limit.eq(loader.limit),
-            flush_scan.jump.eq(loader.finished),
-            # Whether a beat that is offered is loaded is known late.
-            flush_scan.enable.eq(~serving & (marks_first | ~(offered & marking))),
-            flush_scan.wipe.eq(sweeping),
-            flush_scan.wipe_row.eq(sweep),
-            flush_scan.restart.eq(self.finished),
-            flush_scan.drawing.eq(going),
+            flush_scan.drawing.eq(grants.going),
             flush_scan.words.eq(block.words),
             flush_scan.touch.eq(block.touch),
             flush_scan.reaching.eq(self.i.valid & ~block.end),
-            flush_scan.load.eq(row_served & loading.replicate(BLOCK)),
+            flush_scan.load.eq(grants.row_served & grants.loading.replicate(BLOCK)),
             flush_scan.load_word.eq(load.word),
-            # Where no block draws, what would be loaded is what would be marked.
-            flush_scan.lone.eq(~(wanted & offered.replicate(BLOCK))),
+            # A row without a block takes the load's address, whether the load goes or not.
+            flush_scan.lone.eq(grants.lone),
         ]
-        return m
 
     def _follow(self, m, going):
-        """Return what was drawn two cycles before, and what of a block's request says so.
+        """Compare the block with the two before it; return the earlier pixel, and the results.
 
-        That is ``again`` and ``behind``.
+        The results are ``again`` and ``behind`` of :class:`RowRequestLayout`. The pixel is that of
+        two cycles before, which the rows draw in this cycle.
         """
         block = self.i.payload
         words = data.StructLayout(dict.fromkeys(HALVES, self.config.word_bits - 1))
@@ -315,9 +403,9 @@ class BlockWindow(wiring.Component):
         return before_that.new, again, behind
 
     def _outside(self, m, word):
-        """Return which pixels of the beat that is requested lie beyond the right border.
+        """Return which pixels of the requested beat lie outside the right border.
 
-        As elements are clipped by words. ``word`` is that of the next one.
+        Elements are clipped by whole words only. ``word``: word of the beat requested next.
         """
         config = self.config
         bits = config.pixel_bits + 1
@@ -328,8 +416,8 @@ class BlockWindow(wiring.Component):
 
 
 def _word(block, half):
-    """Return the number of a block's even word, or its odd one, among those of its line.
+    """Return the number of a block's even or odd word among the even or odd words of its line.
 
-    Of its two words the first one is the odd one, or both have one number.
+    If the first of its two words is even, both numbers are the same.
     """
     return block.words[1 - half][1:]

@@ -1,4 +1,4 @@
-"""The AXI4-Lite port: five channels in, single reads and writes out."""
+"""The AXI4-Lite port: turns five channels into single reads and writes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["AxiLiteFront", "AxiLiteSignature", "Response", "WriteLayout"]
 
 
 class Response(IntEnum):
-    """What a slave answers (Arm IHI 0022, "Read and write response structure")."""
+    """Responses of a slave (Arm IHI 0022, "Read and write response structure")."""
 
     OKAY = 0
     SLVERR = 2
@@ -56,21 +56,21 @@ class AxiLiteSignature(wiring.Signature):
 
 
 class WriteLayout(data.StructLayout):
-    """A write: where, what, and which bytes of it."""
+    """A write: address, data, and which bytes of the data are written."""
 
     def __init__(self, address_bits: int):
         super().__init__({"address": address_bits, "data": 32, "strobe": 4})
 
 
 class AxiLiteFront(wiring.Component):
-    """Takes one write and one read at a time, each channel apart, and answers them.
+    """Takes one write and one read at a time, and answers them.
 
-    Every output to the bus comes from a register: no path leads from one of its inputs to one of
-    its outputs, whichever channel they belong to. ``awprot`` and ``arprot`` mean nothing here.
+    Every output to the bus is a register: no combinational path leads from an input of the bus to
+    an output. ``awprot`` and ``arprot`` are ignored.
 
-    **Latency**: a write is offered in the cycle after its address and data have both come, a read
-    after its address; the answer stands on the bus in the cycle after it was given. **Throughput**:
-    one read and one write in three cycles.
+    **Latency**: 1 cycle from the later one of a write's address and data to ``write_valid``, 1 from
+    a read's address to ``read_valid``; 1 from the response to the bus. **Throughput**: one read and
+    one write in three cycles.
 
     Parameters
     ----------
@@ -82,13 +82,13 @@ class AxiLiteFront(wiring.Component):
     bus : In(AxiLiteSignature)
         The port.
     write : Out(WriteLayout), write_valid : Out(1)
-        A write, steady until ``write_done``.
+        A write; steady until ``write_done``.
     write_done : In(1), write_response : In(2)
-        It has been done, or refused, in this cycle.
+        The write is done, or refused, in this cycle.
     read : Out(address_bits), read_valid : Out(1)
-        A read, to be answered in the same cycle.
+        A read.
     read_data : In(32), read_response : In(2)
-        Its answer.
+        Its response, in the same cycle.
     """
 
     def __init__(self, address_bits: int):

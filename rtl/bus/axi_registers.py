@@ -49,49 +49,49 @@ class _FieldsLayout(data.StructLayout):
 
 
 class ValuesLayout(_FieldsLayout):
-    """What is stored: fields that can be written and read."""
+    """Stored fields, which can be written and read."""
 
     def __init__(self, registers: RegisterMap):
         super().__init__(registers, _is_stored)
 
 
 class EventsLayout(_FieldsLayout):
-    """What sets a field that a 1 clears."""
+    """Events, which set the fields that a written 1 clears."""
 
     def __init__(self, registers: RegisterMap):
         super().__init__(registers, lambda _, field: field.access is Access.CLEAR)
 
 
 class LiveLayout(_FieldsLayout):
-    """What is only shown."""
+    """Live fields, which show a state of the hardware."""
 
     def __init__(self, registers: RegisterMap):
         super().__init__(registers, lambda _, field: field.live)
 
 
 class PulsesLayout(_FieldsLayout):
-    """What a written 1 does once."""
+    """Pulses, which a written 1 causes."""
 
     def __init__(self, registers: RegisterMap):
         super().__init__(registers, _is_pulse)
 
 
 class RegisterFile(wiring.Component):
-    """Holds the fields of a map, and turns writes of tables into the engine's table writes.
+    """Holds the fields of a map, and turns writes to tables into the engine's table writes.
 
-    A write is done whole or refused whole. It is refused if nothing is at its address (DECERR); or
-    (SLVERR) if the register is read only, if not all four bytes are written, if a bit is set that
-    the register does not have, or if it is for between frames and ``busy``. A read of nothing is
-    DECERR and one of what is written only SLVERR; both give 0. Whatever is refused sets its bit of
-    ERROR, and is answered OKAY if CONTROL.QUIET is set. The two lowest bits of an address are
-    ignored.
+    A write is done or refused as a whole. DECERR: there is no register at its address. SLVERR: the
+    register is read-only; or not all four bytes are written; or a bit is set that the register does
+    not have; or the register is written between frames only, and ``busy`` is high. A read gives
+    DECERR if there is no register, and SLVERR if the register is write-only; its data are 0. A
+    refused access sets its bit of ERROR. Its response is OKAY if CONTROL.QUIET is set. The two
+    lowest bits of an address are ignored.
 
-    The low words of a material wait in a register that all entries share, until the last word of an
-    entry writes it.
+    One register, which all entries share, holds the low words of a material until the last word of
+    the entry is written.
 
-    **Latency**, **Throughput**: those of :class:`AxiLiteFront`; a write to a table is answered once
-    the engine has taken it. A field shows what was written in the cycle after; where the hardware
-    sets it in the cycle in which a 1 clears it, it stays set.
+    **Latency**, **Throughput**: those of :class:`AxiLiteFront`. A write to a table is answered once
+    the engine has taken it. A field has its new value in the cycle after the write. If the hardware
+    sets a field in the cycle in which a 1 clears it, it stays set.
 
     Parameters
     ----------
@@ -105,11 +105,11 @@ class RegisterFile(wiring.Component):
     busy : In(1)
         A frame is open.
     values : Out(ValuesLayout)
-        What is stored.
+        Stored fields.
     events : In(EventsLayout)
-        A 1 sets the field. The file's own, ``error_bus_*``, are not looked at.
+        A 1 sets the field. Those of the file itself, ``error_bus_*``, are ignored.
     live : In(LiveLayout)
-        What is shown.
+        Live fields.
     pulses : Out(PulsesLayout)
         High for the cycle in which a 1 is written.
     tables : Out(stream of TableWriteLayout)
@@ -154,7 +154,7 @@ class RegisterFile(wiring.Component):
         return m
 
     def _write(self, m, front, values):
-        """Do a write, or refuse it; return why by the fields of ERROR."""
+        """Do a write, or refuse it; return the reasons, by the fields of ERROR."""
         valid, address, payload = front.write_valid, front.write.address, front.write.data
         known = Signal()
         writable = Signal()
@@ -222,7 +222,7 @@ class RegisterFile(wiring.Component):
         }
 
     def _store(self, m, register, values, payload):
-        """Keep what is written to a register's fields, or do it once."""
+        """Write a register's fields: store, clear or pulse them."""
         for field in register.fields:
             name = f"{register.name}_{field.name}".lower()
             bits = payload[field.place.lsb : field.place.end]
@@ -234,7 +234,7 @@ class RegisterFile(wiring.Component):
                 m.d.comb += self.pulses[name].eq(bits)
 
     def _read(self, m, front, values):
-        """Answer a read; return what was wrong with it by the fields of ERROR."""
+        """Answer a read; return the reasons to refuse it, by the fields of ERROR."""
         known = Signal(name="read_known")
         allowed = Signal(name="read_allowed")
         _, place, in_window, in_registers = self._split(front.read)
@@ -255,7 +255,7 @@ class RegisterFile(wiring.Component):
         }
 
     def _shown(self, register, values):
-        """Return what a register reads as."""
+        """Return the value that a read of a register gives."""
         bits = []
         for field in register.fields:
             name = f"{register.name}_{field.name}".lower()
@@ -269,9 +269,10 @@ class RegisterFile(wiring.Component):
         return Cat(bits)
 
     def _split(self, address):
-        """Return the entry and the word of an address in the window of materials.
+        """Split an address.
 
-        And whether it lies there, and whether it lies among the registers.
+        Return the entry and the word in the window of materials, whether the address lies there,
+        and whether it lies among the registers.
         """
         window = self.registers.materials
         low = window.stride.bit_length() - 1
@@ -287,6 +288,6 @@ class RegisterFile(wiring.Component):
 
     @staticmethod
     def _response(known, done, values):
-        """Return what the bus is told."""
+        """Return the response on the bus."""
         okay = done | values.control_quiet
         return Mux(okay, Response.OKAY, Mux(known, Response.SLVERR, Response.DECERR))

@@ -60,10 +60,10 @@ class _Slice(wiring.Component):
 class RegisterSlice(_Slice):
     """A stream cut by registers in both directions, at its full rate.
 
-    It is a skid buffer with two payloads: one is offered, the other came while that one waited.
+    It is a skid buffer: one payload is offered, and a second one is stored while the first waits.
 
-    **Latency**: 1 cycle. **Throughput**: a payload a cycle. See ``_Slice`` for
-    parameters and members.
+    **Latency**: 1 cycle. **Throughput**: a payload a cycle. See ``_Slice`` for parameters and
+    members.
     """
 
     def elaborate(self, platform):
@@ -94,8 +94,8 @@ class RegisterSlice(_Slice):
 class HalfSlice(_Slice):
     """A stream cut by registers in both directions, at half the rate, with half the registers.
 
-    **Latency**: 1 cycle. **Throughput**: a payload in two cycles. See ``_Slice`` for
-    parameters and members.
+    **Latency**: 1 cycle. **Throughput**: a payload in two cycles. See ``_Slice`` for parameters
+    and members.
     """
 
     def elaborate(self, platform):

@@ -1,4 +1,4 @@
-"""The engine on standard buses: AXI4-Stream for what it draws, AXI4-Lite for the rest."""
+"""The engine on AXI: AXI4-Stream for code words and rasters, AXI4-Lite for the registers."""
 
 from __future__ import annotations
 
@@ -25,38 +25,39 @@ CODEWORD_BYTES = 8
 
 
 class AxiTop(wiring.Component):
-    """An engine that stands in a block design as it is.
+    """An engine with AXI ports, for a block design.
 
-    Its ports have the names by which vendors' tools find buses: ``aclk``, ``aresetn`` (low: reset,
-    synchronous), ``s_axi_ctrl_*`` (AXI4-Lite), ``s_axis_codewords_*``, ``s_axis_initial_*``,
-    ``m_axis_raster_*`` (AXI4-Stream) and ``irq``. The registers are in ``docs/registers.md``.
+    Its ports have the names by which vendors' tools find buses: ``aclk``, ``aresetn``,
+    ``s_axi_ctrl_*`` (AXI4-Lite), ``s_axis_codewords_*``, ``s_axis_initial_*``, ``m_axis_raster_*``
+    (AXI4-Stream) and ``irq``. The registers are in ``docs/registers.md``.
 
     - A packet of code words is a frame; TLAST comes with its end word.
     - A packet of the raster is a frame as well: its beats, filled up with zeros to a power of two
-      of bytes, and then the end beat, with TLAST. So a packet is never empty, and each packet of
-      code words is answered by one.
+      of bytes, and then the end beat, with TLAST. A packet is therefore never empty, and there is
+      one for each packet of code words.
     - An initial raster is a packet of the same kind.
 
-    Whatever else comes sets a bit of the register ERROR, and does no harm: :class:`StreamGuard` and
-    :class:`RegisterFile` say what becomes of it. CONTROL.ABORT ends the frame that is open: an
-    end is put in behind the words that were taken, an initial raster that is still waited for ends,
-    the rest of both packets is dropped up to TLAST, and of the picture only the end beat still
-    leaves. The engine is never reset for it, so its tables stay.
+    Anything else sets a bit of the register ERROR and does no harm (see :class:`StreamGuard` and
+    :class:`RegisterFile`).
 
-    Each bus ends in registers in both directions: no path leads from one of its inputs to an output
-    in the same cycle.
+    CONTROL.ABORT ends the open frame. An end is inserted behind the words that were taken. An
+    initial raster that has not ended yet ends. The rest of both packets is dropped up to TLAST. Of
+    the picture only the end beat still leaves. The engine is not reset, so its tables stay.
 
-    **Latency**: that of the engine and 1 cycle from a code word's acceptance to the engine, 2 for a
-    frame's first; 1 from the engine to the raster port. **Throughput**: within a frame the
-    engine's. Frames do not overlap as the engine's do: the next one opens only when this one's end
-    beat has left the engine.
+    All inputs and outputs of the buses are registered: no combinational path leads from an input
+    to an output.
+
+    **Latency**: 1 cycle from a code word's acceptance to the engine, 2 for a frame's first; then
+    that of the engine; 1 from the engine to the raster port. **Throughput**: within a frame that of
+    the engine. There is no frame overlap: the next frame opens once the end beat of this one has
+    left the engine.
 
     Parameters
     ----------
     config
         The engine's configuration.
     engine
-        What draws, with the ports of :class:`Engine`; one of that configuration if not given.
+        A component with the ports of :class:`Engine`; an engine of that configuration if not given.
 
     Members
     -------
@@ -65,11 +66,11 @@ class AxiTop(wiring.Component):
     s_axi_ctrl_* : AxiLiteSignature
         The registers.
     s_axis_codewords_*, s_axis_initial_* : AxiStreamSignature
-        What is drawn, and what it is drawn over.
+        Code words, and the initial raster.
     m_axis_raster_* : AxiStreamSignature
         The picture.
     irq : Out(1)
-        An enabled bit of IRQ_STATUS is set; stays until it is cleared.
+        An enabled bit of IRQ_STATUS is set. High until the bit is cleared.
     """
 
     def __init__(self, config: EngineConfig = PAPER, engine: wiring.Component | None = None):
@@ -122,24 +123,24 @@ class AxiTop(wiring.Component):
         connect(m, initial.o, engine.initial)
         values, pulses = registers.values, registers.pulses
 
-        # A frame is open from its first code word in the guard to its end beat, one at a time: the
-        # engine would take the next while this one's end beat still waits.
+        # One frame is open at a time, from its first code word in the guard to its end beat. The
+        # engine alone would take the next frame while this one's end beat still waits.
         word_taken = Signal()
         end_taken = Signal()
         drawing = Signal()
-        loading = Signal()  # the end of the initial raster is still to come
+        loading = Signal()  # the initial raster has not ended yet
         aborting = Signal()
-        released = Signal()  # it is no longer waited for
+        released = Signal()  # its guard was told to end it
         busy = Signal()
         abort = Signal()
         m.d.comb += [
             word_taken.eq(codewords.o.valid & codewords.o.ready),
             end_taken.eq(engine.raster.valid & engine.raster.ready & engine.raster.payload.end),
             busy.eq(codewords.open | drawing),
-            # In the cycle in which the end beat is taken, the frame is whole: none is left to end.
+            # Not in the cycle in which the end beat is taken: the frame is complete then.
             abort.eq(pulses.control_abort & busy & ~end_taken),
             registers.busy.eq(busy),
-            # A table write that is offered goes first, as it does in the engine.
+            # A table write has priority over a new frame, as in the engine.
             codewords.admit.eq(~drawing & ~values.control_hold & ~registers.tables.valid),
             codewords.cut.eq(abort & codewords.open),
             codewords.forget.eq(pulses.control_resync),
@@ -200,7 +201,7 @@ class AxiTop(wiring.Component):
         return registers
 
     def _check(self, m, registers, word_taken):
-        """Return the check of code words; what it finds sets bits of ERROR."""
+        """Return the check of code words, which sets bits of ERROR."""
         m.submodules.check = check = CodeWordCheck(self.config)
         values, events = registers.values, registers.events
         m.d.comb += [
@@ -214,7 +215,7 @@ class AxiTop(wiring.Component):
         return check
 
     def _report_packets(self, m, events, codewords, initial):
-        """Set the bits of ERROR for packets that the guards mend."""
+        """Set the bits of ERROR for packets that the guards correct."""
         m.d.comb += [
             events.error_frame_ended_early.eq(codewords.early),
             events.error_end_without_last.eq(codewords.late),
@@ -253,7 +254,7 @@ class AxiTop(wiring.Component):
         return guard
 
     def _enter(self, m, port, slice_):
-        """Lead a port into its registers; bits of TDATA above a word's are not looked at."""
+        """Connect a port to its registers; bits of TDATA above a word's are ignored."""
         wires = {
             name: getattr(self, f"{port}_{name}") for name in self.buses[port].signature.members
         }
@@ -267,9 +268,9 @@ class AxiTop(wiring.Component):
         ]
 
     def _raster(self, m, aborting):
-        """Lead the engine's beats to their port; of an aborted frame the end beat alone.
+        """Connect the engine's beats to their port; of an aborted frame only the end beat.
 
-        Returns whether an end beat leaves in this cycle, and whether another does.
+        Return whether an end beat leaves in this cycle, and whether another beat does.
         """
         beat = RasterLayout(self.config)
         m.submodules.raster_slice = slice_ = RegisterSlice(beat)

@@ -17,19 +17,19 @@ class StreamGuard(wiring.Component):
     A frame has an end (the end word, or the end beat), and a packet has TLAST. They should come
     together. If TLAST comes first, an end is inserted after it. If the end comes first, the words
     after it are dropped up to TLAST. A word with a byte missing is dropped, but its TLAST counts.
-    So every packet becomes exactly one frame.
+    Every packet therefore becomes exactly one frame.
 
-    **Latency**: 0; 1 more for the first word of a packet. **Throughput**: a word a cycle, but for
-    the cycle in which a packet opens and the one that puts in an end.
+    **Latency**: 0; 1 more for the first word of a packet. **Throughput**: a word a cycle, less one
+    cycle to open a packet and one to insert an end.
 
     Parameters
     ----------
     shape
         Shape of a word.
     end
-        The word that is put in.
+        The word that is inserted as an end.
     ends
-        Function of a word: whether it is a frame's end.
+        Function of a word: whether it ends a frame.
 
     Members
     -------
@@ -40,16 +40,17 @@ class StreamGuard(wiring.Component):
     admit : In(1)
         A packet may open.
     cut : In(1)
-        End the frame as soon as the word that is offered has been taken, and drop the rest of its
-        packet. Where none is open, an end alone is sent.
+        End the frame once the offered word has been taken, and drop the rest of its packet. If no
+        frame is open, send an end alone.
     forget : In(1)
-        The rest of a packet is no longer waited for: the next word opens one.
+        Stop dropping: the next word opens a packet.
     open : Out(1)
         A frame has begun, and its end has not been taken.
     dropping : Out(1)
         The rest of a packet is being dropped.
     early, late, partial : Out(1)
-        TLAST came before the end; the end came without it; a word was dropped. For a cycle each.
+        High for one cycle: TLAST came before the end; the end came without TLAST; a word with a
+        byte missing was dropped.
     """
 
     def __init__(self, shape, end, ends):
@@ -70,7 +71,7 @@ class StreamGuard(wiring.Component):
         is_open = Signal()
         insert = Signal()  # the end is offered
         drop = Signal()
-        cutting = Signal()  # a cut waits for the word that is offered
+        cutting = Signal()  # a cut waits until the offered word has been taken
         passing = Signal()
         taken = Signal()
         dropped = Signal()
@@ -81,7 +82,7 @@ class StreamGuard(wiring.Component):
             passing.eq(self.i.valid & is_open & ~insert),
             ended.eq(word.whole & self.ends(word.data)),
             self.o.valid.eq(insert | (passing & word.whole)),
-            # Apart from the chain below, whose conditions hang on `o.ready`.
+            # Not in the m.If below, whose conditions depend on `o.ready`.
             self.o.payload.eq(Mux(insert, self.end, word.data)),
             self.i.ready.eq((drop & ~insert) | (passing & (self.o.ready | ~word.whole))),
             taken.eq(passing & self.i.ready),

@@ -7,6 +7,11 @@ from amaranth.lib.wiring import In, Out
 from splatline.contract.config import EngineConfig
 from splatline.rtl.layouts import PlaceLayout
 from splatline.rtl.lib.mux import number_of
+from splatline.rtl.window.flush_scan import (
+    connect_dirty_bits,
+    connect_frame_overlap,
+    mark_lines,
+)
 from splatline.rtl.window.frame_overlap import FrameOverlap
 
 from .dirty_bits import RESIDUES, TileDirtyBits, mark_bits, stretches
@@ -113,14 +118,13 @@ class TileFlushScan(wiring.Component):
         """Build the circuit."""
         m = Module()
         config = self.config
-        stretch_bits = len(self.wipe_row) - config.group_bits
         m.submodules.dirty_bits = dirty_bits = TileDirtyBits(config)
-        written = Signal(config.window_lines)
+        written = Signal(config.window_lines)  # dirty lines, by slot
         place = self.oldest[: config.slot_bits]
         leaving = Signal()  # the oldest line is retired
         here = Signal()  # it is dirty
         clean = Signal()
-        left = Signal()
+        left = Signal()  # its last dirty pair is requested
         m.submodules.frame_overlap = frame_overlap = FrameOverlap(config)
         m.d.comb += [
             leaving.eq(
@@ -132,41 +136,60 @@ class TileFlushScan(wiring.Component):
             ),
             here.eq(written.bit_select(place, 1)),
             clean.eq(~written.any()),
-            frame_overlap.oldest.eq(self.oldest),
-            frame_overlap.line.eq(self.oldest),
-            frame_overlap.leaves.eq(left | (leaving & ~here)),
-            frame_overlap.wraps.eq(Cat(self._wraps(residue) for residue in range(RESIDUES)).any()),
-            frame_overlap.clean.eq(clean),
-            frame_overlap.close.eq(self.close),
-            frame_overlap.restart.eq(self.restart),
-            self.front.eq(frame_overlap.front),
-            self.closing.eq(frame_overlap.closing),
-            self.over.eq(frame_overlap.over),
         ]
+        leaves = left | (leaving & ~here)
+        wraps = Cat(self._wraps(residue) for residue in range(RESIDUES)).any()
+        connect_frame_overlap(m, self, frame_overlap, self.oldest, leaves, wraps, clean)
+        m.d.comb += self.over.eq(frame_overlap.over)
+        ahead, wanted, rest, next_stretch = self._stretches(m, clean)
+        pairs, stretch = self._pairs(m, dirty_bits, leaving & here, wanted, next_stretch, left)
+        with m.If(self.taking):
+            m.d.sync += [pairs.eq(dirty_bits.taken), stretch.eq(next_stretch), ahead.eq(rest)]
+        with m.If(left):
+            m.d.sync += ahead.eq(-1)
+        mark_lines(m, self, written, left, place, self._written)
+        with m.If(leaving & self.jump & clean & ~frame_overlap.closing):
+            m.d.sync += self.oldest.eq(self.top)
+        with m.Elif(frame_overlap.leaves & ~frame_overlap.last):
+            m.d.sync += self.oldest.eq(self.oldest + 1)
+        with m.If(self.restart):
+            m.d.sync += self.oldest.eq(0)
+        return m
 
-        # Stretches of the oldest line that are still to be taken, without those that no write has
-        # reached. The first of them goes through a register, to cut the engine's longest path.
-        # Writes of the cycle between are on other lines.
-        ahead = Signal(stretches(config), init=-1)
+    def _stretches(self, m, clean):
+        """Return the stretches of the oldest line to take: all, those written, the rest, the next.
+
+        ``ahead``: stretches that are not taken yet. ``wanted``: those with recent writes; others
+        are skipped. ``rest``: ``ahead`` without the next one. ``next_stretch``: number of the next
+        one. It is a register, to cut the engine's longest path. Writes of the cycle between are on
+        other lines.
+        """
+        ahead = Signal(stretches(self.config), init=-1)
         wanted = Signal.like(ahead)
         lowest = Signal.like(ahead)
         stretch_bit = Signal.like(ahead, init=0, reset_less=True)
-        next_stretch = Signal(stretch_bits)
+        next_stretch = Signal(len(self.wipe_row) - self.config.group_bits)
         m.d.comb += [
             wanted.eq(self._reached(m, clean) & ahead),
             lowest.eq(wanted & (~wanted + 1)),
         ]
         m.d.sync += [stretch_bit.eq(lowest), next_stretch.eq(number_of(lowest))]
+        return ahead, wanted, ahead & ~stretch_bit, next_stretch
 
-        # Dirty pairs of the current stretch, without the one that is being requested. The next
-        # stretch is taken while the last pair is requested.
-        pairs = Signal(1 << mark_bits(config))
+    def _pairs(self, m, dirty_bits, scans, wanted, next_stretch, left):
+        """Request the dirty pairs of the stretch taken last; return them and the stretch.
+
+        The next stretch is taken while the last pair is requested. ``scans``: the oldest line is
+        retired and dirty.
+        """
+        config = self.config
+        pairs = Signal(1 << mark_bits(config))  # without the one that is being requested
         first = Signal.like(pairs)
         second_word = Signal()
-        stretch = Signal(stretch_bits)
+        stretch = Signal.like(next_stretch, name="stretch")
         asking, asked = Signal(), Signal()
         moves = Signal()
-        pair = Signal(mark_bits(config) + stretch_bits)
+        pair = Signal(mark_bits(config) + len(stretch))
         m.d.comb += [
             first.eq(pairs & (~pairs + 1)),
             self.flush.valid.eq(asking),
@@ -175,12 +198,11 @@ class TileFlushScan(wiring.Component):
             asked.eq(self.flush.valid & self.flush.ready),
             moves.eq(~asking | (asked & second_word if config.flush_words == 1 else asked)),
         ]
-        self._connect_dirty_bits(m, dirty_bits, place, next_stretch)
-        m.d.comb += left.eq(leaving & here & moves & ~pairs.any() & ~wanted.any())
+        place = self.oldest[: config.slot_bits]
+        connect_dirty_bits(m, self, dirty_bits, self.taking, place, next_stretch)
+        m.d.comb += left.eq(scans & moves & ~pairs.any() & ~wanted.any())
         # A register, because tiles stall for it.
-        m.d.sync += self.taking.eq(
-            leaving & here & ~pairs.any() & wanted.any() & self.enable & ~self.taking
-        )
+        m.d.sync += self.taking.eq(scans & ~pairs.any() & wanted.any() & self.enable & ~self.taking)
         if config.flush_words == 1:
             with m.If(asked):
                 m.d.sync += second_word.eq(~second_word)
@@ -190,45 +212,7 @@ class TileFlushScan(wiring.Component):
                 pair.eq(Cat(number_of(first), stretch)),
                 pairs.eq(pairs & ~first),
             ]
-        with m.If(self.taking):
-            m.d.sync += [pairs.eq(dirty_bits.taken), stretch.eq(next_stretch)]
-            m.d.sync += ahead.eq(ahead & ~stretch_bit)
-        with m.If(left):
-            m.d.sync += ahead.eq(-1)
-
-        self._mark_lines(m, written, left, place)
-        with m.If(leaving & self.jump & clean & ~frame_overlap.closing):
-            m.d.sync += self.oldest.eq(self.top)
-        with m.Elif(frame_overlap.leaves & ~frame_overlap.last):
-            m.d.sync += self.oldest.eq(self.oldest + 1)
-        with m.If(self.restart):
-            m.d.sync += self.oldest.eq(0)
-        return m
-
-    def _connect_dirty_bits(self, m, dirty_bits, place, next_stretch):
-        """Pass the written words to the dirty bits, and the address of the stretch to take."""
-        stretch_bits = len(next_stretch)
-        m.d.comb += [
-            dirty_bits.take.eq(self.taking | self.wipe),
-            dirty_bits.wipe.eq(self.wipe),
-            dirty_bits.line.eq(
-                Mux(self.wipe, Cat(Const(0, 2), self.wipe_row[stretch_bits:]), place)
-            ),
-            dirty_bits.stretch.eq(Mux(self.wipe, self.wipe_row[:stretch_bits], next_stretch)),
-            dirty_bits.touch.eq(self.touch),
-            dirty_bits.group.eq(self.group),
-            dirty_bits.words.eq(self.words),
-            dirty_bits.load.eq(self.load),
-            dirty_bits.load_word.eq(self.load_word),
-            dirty_bits.lone.eq(self.lone),
-        ]
-
-    def _mark_lines(self, m, written, left, place):
-        """Set the bit of each line that is written, and clear that of the line that leaves."""
-        for slot in range(self.config.window_lines):
-            touched = self._written(slot % 4) & (self.group[slot % 4] == slot // 4)
-            gone = left & (place == slot)
-            m.d.sync += written[slot].eq(~gone & (written[slot] | touched))
+        return pairs, stretch
 
     def _wraps(self, residue):
         """Return whether a line is written in a slot before that of ``oldest``."""

@@ -100,46 +100,17 @@ class Tiler(wiring.Component):
         with m.Elif(step & may):
             m.d.sync += left.eq(rest)
 
-        given = Signal(TileLayout(self.config), reset_less=True)
-        top = Signal(element.top.shape(), name="given_top", init=-SIDE)
-        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
-        with m.If(step):
-            m.d.sync += [
-                valid.eq(there & may & (left.any() | held["end"])),
-                given.eq(tile),
-                given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
-            ]
-            with m.If(there):
-                m.d.sync += top.eq(held["top"])
-            with m.Elif(valid & given.end):
-                m.d.sync += top.eq(-SIDE)  # of the next frame
-
+        given = self._give(m, tile, held, there, may, left, step, valid)
         lower = Signal()
         column = Signal(range(self.across))  # of tiles, from the left
-        waiting = Signal()
-        behind = Signal.like(held["top"])
         m.d.comb += [
             lower.eq(~left[: self.across].any()),
             column.eq(number_of(first, len(column))),
             may.eq(held["end"] | Mux(lower, near[1], near[0])),
-            # ``near`` is a register, because all stages before stall for it. While an element
-            # waits, the next one is not compared: when it comes, its lines count as missing.
-            waiting.eq(there & ~near.all()),
-            behind.eq(self.oldest - Mux(waiting, held["top"], element.top)),
         ]
         # Until an end token is taken, ``oldest`` is of the frame that it ends.
         ending = (there & held["end"]) | (valid & given.end)
-        with m.If((waiting & self.i.ready) | ending):
-            m.d.sync += near.eq(0)
-        with m.Elif(waiting | self.i.ready):
-            # A line takes the slot of a line that left some cycles ago. With a window of 16 lines
-            # an upper tile lies less than 12 lines after the oldest, and a lower one less than 8.
-            # A window of 8 lines is filled by an element, whose first line must be the oldest.
-            bits = self.config.slot_bits
-            high, low = behind[bits:].all(), behind[:bits]
-            m.d.sync += near.eq(
-                Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
-            )
+        self._compare(m, near, held["top"], there, ending)
         shape, raised, shifted = self._shape(m, element)
         # First column of the tile, from the left edge of the word that X lies in, and its first
         # line modulo 4. Lower tiles may lie a line higher or a column further right.
@@ -156,6 +127,48 @@ class Tiler(wiring.Component):
             for j in range(self.config.pixels_per_word):
                 m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
         return m
+
+    def _give(self, m, tile, held, there, may, left, step, valid):
+        """Give a tile, or an end token, and its ``top``; return the register that holds it."""
+        given = Signal(TileLayout(self.config), reset_less=True)
+        top = Signal(self.i.payload.top.shape(), name="given_top", init=-SIDE)
+        m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
+        with m.If(step):
+            m.d.sync += [
+                valid.eq(there & may & (left.any() | held["end"])),
+                given.eq(tile),
+                given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
+            ]
+            with m.If(there):
+                m.d.sync += top.eq(held["top"])
+            with m.Elif(valid & given.end):
+                m.d.sync += top.eq(-SIDE)  # of the next frame
+        return given
+
+    def _compare(self, m, near, top, there, ending):
+        """Set ``near``: whether the lines of the upper and of the lower tiles are in the window.
+
+        It is a register, because all stages before stall for it. While an element waits, the next
+        one is not compared: when it comes, its lines count as missing.
+
+        A line takes the slot of a line that left some cycles ago. With a window of 16 lines an
+        upper tile lies less than 12 lines after the oldest, and a lower one less than 8. A window
+        of 8 lines is filled by an element, whose first line must be the oldest.
+        """
+        waiting = Signal()
+        behind = Signal.like(top)
+        m.d.comb += [
+            waiting.eq(there & ~near.all()),
+            behind.eq(self.oldest - Mux(waiting, top, self.i.payload.top)),
+        ]
+        with m.If((waiting & self.i.ready) | ending):
+            m.d.sync += near.eq(0)
+        with m.Elif(waiting | self.i.ready):
+            bits = self.config.slot_bits
+            high, low = behind[bits:].all(), behind[:bits]
+            m.d.sync += near.eq(
+                Cat(~behind[-1] | (high & (low > SIDE)), ~behind[-1] | (high & (low > 2 * SIDE)))
+            )
 
     def _shape(self, m, element):
         """Return the offered element's rows, and the raised and shifted bits of the held one."""

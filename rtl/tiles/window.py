@@ -1,12 +1,21 @@
 """The sliding window of the tiles engine, in lanes of pixels: the smallest for small elements."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from typing import NamedTuple
+
+from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import EngineConfig
-from splatline.rtl.layouts import PixelLayout, PlaceLayout, RasterLayout
+from splatline.rtl.layouts import PixelLayout, RasterLayout
 from splatline.rtl.window.loader import Loader
+from splatline.rtl.window.service import (
+    Clearing,
+    connect_flush_scan,
+    connect_frame_end,
+    connect_loader,
+    select_service,
+)
 
 from .flush_scan import TileFlushScan
 from .lane import Lane, lane_address_bits
@@ -17,6 +26,51 @@ __all__ = ["TileWindow"]
 
 SIDE = 4
 """Lines of a tile."""
+
+
+class Service(NamedTuple):
+    """The service beside a tile: a load or a flush.
+
+    Parameters
+    ----------
+    asks
+        A flush is requested, and its lanes are free of the flush before.
+    serving
+        The service is a load.
+    place
+        Word and line of the service, whether it goes or not.
+    row
+        Its row of lanes, one-hot.
+    """
+
+    asks: Value
+    serving: Value
+    place: Value
+    row: Value
+
+
+class Grants(NamedTuple):
+    """Result of the arbitration in a cycle.
+
+    Parameters
+    ----------
+    going
+        The offered tile is drawn.
+    loading
+        The offered word of the initial raster is loaded.
+    flushing
+        The requested word is flushed.
+    busy
+        Rows of lanes that take the tile's addresses.
+    lone
+        Rows of lanes without a tile.
+    """
+
+    going: Value
+    loading: Value
+    flushing: Value
+    busy: Value
+    lone: Value
 
 
 class TileWindow(wiring.Component):
@@ -95,45 +149,59 @@ class TileWindow(wiring.Component):
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
-        config = self.config
-        tile = self.i.payload
-
-        m.submodules.flush_scan = flush_scan = TileFlushScan(config)
-        m.submodules.loader = loader = Loader(config)
-        m.submodules.readout = readout = TileReadout(config)
-        pairs = config.flush_words == 2
+        m.submodules.flush_scan = flush_scan = TileFlushScan(self.config)
+        m.submodules.loader = loader = Loader(self.config)
+        m.submodules.readout = readout = TileReadout(self.config)
         lanes = self._lanes(m)
-        running = readout.running
-        close = Signal()  # the end token is taken
-        ending = Signal()
+        clearing = self._clear(m)
+        close = self._connect_frame(m, flush_scan, loader, readout)
+        service = self._service(m, flush_scan, loader, readout)
+        m.d.comb += [flush_scan.top.eq(self.i.payload.top), self.oldest.eq(loader.front)]
+        connect_flush_scan(m, self, flush_scan, loader, ~clearing.sweeping, clearing)
+        grants = self._arbitrate(m, flush_scan, loader, readout, service, clearing, close)
+        self._connect_lanes(m, lanes, loader, readout, service, grants, clearing)
+        self._touch(m, flush_scan, grants.going)
+        self._touch_loaded(m, flush_scan, loader.o.payload, service, grants)
+        return m
 
+    def _clear(self, m):
+        """Clear the lanes after reset, address by address."""
         sweeping = Signal(init=1)
-        sweep = Signal(lane_address_bits(config))
+        sweep = Signal(lane_address_bits(self.config))
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
         swept = Signal(init=1)  # a cycle later: the last pixels are still to be written
         m.d.sync += swept.eq(sweeping)
+        return Clearing(sweeping, sweep, swept)
 
+    def _connect_frame(self, m, flush_scan, loader, readout):
+        """Connect the rasters and the loader; return whether the frame's end token is taken."""
+        close = Signal()
         connect(m, flipped(self.initial), loader.i)
         connect(m, readout.raster, flipped(self.raster))
-        self._connect_loader(m, loader, flush_scan.front, close)
-        m.d.comb += [
-            readout.last_column.eq(self.last_column),
-            readout.end.eq(ending),
-            self.finished.eq(readout.finished),
-            close.eq(self.i.valid & tile.end & loader.finished & ~flush_scan.closing),
-            flush_scan.close.eq(close),
-            self.closing.eq(flush_scan.closing),
-        ]
-        m.d.sync += ending.eq(flush_scan.over & ~self.finished)
+        connect_loader(m, self, loader, flush_scan.front, close)
+        m.d.comb += readout.last_column.eq(self.last_column)
+        closes = self.i.valid & self.i.payload.end & loader.finished & ~flush_scan.closing
+        connect_frame_end(m, self, flush_scan, readout, close, closes)
+        return close
 
-        # The service beside the tile: a load, or a flush.
-        serving = Signal()  # a load
-        service = self._service(m, flush_scan.flush.payload, loader.o.payload, serving)
-        line = Signal(SIDE)  # its row of lanes
+    def _service(self, m, flush_scan, loader, readout):
+        """Select the service beside the tile: a load or a flush."""
+        serving = Signal()
+        service = select_service(m, self, flush_scan.flush.payload, loader.o.payload, serving)
+        line = Signal(SIDE)
         m.d.comb += line.eq(1 << service.line[:2])
+        asks = flush_scan.flush.valid
+        if self.config.flush_words == 2:
+            asks = Signal()  # not while the odd word of the pair before waits for its lanes
+            m.d.comb += asks.eq(flush_scan.flush.valid & ~readout.busy)
+        return Service(asks, serving, service, line)
 
-        # Arbitration: a tile and a service go together if they use different rows of lanes.
+    def _arbitrate(self, m, flush_scan, loader, readout, service, clearing, close):
+        """Grant a tile, and a load or a flush, if they use different rows of lanes."""
+        tile, running = self.i.payload, readout.running
+        asks, serving, place, line = service
+        sweeping, _, swept = clearing
         offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
         wanted = Signal(SIDE)  # rows of lanes that the tile draws into
         first, meeting, lagging = Signal(), Signal(), Signal()
@@ -142,12 +210,9 @@ class TileWindow(wiring.Component):
         refused = Signal()  # a load was refused in the cycle before
         conflict, stopped = Signal(), Signal()
         busy = Signal(SIDE)
-        asks, taking = flush_scan.flush.valid, flush_scan.taking
-        if pairs:
+        taking = flush_scan.taking
+        if self.config.flush_words == 2:
             taking = flush_scan.taking & meeting
-            asks = Signal()  # not while the odd word of the pair before waits for its lanes
-            m.d.comb += asks.eq(flush_scan.flush.valid & ~readout.busy)
-        self._connect_flush_scan(m, flush_scan, loader, sweeping, sweep)
         m.d.comb += [
             offered.eq(self.i.valid & ~tile.end & ~pressing),
             going.eq(offered & running & ~swept & ~taking & ~conflict & ~(first & meeting)),
@@ -184,9 +249,9 @@ class TileWindow(wiring.Component):
                 & ~(stopped & drawn)
             ),
             readout.flush.eq(flushing),
-            readout.place.eq(service),
+            readout.place.eq(place),
         ]
-        if pairs:
+        if self.config.flush_words == 2:
             with m.If(readout.busy):
                 m.d.comb += flush_scan.flush.ready.eq(0)
         m.d.sync += stopped.eq(~running)
@@ -199,45 +264,7 @@ class TileWindow(wiring.Component):
         with m.If(running):
             m.d.sync += drawn.eq(going)
         m.d.sync += refused.eq(serving & ~loading)
-
-        drawing = Signal(PixelLayout(config), reset_less=True)
-        with m.If(running):
-            m.d.sync += [
-                # An undefined depth on an idle input would make a lane's sum undefined, and with it
-                # the write enable of the clearing after reset.
-                drawing.depth.eq(Mux(self.i.valid, tile.z, 0)),
-                drawing.colour.eq(self.shade),
-            ]
-        cleared = (~serving | sweeping).replicate(config.depth_bits)
-        for i, row in enumerate(lanes):
-            for j, lane in enumerate(row):
-                address = self._address(m, i, j, busy, service)
-                m.d.comb += [
-                    lane.enable.eq(running),
-                    lane.request.address.eq(Mux(sweeping, sweep, address)),
-                    lane.request.draw.eq(going & tile.mask[i][j]),
-                    lane.request.load.eq(loading & line[i]),
-                    lane.request.clear.eq((flushing & line[i]) | sweeping),
-                    lane.new.eq(drawing),
-                ]
-                if pairs:
-                    # Clearing after reset takes one pixel a cycle.
-                    m.d.comb += [
-                        lane.request.load.eq((loading & line[i]) | sweeping),
-                        lane.request.clear.eq(flushing & line[i]),
-                    ]
-                self._connect_pixels(m, i, j, lane, loader, readout, cleared)
-        self._touch(m, flush_scan, going)
-        m.d.comb += [
-            flush_scan.load.eq(line & loading.replicate(SIDE)),
-            flush_scan.load_word.eq(loader.o.payload.word),
-        ]
-        # Rows of lanes without a tile take the address of the load.
-        m.d.comb += flush_scan.lone.eq(~(wanted & offered.replicate(SIDE)))
-        for i in range(SIDE):
-            with m.If(flush_scan.lone[i]):
-                m.d.comb += flush_scan.group[i].eq(loader.o.payload.line[2 : config.slot_bits])
-        return m
+        return Grants(going, loading, flushing, busy, lone=~(wanted & offered.replicate(SIDE)))
 
     def _lanes(self, m):
         """Return the lanes, by residue of line and column."""
@@ -248,38 +275,6 @@ class TileWindow(wiring.Component):
             for j, lane in enumerate(row):
                 m.submodules[f"lane_{i}_{j}"] = lane
         return lanes
-
-    def _connect_loader(self, m, loader, oldest, close):
-        """Pass the frame's size and state to the loader."""
-        m.d.comb += [
-            loader.enable.eq(self.load),
-            loader.active.eq(self.active),
-            loader.last_line.eq(self.last_line),
-            loader.last_word.eq(self.last_column[self.config.pixel_bits :]),
-            loader.oldest.eq(oldest),
-            loader.restart.eq(close),
-        ]
-
-    def _connect_flush_scan(self, m, flush_scan, loader, sweeping, sweep):
-        """Tell the flush scan which lines may leave; clear all dirty bits after reset."""
-        m.d.comb += [
-            flush_scan.top.eq(self.i.payload.top),
-            self.oldest.eq(loader.front),
-            flush_scan.limit.eq(loader.limit),
-            flush_scan.jump.eq(loader.finished),
-            flush_scan.enable.eq(~sweeping),
-            flush_scan.wipe.eq(sweeping),
-            flush_scan.wipe_row.eq(sweep),
-            flush_scan.restart.eq(self.finished),
-        ]
-
-    def _service(self, m, flush, load, serving):
-        """Return the word that is served: that of the load if ``serving``, else the flush's."""
-        service = Signal(PlaceLayout(self.config))
-        m.d.comb += service.eq(flush)
-        with m.If(serving):
-            m.d.comb += [service.word.eq(load.word), service.line.eq(load.line)]
-        return service
 
     def _priorities(self, m, flush_scan, loader):
         """Return whether a flush has priority over a tile, and whether a load has.
@@ -299,15 +294,52 @@ class TileWindow(wiring.Component):
         m.d.comb += distance.eq(loader.o.payload.line[:3] - top[:3])
         return (top[:2] - flush_scan.oldest[:2])[1], (distance < 2) | (distance > 5)
 
-    def _address(self, m, i, j, busy, service):
+    def _connect_lanes(self, m, lanes, loader, readout, service, grants, clearing):
+        """Request of each lane its pixel of the tile, of the service or of the clearing."""
+        tile = self.i.payload
+        sweeping, sweep, _ = clearing
+        drawing = self._draw(m, readout.running)
+        cleared = (~service.serving | sweeping).replicate(self.config.depth_bits)
+        for i, row in enumerate(lanes):
+            loads, clears = grants.loading & service.row[i], grants.flushing & service.row[i]
+            for j, lane in enumerate(row):
+                address = self._address(m, i, j, grants.busy, service.place)
+                m.d.comb += [
+                    lane.enable.eq(readout.running),
+                    lane.request.address.eq(Mux(sweeping, sweep, address)),
+                    lane.request.draw.eq(grants.going & tile.mask[i][j]),
+                    lane.request.load.eq(loads),
+                    lane.request.clear.eq(clears | sweeping),
+                    lane.new.eq(drawing),
+                ]
+                if self.config.flush_words == 2:
+                    # Clearing after reset takes one pixel a cycle.
+                    m.d.comb += [
+                        lane.request.load.eq(loads | sweeping),
+                        lane.request.clear.eq(clears),
+                    ]
+                self._connect_pixels(m, i, j, lane, loader, readout, cleared)
+
+    def _draw(self, m, running):
+        """Return the pixel that the lanes draw: the depth and colour of the tile that goes."""
+        tile = self.i.payload
+        drawing = Signal(PixelLayout(self.config), reset_less=True)
+        with m.If(running):
+            m.d.sync += [
+                # An undefined depth on an idle input would make a lane's sum undefined, and with it
+                # the write enable of the clearing after reset.
+                drawing.depth.eq(Mux(self.i.valid, tile.z, 0)),
+                drawing.colour.eq(self.shade),
+            ]
+        return drawing
+
+    def _address(self, m, i, j, busy, place):
         """Return the address of a lane: of the tile's pixel, or of the word that is served."""
         tile = self.i.payload
         word = Mux(tile.next[j], tile.words[1], tile.words[0])
-        group = service.line[2 : self.config.slot_bits]
+        group = place.line[2 : self.config.slot_bits]
         address = Signal(lane_address_bits(self.config), name=f"address_{i}_{j}")
-        m.d.comb += address.eq(
-            Mux(busy[i], Cat(word, tile.group[i]), Cat(service.word, group)),
-        )
+        m.d.comb += address.eq(Mux(busy[i], Cat(word, tile.group[i]), Cat(place.word, group)))
         return address
 
     def _connect_pixels(self, m, i, j, lane, loader, readout, cleared):
@@ -337,3 +369,15 @@ class TileWindow(wiring.Component):
                 flush_scan.touch[i][0].eq(going & (tile.mask[i] & ~tile.next).any()),
                 flush_scan.touch[i][1].eq(going & (tile.mask[i] & tile.next).any()),
             ]
+
+    def _touch_loaded(self, m, flush_scan, load, service, grants):
+        """Tell the flush scan which word is loaded."""
+        m.d.comb += [
+            flush_scan.load.eq(service.row & grants.loading.replicate(SIDE)),
+            flush_scan.load_word.eq(load.word),
+            # Rows of lanes without a tile take the address of the load.
+            flush_scan.lone.eq(grants.lone),
+        ]
+        for i in range(SIDE):
+            with m.If(flush_scan.lone[i]):
+                m.d.comb += flush_scan.group[i].eq(load.line[2 : self.config.slot_bits])

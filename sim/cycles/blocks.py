@@ -1,6 +1,6 @@
-"""The clock of a window of rows of lanes: an element a cycle, and which beats leave.
+"""The cycle model of the blocks engine's window: stalls, arbitration and flush scan.
 
-Neither colours nor depths matter: a lane takes as long for a pixel that does not pass.
+It follows neither colours nor depths: a pixel that fails the depth test takes the same time.
 """
 
 from __future__ import annotations
@@ -13,30 +13,30 @@ import numpy as np
 from splatline.contract.codeword import unfold
 from splatline.contract.config import BLOCK
 
-from .blocks_flush import BEATS, FLUSHED, HERE, LINE, OLDEST, WRITTEN, new_walk, reached, step_walk
+from .blocks_flush import BEATS, FLUSHED, HERE, LINE, OLDEST, WRITTEN, new_scan, reached, step_scan
 from .front import ABOVE, EMPTY, END_WORD, FOLLOWING, HEAD, Machine, advance, new_front
 
-__all__ = ["walk_blocks"]
+__all__ = ["count_blocks"]
 
 QUEUED = 3
-"""Cycles from the one in which the end beat goes into the queue to the one in which it leaves."""
+"""Cycles from the end beat's entry into the FIFO to its transfer on ``raster``."""
 
 PAIR = 2
 """Words of a beat."""
 
 NOTHING, ELEMENT, END = range(3)
-"""What the window is given: nothing, an element or the end of the frame."""
+"""What is offered to the window: nothing, an element or the end of the frame."""
 
 FIRST_LINE, COLUMN, ROWS = range(3)
-"""What is kept of an element: its block's first line and column, and from there on what of each row
-lies in the image, a bit a column."""
+"""State of an element: its block's first line and column; then the pixels of each row that lie in
+the image, a bit a column."""
 
 LAGGING = 2
-"""A line that leaves goes before an element if it lies so many lines above it, modulo a block's."""
+"""A flush has priority over an element that begins so many lines or more below it, modulo 8."""
 
 
 @nb.njit(cache=True)
-def walk_blocks(words: Any, machine: Machine) -> int:
+def count_blocks(words: Any, machine: Machine) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
     Parameters
@@ -51,47 +51,48 @@ def walk_blocks(words: Any, machine: Machine) -> int:
     int
         0 if there is no end word.
     """
-    walk = new_walk()
+    scan = new_scan()
     dirty_bits = np.zeros((machine.lines, machine.half_words), np.bool_)
     block = np.zeros(ROWS + BLOCK, np.int64)
-    turned, turned_top = EMPTY, -ABOVE  # the code word whose rows are in the columns of lanes
-    laid, laid_top = EMPTY, -ABOVE  # the one whose pixels are in lanes
-    given, top, last_rows = NOTHING, -ABOVE, 0  # what the window is given
+    # The tiler's stages, as code words: rows rotated, block laid out, block offered.
+    turned, turned_top = EMPTY, -ABOVE
+    laid, laid_top = EMPTY, -ABOVE
+    given, top, last_rows = NOTHING, -ABOVE, 0
     ending = False
-    lagging = False  # in the cycle before, for lines that leave to go before elements
-    left, left_before = False, False  # a beat left two cycles before, and three
-    near = False  # the lines of what the window is given are there
-    cleared = 0  # the line of the beat that left in the cycle before
+    lagging = False  # a flush has priority over an element, as of the cycle before
+    left, left_before = False, False  # a beat was flushed two cycles before, and three
+    near = False  # the lines of the offered element are in the window
+    cleared = 0  # the line of the beat that was flushed in the cycle before
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
-        if ending and not (walk[FLUSHED] or left or left_before):
+        if ending and not (scan[FLUSHED] or left or left_before):
             return cycle + QUEUED + 1
-        left, left_before = walk[FLUSHED], left
-        ending = given == END and walk[WRITTEN] == 0 and not walk[BEATS]
+        left, left_before = scan[FLUSHED], left
+        ending = given == END and scan[WRITTEN] == 0 and not scan[BEATS]
 
-        oldest = walk[OLDEST]
-        empties = walk[WRITTEN] == 0 and walk[BEATS] <= 1  # and comes to ``top``
+        oldest = scan[OLDEST]
+        empties = scan[WRITTEN] == 0 and scan[BEATS] <= 1  # the window moves to ``top``
         first, lagging = lagging, (top - oldest) % BLOCK >= LAGGING
-        # Whether the element wants the row of lanes of the beat that leaves, or marks of the row
-        # of which some are taken; and whether it waits for the one or the other.
-        # The last pixels to be cleared are written two cycles after the last address.
+        # The element may use the row of lanes of the requested beat, or that of the dirty bits to
+        # take. It stalls if one of these has priority. After reset the last pixels are cleared two
+        # cycles after their address.
         offered = given == ELEMENT and near and cycle > machine.clearing + 1
         meets_beat = offered and block[ROWS + (oldest - block[FIRST_LINE]) % BLOCK]
-        meets_marks = offered and block[ROWS + (walk[LINE] - block[FIRST_LINE]) % BLOCK]
-        waits = first and ((walk[BEATS] and meets_beat) or (walk[HERE] and meets_marks))
+        meets_marks = offered and block[ROWS + (scan[LINE] - block[FIRST_LINE]) % BLOCK]
+        waits = first and ((scan[BEATS] and meets_beat) or (scan[HERE] and meets_marks))
         going = offered and not waits
-        flushing = walk[BEATS] > 0 and (first or not meets_beat)
-        enable = (first and walk[HERE]) or not meets_marks
+        flushing = scan[BEATS] > 0 and (first or not meets_beat)
+        enable = (first and scan[HERE]) or not meets_marks
         reach = 0
         if offered:
             word = block[COLUMN] // machine.pixels
             reach = reached(
                 word // PAIR, (word + 1) % (PAIR * machine.half_words) // PAIR, dirty_bits
             )
-        step_walk(walk, dirty_bits, top, flushing, reach, enable)
+        step_scan(scan, dirty_bits, top, flushing, reach, enable)
         if going:
-            _mark(block, walk, dirty_bits, machine)
+            _mark(block, scan, dirty_bits, machine)
 
         # The next element.
         steps = given == NOTHING or going
@@ -121,13 +122,13 @@ def walk_blocks(words: Any, machine: Machine) -> int:
 
 @nb.njit(cache=True)
 def _rows(word: int) -> int:
-    """Return the lines from an element's first one on that it may be drawn into."""
+    """Return the lines that an element may have: 4 or 8."""
     return BLOCK // 2 if word & 1 else BLOCK
 
 
 @nb.njit(cache=True)
 def _place(word: int, top: int, block: Any, machine: Machine) -> None:
-    """Set ``block`` to an element's, clipped to the image: its columns to the image's words."""
+    """Set ``block`` to that of an element, clipped to the image, columns by whole words."""
     rows = np.empty((BLOCK, 2), np.int64)
     unfold(word, rows)
     x = word >> machine.x_lsb & machine.x_mask
@@ -141,12 +142,12 @@ def _place(word: int, top: int, block: Any, machine: Machine) -> None:
 
 
 @nb.njit(cache=True)
-def _mark(block: Any, walk: Any, dirty_bits: Any, machine: Machine) -> None:
-    """Mark the beats that an element is drawn into."""
+def _mark(block: Any, scan: Any, dirty_bits: Any, machine: Machine) -> None:
+    """Set the dirty bits of the beats that an element is drawn into."""
     for row in range(BLOCK):
         place, columns = (block[FIRST_LINE] + row) % machine.lines, block[ROWS + row]
         for column in range(BLOCK + 1):
             if columns >> column & 1:
                 beat = (block[COLUMN] + column) // (machine.pixels * PAIR)
                 dirty_bits[place, beat] = True
-                walk[WRITTEN] |= 1 << place
+                scan[WRITTEN] |= 1 << place

@@ -1,4 +1,4 @@
-"""The flush scan of rows of lanes: which lines leave, and which of their beats are asked for."""
+"""The cycle model of the blocks engine's flush scan."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ __all__ = [
     "LINE",
     "OLDEST",
     "WRITTEN",
-    "new_walk",
+    "new_scan",
     "reached",
-    "step_walk",
+    "step_scan",
 ]
 
 STRETCH = 4
-"""Beats whose marks are taken together."""
+"""Beats of a stretch, whose dirty bits are taken together."""
 
 (
     LINE,
@@ -36,56 +36,63 @@ STRETCH = 4
     BEFORE,
     TURN,
 ) = range(12)
-"""Registers of the flush scan: the line whose marks are taken next, whether it is on its way out
-and was written, or was not; a bit a place that was written into; stretches that the line still has,
-a bit each, and the first of them; how many beats of the marks taken last are still asked for, and
-their line, or else the first in the window; whether one left one cycle before; stretches reached
-since the window moved on by its own height, and those before; and which of these heights it is in,
-modulo 2."""
+"""Registers of the flush scan.
+
+- ``LINE``: the line whose dirty bits are taken next.
+- ``HERE``, ``EMPTY``: it is retired, and dirty or clean.
+- ``WRITTEN``: dirty lines, a bit a slot.
+- ``AHEAD``: stretches of the line that are still to be taken, a bit each.
+- ``FIRST``: the next of them, a bit.
+- ``BEATS``: dirty beats of the stretch taken last that are still to be requested.
+- ``OLDEST``: their line, or the first line in the window if there are none.
+- ``FLUSHED``: a beat was flushed in the cycle before.
+- ``NOW``, ``BEFORE``: stretches reached in this lap of the window, and in the one before.
+- ``TURN``: number of the lap modulo 2.
+"""
 
 
 @nb.njit(cache=True)
-def new_walk() -> Any:
-    """Return the flush scan's registers before the first element: see ``LINE``."""
-    walk = np.zeros(TURN + 1, np.int64)
-    walk[AHEAD] = -1
-    return walk
+def new_scan() -> Any:
+    """Return the flush scan's registers after reset."""
+    scan = np.zeros(TURN + 1, np.int64)
+    scan[AHEAD] = -1
+    return scan
 
 
 @nb.njit(cache=True)
 def reached(beat: int, next_beat: int, dirty_bits: Any) -> int:
-    """Return the stretches, a bit each, that two beats of a line lie in."""
+    """Return the stretches of two beats of a line, a bit each."""
     beats = dirty_bits.shape[1]
     return 1 << beat % beats // STRETCH | 1 << next_beat % beats // STRETCH
 
 
 @nb.njit(cache=True)
-def step_walk(
-    walk: Any, dirty_bits: Any, top: int, flushing: bool, reach: int, enable: bool
+def step_scan(
+    scan: Any, dirty_bits: Any, top: int, flushing: bool, reach: int, enable: bool
 ) -> None:
-    """Move the flush scan on: by a beat, a stretch, a line that has left, or over all not written.
+    """Advance the flush scan by a cycle: by a beat, a stretch, a line, or over all clean lines.
 
     Parameters
     ----------
-    walk
-        Changed.
-    marks
-        Beats that were written, by place of their line: shape (lines, beats). Changed.
+    scan
+        Its registers. Changed.
+    dirty_bits
+        Dirty beats, by slot of their line: shape (lines, beats). Changed.
     top
-        The lines above it are complete.
+        Lines above it are complete.
     flushing
-        The beat that is asked for leaves.
+        The requested beat is flushed.
     reach
-        What ``reached`` says of the element that is offered.
+        Stretches of the offered element, see ``reached``.
     enable
-        Marks may be taken.
+        Dirty bits may be taken.
     """
-    line, here, empty = walk[LINE], walk[HERE], walk[EMPTY]
+    line, here, empty = scan[LINE], scan[HERE], scan[EMPTY]
     place, lines = line % len(dirty_bits), len(dirty_bits)
-    clean = walk[WRITTEN] == 0
-    turns = walk[BEATS] - flushing <= 0
-    known = walk[NOW] | walk[BEFORE]
-    wanted, first = known & walk[AHEAD], walk[FIRST]
+    clean = scan[WRITTEN] == 0
+    turns = scan[BEATS] - flushing <= 0
+    known = scan[NOW] | scan[BEFORE]
+    wanted, first = known & scan[AHEAD], scan[FIRST]
     rest = wanted & ~first
     take = here and turns and enable
     left = take and rest == 0
@@ -93,42 +100,42 @@ def step_walk(
     goes, jumps = left or empty, (empty or looked_at < top) and clean
 
     # The beats.
-    walk[FLUSHED] = flushing
-    walk[BEATS] -= flushing
+    scan[FLUSHED] = flushing
+    scan[BEATS] -= flushing
     if turns:
-        walk[OLDEST] = top if jumps else line
+        scan[OLDEST] = top if jumps else line
     if take:
         stretch = 0
         while not first >> stretch & 1:
             stretch += 1
         found = dirty_bits[place, stretch * STRETCH : (stretch + 1) * STRETCH]
-        walk[BEATS] = found.sum()
+        scan[BEATS] = found.sum()
         found[:] = False
 
     # The stretches.
     if take or not here:
         soon = rest if here and rest else known
-        walk[FIRST] = soon & -soon
+        scan[FIRST] = soon & -soon
     if left:
-        walk[AHEAD] = -1
+        scan[AHEAD] = -1
     elif take:
-        walk[AHEAD] = rest
+        scan[AHEAD] = rest
     turn = line // lines % 2
     if clean:
-        walk[NOW] = walk[BEFORE] = 0
-    elif turn != walk[TURN]:
-        walk[BEFORE], walk[NOW] = walk[NOW], 0
-    walk[NOW] |= reach
-    walk[TURN] = turn
+        scan[NOW] = scan[BEFORE] = 0
+    elif turn != scan[TURN]:
+        scan[BEFORE], scan[NOW] = scan[NOW], 0
+    scan[NOW] |= reach
+    scan[TURN] = turn
 
     # The line.
     if goes or not (here or empty):
         leaving = looked_at < top and not jumps
-        written = walk[WRITTEN] >> looked_at % lines & 1
-        walk[HERE], walk[EMPTY] = leaving and written, leaving and not written
+        written = scan[WRITTEN] >> looked_at % lines & 1
+        scan[HERE], scan[EMPTY] = leaving and written, leaving and not written
     if left:
-        walk[WRITTEN] &= ~(1 << place)
+        scan[WRITTEN] &= ~(1 << place)
     if jumps:
-        walk[LINE] = top
+        scan[LINE] = top
     elif goes:
-        walk[LINE] = line + 1
+        scan[LINE] = line + 1

@@ -1,7 +1,7 @@
-"""How few cycles a frame could take, by how the window's memory is laid out.
+"""The fewest cycles that the window's memory allows for a frame.
 
-A memory word holds one pixel; a lane reads one and writes one a cycle. No order of work draws an
-element in fewer cycles than its busiest lane has pixels of it.
+A memory word is one pixel. A lane reads one pixel and writes one pixel a cycle. An element
+therefore takes at least as many cycles as its busiest lane has pixels.
 """
 
 from __future__ import annotations
@@ -27,19 +27,18 @@ _Ints = npt.NDArray[np.int64]
 
 
 def bound_cycles(frame: Frame) -> int:
-    """Return the least cycles that the layout of the engine's memory leaves for a frame.
+    """Return the fewest cycles that the layout of the window's memory allows for a frame.
 
-    The larger of two. A lane takes one pixel in a cycle: all that are drawn and all that leave,
-    were they spread evenly. And each element takes as many cycles as its busiest lane has pixels,
-    one beat of the raster leaves in a cycle, and the window has only so many lines: see
-    :func:`_slide`. What lanes take of an element is as if nothing of it were clipped: tiles outside
-    the image take their cycles too.
+    It is the larger of two bounds. Throughput of the lanes: one pixel a lane and cycle, for all
+    pixels that are drawn or flushed, spread evenly. Height of the window: each element takes as
+    many cycles as its busiest lane has pixels, and one beat is flushed a cycle (see
+    :func:`_slide`). Elements are not clipped: tiles outside the image take cycles too.
     """
     config = frame.config
     frame = _until_the_end(expand_frame(frame))
     fields, line, places = elements_of(frame)
     if config.draws_blocks:
-        # Wherever a block lies, it has each lane once at most.
+        # A block uses each lane at most once, wherever it lies.
         costs = np.ones(len(places), np.int64)
         memories = BLOCK * config.raster_pixels
     else:
@@ -50,7 +49,7 @@ def bound_cycles(frame: Frame) -> int:
     beats = _groups(drawn, config.raster_pixels)
     upper, lower = _lines(fields, line, frame)
     slid = _slide(upper, lower, costs, beats, config.window_lines)
-    # Of a pair of words the odd one leaves through the other port.
+    # The odd word of a pair is flushed through the other port.
     leaving = -(-leaving // config.flush_words)
     pixels = _covered_pixels(fields) + config.pixels_per_word * leaving
     return max(slid, -(-pixels // memories))
@@ -60,10 +59,9 @@ def bound_cycles(frame: Frame) -> int:
 def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
     """Return the cycles in which elements pass through a window that slides down the image.
 
-    A line leaves, beat by beat, once nothing more is drawn into it and those above have left. No
-    element is drawn into a line before the one whose place it takes has left. Elements are drawn in
-    their order; the engine's own time is not counted, nor control words, nor who waits for whom at
-    a lane.
+    A line leaves, beat by beat, once it is complete and the lines above it have left. An element
+    is drawn into a line once the line that had its slot has left. Elements are drawn in order.
+    Latency, control words and conflicts for lanes are not counted.
 
     Parameters
     ----------
@@ -71,14 +69,14 @@ def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
         The first and last line that each element draws into, ``upper > lower`` if none: shape (n,),
         int64.
     costs
-        The cycles that each takes: shape (n,), int64.
+        Cycles of each element: shape (n,), int64.
     beats
-        Those of each line: shape (height,), int64.
+        Dirty beats of each line: shape (height,), int64.
     lines
-        Of the window.
+        Lines of the window.
     """
-    drawn = np.zeros(len(beats), np.int64)  # when the last element of each line was
-    now = left = leaving = 0  # cycles passed; when the line above ``leaving`` had left
+    drawn = np.zeros(len(beats), np.int64)  # cycle of each line's last element
+    now = left = leaving = 0  # this cycle; that in which the line above ``leaving`` left
     for i in range(len(costs)):
         while leaving <= lower[i] - lines:
             left = max(left, drawn[leaving]) + beats[leaving]
@@ -107,12 +105,12 @@ def _lines(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> tuple[_Ints, 
 
 
 def _groups(drawn: npt.NDArray[np.bool_], pixels: int) -> _Ints:
-    """Return in how many groups of so many neighbouring pixels each line has something."""
+    """Return for each line how many groups of neighbouring pixels have a drawn one."""
     starts = range(0, drawn.shape[1], pixels)
     return np.count_nonzero(np.add.reduceat(drawn, starts, axis=1), axis=1).astype(np.int64)
 
 
 def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
-    """Return how many pixels elements cover, each for itself."""
+    """Return the sum of the elements' covered pixels."""
     first, last = block_rows(fields)
     return int(np.maximum(last - first + 1, 0).sum())

@@ -1,4 +1,4 @@
-"""How many cycles a frame takes: what the Verilog would count, without running it."""
+"""Counts the cycles that the Verilog takes for a frame, without a simulation."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.sim.golden.compact_words import slots
 
-from .blocks import walk_blocks
+from .blocks import count_blocks
 from .front import machine_of
-from .tiles import walk_lanes
+from .tiles import count_tiles
 
 __all__ = ["clearing_cycles", "count_cycles"]
 
@@ -26,21 +26,20 @@ to the first code word."""
 def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = True) -> int:
     """Return the clock cycles that the engine takes for a frame.
 
-    They run from the first code word taken to the end beat, both included: the ``cycles`` of
-    ``sim.cosim.player.frames``, to the cycle. No port ever waits and there is no initial raster.
+    They are counted from the first code word taken to the end beat, both included, and are exactly
+    the ``cycles`` of ``sim.cosim.player.frames``. Every port is always ready or valid, and there is
+    no initial raster.
 
     Parameters
     ----------
     frame
-        What to draw.
+        The frame.
     after_reset
-        The frame is the engine's first, as in ``simulate_frame``: the window is still being cleared
-        when the first code word is taken. False: it has been, in a frame that took long enough or
-        before.
+        The frame is the first after reset, as in ``simulate_frame``: the window is still being
+        cleared when the first code word is taken. False: the window is clear.
     conflicts
-        False counts as if a lane could take the pixel that it is writing at the moment, as rows of
-        lanes can. That is not always less: a tile that waits leaves its lanes to the lines that
-        leave.
+        False: tiles do not stall for read-after-write hazards. That does not always take fewer
+        cycles, because flushes use the lanes of a tile that stalls.
 
     Raises
     ------
@@ -51,18 +50,19 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     clearing = clearing_cycles(config) if after_reset else 0
     words = slots(np.ascontiguousarray(frame.codewords, np.uint64), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
-    walk = walk_blocks if config.draws_blocks else walk_lanes
-    cycles = walk(words.view(np.int64), machine._replace(hazard=conflicts))
+    count = count_blocks if config.draws_blocks else count_tiles
+    cycles = count(words.view(np.int64), machine._replace(hazard=conflicts))
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
     return int(cycles)
 
 
 def clearing_cycles(config: EngineConfig) -> int:
-    """Return for how long the window is still cleared when a first frame's first word is taken.
+    """Return the cycles of clearing that are left when the first code word after reset is taken.
 
-    It takes a cycle an address of a lane (a pixel of each word of every fourth line, or of half the
-    words of every eighth), from the reset on; the table writes go before the first code word.
+    Clearing takes one cycle for each address of a lane. The table writes come before the first code
+    word. A lane has a pixel of each word of every fourth line (tiles), or of half the words of
+    every eighth line (blocks).
     """
     clearing = config.window_lines // config.tile_lines << config.word_bits
     clearing //= config.raster_words

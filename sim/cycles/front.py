@@ -1,10 +1,9 @@
-"""The engine's clock, as a program: what each stage holds from cycle to cycle.
+"""The cycle model of the stages before the window, which both engines share.
 
-It follows the circuit of ``rtl/`` stage by stage, but only in what decides about time. Here are the
-stages before the window, which all engines share; :mod:`splatline.sim.cycles.tiles` and
-:mod:`splatline.sim.cycles.blocks` have the windows.
+The model follows the hardware stage by stage and cycle by cycle, but only the control, not the
+pixels. The windows are in :mod:`splatline.sim.cycles.tiles` and :mod:`splatline.sim.cycles.blocks`.
 
-All ports are willing in every cycle and there is no initial raster.
+Every port is always ready or valid, and there is no initial raster.
 """
 
 from __future__ import annotations
@@ -33,55 +32,55 @@ __all__ = [
 ]
 
 FIRST_STAGE, HEAD = 0, 1
-"""The pipeline's stages before the window: the table of materials, and the decoder."""
+"""The pipeline stages before the window: the material table, and the decoder."""
 
 EMPTY = -1
-"""In place of a code word's index: a stage holds none."""
+"""Index of the code word of an empty stage."""
 
 ABOVE = BLOCK // 2
-"""Lines from a block's first row to the line that the engine is at."""
+"""Lines from a block's first row to the engine's current line."""
 
-# These have the same place in every configuration, so that the compiler may know it.
+# The same position in every configuration, as a constant for the compiler.
 MARK_LSB, MARK_MASK = PAPER.compact_mark.lsb, PAPER.compact_mark.mask
 
 ROM_STAGES = 3
-"""Stages of the shape ROM, where there is one."""
+"""Pipeline stages of the shape ROM."""
 
 
 class Machine(NamedTuple):
-    """What the clock depends on beside the code words.
+    """The engine and the image, as far as cycles depend on them.
 
     Parameters
     ----------
     x_lsb, x_mask, end_lsb
-        Places of a code word's fields.
+        Positions of a code word's fields.
     last_column, last_line
         Size of the image less 1.
     lowest
-        The line at which a block's top stays, far below every image.
+        The largest first line of a block, far below every image.
     half_words
         Half the words of a line.
     clearing
-        Cycles, from the first code word on, in which the window is still being cleared.
+        Cycles of clearing that are left when the first code word is taken.
     hazard
-        A lane cannot take the pixel that it writes at that moment. False is a machine that could.
+        Tiles stall for read-after-write hazards.
     z_lsb, z_mask
-        Place of a code word's depth; the mask is the background's depth as well.
+        Position of a code word's depth. The mask is also the background's depth.
     lines
         Lines of the window.
     pixels
-        Pixels in a word of the window's memory.
+        Pixels of a window word.
     block_words
-        Words of a line that an element touches at most.
+        Window words of a line that an element touches at most.
     raster_words
-        Of them in a beat of the raster.
+        Window words of a beat.
     rom
         The engine has a shape ROM.
     pair_lsb
-        Place of the bit by which ``sim.golden.compact_words.slots`` tells that the next word is of
-        the same one.
+        Position of the bit with which ``sim.golden.compact_words.slots`` marks the first of two
+        words of one compact word.
     flush_words
-        Words that leave lanes at one request: of two the second leaves a cycle later.
+        Window words of one flush. The second of two is flushed a cycle later.
     """
 
     x_lsb: int
@@ -105,7 +104,7 @@ class Machine(NamedTuple):
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
-    """Return the machine of a configuration that draws an image of a size."""
+    """Return the machine of a configuration and an image size."""
     return Machine(
         x_lsb=config.x.lsb,
         x_mask=config.x.mask,
@@ -129,8 +128,8 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
 
 
 FOLLOWING, TOP_LINE, END_WORD = range(3)
-"""What ``Front.state`` has: the next code word; the first line of a block at the engine's line; the
-index of the frame's end word, or ``EMPTY`` until it was taken."""
+"""Elements of ``Front.state``: index of the next code word; first line of a block at the engine's
+current line; index of the frame's end word, or ``EMPTY`` until it is taken."""
 
 
 class Front(NamedTuple):
@@ -141,11 +140,11 @@ class Front(NamedTuple):
     held
         Index of each stage's code word, or ``EMPTY``: shape (2,).
     tops
-        Its block's first line: shape (2,).
+        First line of its block: shape (2,).
     state
-        See ``FOLLOWING`` and what follows: shape (3,).
+        ``FOLLOWING``, ``TOP_LINE`` and ``END_WORD``: shape (3,).
     rom, rom_tops
-        As ``held`` and ``tops``, of the shape ROM, which lies before them: shape (3,).
+        The same as ``held`` and ``tops`` for the shape ROM's stages, which come first: shape (3,).
     """
 
     held: Any
@@ -165,23 +164,23 @@ def new_front() -> Front:
 
 @nb.njit(cache=True)
 def advance(words: Any, front: Front, done: bool, machine: Machine, rigid: bool = False) -> bool:
-    """Let a cycle pass; return whether the last stage took something, or nothing, anew.
+    """Advance all stages by a cycle; return whether the last stage was loaded.
 
-    Every stage moves on if what it holds is taken or it holds nothing. Control words that advance
-    the line need no stage.
+    A stage is loaded if its code word is taken or it is empty. Control words that advance the line
+    use no stage.
 
     Parameters
     ----------
     words
-        The code words; with a shape ROM, ``sim.golden.compact_words.slots``.
+        The code words; with a shape ROM, those of ``sim.golden.compact_words.slots``.
     front
-        Changed.
+        The stages. Changed.
     done
-        The window takes what the last stage holds.
+        The window takes the code word of the last stage.
     machine
-        The engine.
+        The engine and the image.
     rigid
-        The last stage moves on only then, though it may hold nothing.
+        The last stage is loaded only with ``done``, even if it is empty.
     """
     held, tops, state = front.held, front.tops, front.state
     head_moves = done or (held[HEAD] == EMPTY and not rigid)
@@ -213,9 +212,10 @@ def advance(words: Any, front: Front, done: bool, machine: Machine, rigid: bool 
 
 @nb.njit(cache=True)
 def _advance_rom(words: Any, front: Front, machine: Machine) -> None:
-    """Let the words in the shape ROM move on; what gives nothing leaves its end by itself.
+    """Advance the stages of the shape ROM by a cycle.
 
-    A word of which two come is one in the first stage, and stays there for the second of them.
+    A compact word without an element is dropped at the last stage. A compact word that becomes two
+    words uses the first stage for two cycles.
     """
     held, tops, rom, rom_tops = front.held, front.tops, front.rom, front.rom_tops
     last = ROM_STAGES - 1

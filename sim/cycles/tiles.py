@@ -1,6 +1,6 @@
-"""The clock of a window of lanes: which tiles an element still has, and which words leave.
+"""The cycle model of the tiles engine's window: tiles, arbitration and flush scan.
 
-Neither colours nor depths matter: a lane takes as long for a pixel that does not pass.
+It follows neither colours nor depths: a pixel that fails the depth test takes the same time.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from splatline.contract.config import BLOCK
 
 from .front import ABOVE, EMPTY, END_WORD, FIRST_STAGE, FOLLOWING, HEAD, Machine, advance, new_front
 
-__all__ = ["least_lane_cycles", "walk_lanes"]
+__all__ = ["count_tiles", "least_lane_cycles"]
 
 SIDE = 4
-"""Lines of a tile; a word's pixels are its columns."""
+"""Lines of a tile. Its columns are as many as a window word's pixels."""
 
 STRETCH = 32
-"""Words whose marks are taken together."""
+"""Window words of a stretch, whose dirty bits are taken together."""
 
 PAIR = 2
-"""Words of a mark."""
+"""Window words of a dirty bit."""
 
 NOTHING, TILE, END = range(3)
-"""What the window is given: nothing, a tile or the end of the frame."""
+"""What is offered to the window: nothing, a tile or the end of the frame."""
 
 
 class Lanes(NamedTuple):
@@ -36,21 +36,20 @@ class Lanes(NamedTuple):
     Parameters
     ----------
     tiles
-        Columns that the element at hand covers of each line of its block, a bit each from its X on:
-        shape (tiles, 4), by tile (the upper ones from the left, the lower ones) and line of the
-        tile. Unclipped.
+        Columns of the element at the tiler, a bit each from its X on, not clipped: shape (tiles,
+        4), by tile (upper ones from the left, then lower ones) and line of the tile.
     left
-        Tiles that it still has, a bit each: shape (1,).
-    marks
-        Pairs of words that were written, by place of their line: shape (lines, pairs).
-    walk
-        See ``OLDEST`` and what follows: shape (13,).
+        Its tiles that are still to give, a bit each: shape (1,).
+    dirty_bits
+        Dirty pairs of words, by slot of their line: shape (lines, pairs).
+    scan
+        Registers of the flush scan, from ``OLDEST`` to ``CHOSEN``: shape (13,).
     """
 
     tiles: Any
     left: Any
     dirty_bits: Any
-    walk: Any
+    scan: Any
 
 
 (
@@ -68,17 +67,25 @@ class Lanes(NamedTuple):
     TURN,
     CHOSEN,
 ) = range(13)
-"""Registers of the flush scan: the first line in the window; the line above which all lines are
-complete; a bit a place that was written into; marked pairs of the stretch at hand that are left;
-whether the second word of the one that is asked for is next; stretches that the line still has, a
-bit each; whether a word left one cycle before; whether a stretch's marks are taken, and whether a
-pair is asked for; stretches that tiles reached since the window moved on by its own height, and
-those before, a bit each; which of these heights it is in, modulo 2; and the stretch whose marks are
-taken next."""
+"""Registers of the flush scan.
+
+- ``OLDEST``: the first line in the window.
+- ``TOP``: lines above it are complete.
+- ``WRITTEN``: dirty lines, a bit a slot.
+- ``PAIRS``: dirty pairs of the stretch taken last that are still to be requested.
+- ``SECOND``: the second word of the requested pair is next.
+- ``AHEAD``: stretches of the line that are still to be taken, a bit each.
+- ``FLUSHED``: a word was flushed in the cycle before.
+- ``TAKING``: dirty bits are taken in this cycle.
+- ``ASKING``: a pair is requested.
+- ``NOW``, ``BEFORE``: stretches reached in this lap of the window, and in the one before.
+- ``TURN``: number of the lap modulo 2.
+- ``CHOSEN``: the stretch that is taken next.
+"""
 
 
 @nb.njit(cache=True)
-def walk_lanes(words: Any, machine: Machine) -> int:
+def count_tiles(words: Any, machine: Machine) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
     Parameters
@@ -94,45 +101,35 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         0 if there is no end word.
     """
     across = BLOCK // machine.pixels
-    pairs = machine.half_words
-    lanes = Lanes(
-        np.zeros((2 * across, SIDE), np.int64),
-        np.zeros(1, np.int64),
-        np.zeros((machine.lines, pairs), np.bool_),
-        np.zeros(CHOSEN + 1, np.int64),
-    )
-    walk = lanes.walk
-    walk[TOP], walk[AHEAD] = -ABOVE, -1
+    lanes = _new_lanes(machine)
+    scan = lanes.scan
     tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
     given, meets, drawn, ending, halfway = NOTHING, False, False, False, False
-    lagging = False  # in the cycle before, for lines that leave to go before tiles
+    lagging = False  # a flush has priority over a tile, as of the cycle before
     near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
     x, right = 0, 0
     front = new_front()
     cycle = 0
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
-        # The last pixels to be cleared are written one cycle after.
+        # The last pixels are cleared one cycle after their address.
         clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
-        if ending and not (walk[FLUSHED] or halfway):
+        if ending and not (scan[FLUSHED] or halfway):
             return cycle + 2  # the end beat is on the port in the next cycle
-        ending = given == END and walk[WRITTEN] == 0
+        ending = given == END and scan[WRITTEN] == 0
 
-        taking = walk[TAKING]
-        oldest = walk[OLDEST]
-        # A pair left one cycle before: no other does, and its odd word is still to come.
-        halfway = machine.flush_words == PAIR and walk[FLUSHED]
+        taking = scan[TAKING]
+        oldest = scan[OLDEST]
+        # A pair was flushed in the cycle before: its odd word is still to come, and no other pair
+        # is flushed.
+        halfway = machine.flush_words == PAIR and scan[FLUSHED]
         conflict = machine.hazard and meets and drawn
-        rows = 0  # of lanes that are kept for the tile
-        for k in range(SIDE):
-            if given == TILE and tile[2 + k]:
-                rows |= 1 << (tile[0] + k) % SIDE
-        meeting = rows >> walk[OLDEST] % SIDE & 1  # the line that leaves, with the tile
-        # Marks are taken beside a tile where only their own row of lanes must be free for it.
+        meeting = given == TILE and _meets_row(tile, scan[OLDEST])
+        # With pairs, dirty bits are taken beside a tile that does not use their row of lanes.
         waits = taking and (meeting or machine.flush_words == 1)
         going = given == TILE and not (settling or waits or conflict)
-        first, lagging = lagging and not halfway, (walk[TOP] - walk[OLDEST]) % SIDE >= SIDE // 2
-        flushing = walk[ASKING] and not (clearing or halfway) and (first or not meeting)
-        going = going and not (walk[ASKING] and first and meeting)
+        first, lagging = lagging and not halfway, (scan[TOP] - scan[OLDEST]) % SIDE >= SIDE // 2
+        flushing = scan[ASKING] and not (clearing or halfway) and (first or not meeting)
+        going = going and not (scan[ASKING] and first and meeting)
         reach = _reach(tile, machine) if given == TILE else 0
         _step(lanes, flushing, reach, not clearing, machine)
         if going:
@@ -145,13 +142,11 @@ def walk_lanes(words: Any, machine: Machine) -> int:
             head, top = front.held[HEAD], front.tops[HEAD]
             ends = head != EMPTY and head == front.state[END_WORD]
             left = lanes.left[0]
-            number = 0
-            while left and not left >> number & 1:
-                number += 1
+            number = _lowest(left)
             may = ends or near[0 if left & ((1 << across) - 1) else 1]
             given = END if ends else TILE if left and may else NOTHING
             if head != EMPTY:
-                walk[TOP] = top
+                scan[TOP] = top
             if given == TILE:
                 _clip(lanes.tiles[number], top, x, right, number, coming, machine)
                 lanes.left[0] = left & (left - 1)
@@ -161,10 +156,8 @@ def walk_lanes(words: Any, machine: Machine) -> int:
         waiting = front.held[HEAD] != EMPTY and not (near[0] and near[1])
         top = front.tops[HEAD if waiting else FIRST_STAGE]
         moved = advance(words, front, done, machine)
-        for lower in range(2 if waiting or moved else 0):
-            # Once all lines above it have left there is room in any case.
-            room = max(machine.lines - SIDE - SIDE * lower, 1)
-            near[lower] = not (waiting and moved) and top - oldest < room
+        if waiting or moved:
+            _compare(near, top - oldest, waiting and moved, machine)
         if moved:
             head = front.held[HEAD]
             lanes.left[0] = 0
@@ -176,18 +169,56 @@ def walk_lanes(words: Any, machine: Machine) -> int:
 
 
 @nb.njit(cache=True)
+def _new_lanes(machine: Machine) -> Lanes:
+    """Return the registers after reset."""
+    scan = np.zeros(CHOSEN + 1, np.int64)
+    scan[TOP], scan[AHEAD] = -ABOVE, -1
+    tiles = np.zeros((2 * BLOCK // machine.pixels, SIDE), np.int64)
+    dirty_bits = np.zeros((machine.lines, machine.half_words), np.bool_)
+    return Lanes(tiles, np.zeros(1, np.int64), dirty_bits, scan)
+
+
+@nb.njit(cache=True)
+def _meets_row(tile: Any, line: int) -> bool:
+    """Return whether a tile draws into the row of lanes of a line."""
+    return tile[2 + (line - tile[0]) % SIDE] != 0
+
+
+@nb.njit(cache=True)
+def _lowest(bits: int) -> int:
+    """Return the number of the lowest bit that is set, or 0."""
+    number = 0
+    while bits and not bits >> number & 1:
+        number += 1
+    return number
+
+
+@nb.njit(cache=True)
+def _compare(near: Any, ahead: int, missing: bool, machine: Machine) -> None:
+    """Set whether the lines of the upper and of the lower tiles are in the window.
+
+    ``ahead``: lines from the window's first to the element's. ``missing``: the element was not
+    compared while the one before waited.
+    """
+    for lower in range(2):
+        # Once all lines above the element have left, there is room in any case.
+        room = max(machine.lines - SIDE - SIDE * lower, 1)
+        near[lower] = not missing and ahead < room
+
+
+@nb.njit(cache=True)
 def least_lane_cycles(words: Any, pixels: int) -> Any:
     """Return the least cycles in which lanes can draw each element, one pixel a lane and cycle.
 
-    Those are as many as its busiest lane has pixels. Its lanes are told apart by the
-    places of their pixels in tiles. Clipping is left out.
+    These are the pixels of its busiest lane. Pixels at the same position of different tiles are in
+    the same lane. Elements are not clipped.
 
     Parameters
     ----------
     words
         Code words of elements: shape (n,), int64.
     pixels
-        Pixels of a word of the raster.
+        Pixels of a window word.
 
     Returns
     -------
@@ -209,9 +240,10 @@ def least_lane_cycles(words: Any, pixels: int) -> Any:
 
 @nb.njit(cache=True)
 def _cut(word: int, tiles: Any, pixels: int) -> tuple[int, int]:
-    """Cut an element into its tiles; return which of them have a pixel, clipped away or not.
+    """Cut an element into its tiles.
 
-    And by how many columns its lower tiles lie further right, 0 or 1.
+    Return the tiles with a pixel, before clipping, a bit each; and by how many columns the lower
+    tiles lie further right, 0 or 1.
     """
     tiles[:] = 0
     across = BLOCK // pixels
@@ -236,9 +268,9 @@ def _cut(word: int, tiles: Any, pixels: int) -> tuple[int, int]:
 def _clip(
     columns: Any, top: int, x: int, right: int, number: int, tile: Any, machine: Machine
 ) -> None:
-    """Set ``tile``: first line and column, what of each line lies in the image, and first word.
+    """Set ``tile``: first line and column, the pixels of each line, and the first word.
 
-    Of columns, what lies in the image's words.
+    Lines are clipped to the image, and columns to its window words.
     """
     pixels = machine.pixels
     across = BLOCK // pixels
@@ -247,7 +279,7 @@ def _clip(
     tile[2 + SIDE] = column // pixels
     column += right * lower
     tile[0], tile[1] = line, column
-    # A tile that begins right of the image has no column.
+    # A tile right of the image has no column.
     room = max((machine.last_column // pixels + 1) * pixels - column, 0)
     inside = (1 << min(room, pixels)) - 1
     for k in range(SIDE):
@@ -256,7 +288,7 @@ def _clip(
 
 @nb.njit(cache=True)
 def _meet(tile: Any, other: Any, machine: Machine) -> bool:
-    """Return whether two tiles overlap, as the circuit sees it: by their places in the window."""
+    """Return whether two tiles overlap, by slots and window words as the hardware compares them."""
     lines, columns = machine.lines, machine.pixels * 2 * machine.half_words
     line, column = (tile[0] - other[0]) % lines, (tile[1] - other[1]) % columns
     return min(line, lines - line) < SIDE and min(column, columns - column) < machine.pixels
@@ -264,18 +296,18 @@ def _meet(tile: Any, other: Any, machine: Machine) -> bool:
 
 @nb.njit(cache=True)
 def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
-    """Mark the words that a tile is drawn into."""
+    """Set the dirty bits of the words that a tile is drawn into."""
     for k in range(SIDE):
         place, columns = (tile[0] + k) % machine.lines, tile[2 + k]
         for j in range(machine.pixels):
             if columns >> j & 1:
                 lanes.dirty_bits[place, (tile[1] + j) // (machine.pixels * PAIR)] = True
-                lanes.walk[WRITTEN] |= 1 << place
+                lanes.scan[WRITTEN] |= 1 << place
 
 
 @nb.njit(cache=True)
 def _reach(tile: Any, machine: Machine) -> int:
-    """Return the stretches that a tile's two words lie in, a bit each, whatever it draws there."""
+    """Return the stretches of a tile's two words, a bit each, with or without pixels there."""
     words = 2 * machine.half_words
     word = tile[2 + SIDE]
     reach = 0
@@ -286,44 +318,44 @@ def _reach(tile: Any, machine: Machine) -> int:
 
 @nb.njit(cache=True)
 def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool, machine: Machine) -> None:
-    """Move the flush scan on: by a word, a stretch, a line, or over all lines not written."""
-    walk, dirty_bits = lanes.walk, lanes.dirty_bits
-    oldest = walk[OLDEST]
+    """Advance the flush scan by a cycle: by a word, a stretch, a line, or over all clean lines."""
+    scan, dirty_bits = lanes.scan, lanes.dirty_bits
+    oldest = scan[OLDEST]
     place = oldest % len(dirty_bits)
-    leaving, written = oldest < walk[TOP], walk[WRITTEN] >> place & 1
-    wanted = (walk[NOW] | walk[BEFORE]) & walk[AHEAD]
-    walks = leaving and written and walk[PAIRS] == 0
+    leaving, written = oldest < scan[TOP], scan[WRITTEN] >> place & 1
+    wanted = (scan[NOW] | scan[BEFORE]) & scan[AHEAD]
+    scans = leaving and written and scan[PAIRS] == 0
     single = machine.flush_words == 1
-    moves = not walk[ASKING] or (flushing and (walk[SECOND] or not single))
-    taking, left = walk[TAKING], walks and moves and not wanted
-    walk[TAKING] = walks and wanted and enable and not taking
-    walk[FLUSHED] = flushing
+    moves = not scan[ASKING] or (flushing and (scan[SECOND] or not single))
+    taking, left = scan[TAKING], scans and moves and not wanted
+    scan[TAKING] = scans and wanted and enable and not taking
+    scan[FLUSHED] = flushing
     if flushing and single:
-        walk[SECOND] ^= 1
+        scan[SECOND] ^= 1
     if moves:
-        walk[ASKING] = walk[PAIRS] > 0
-        walk[PAIRS] -= walk[ASKING]
+        scan[ASKING] = scan[PAIRS] > 0
+        scan[PAIRS] -= scan[ASKING]
     if taking:
-        stretch = walk[CHOSEN]
+        stretch = scan[CHOSEN]
         found = dirty_bits[place, stretch * STRETCH // PAIR : (stretch + 1) * STRETCH // PAIR]
-        walk[PAIRS] = found.sum()
+        scan[PAIRS] = found.sum()
         found[:] = False
-        walk[AHEAD] &= ~(1 << stretch)
+        scan[AHEAD] &= ~(1 << stretch)
     if wanted:
-        walk[CHOSEN] = 0
-        while not wanted >> walk[CHOSEN] & 1:
-            walk[CHOSEN] += 1
+        scan[CHOSEN] = 0
+        while not wanted >> scan[CHOSEN] & 1:
+            scan[CHOSEN] += 1
     turn = oldest // len(dirty_bits) % 2
-    if walk[WRITTEN] == 0:
-        walk[NOW] = walk[BEFORE] = 0
-    elif turn != walk[TURN]:
-        walk[BEFORE], walk[NOW] = walk[NOW], 0
-    walk[NOW] |= reach
-    walk[TURN] = turn
-    if leaving and walk[WRITTEN] == 0:
-        walk[OLDEST] = walk[TOP]
+    if scan[WRITTEN] == 0:
+        scan[NOW] = scan[BEFORE] = 0
+    elif turn != scan[TURN]:
+        scan[BEFORE], scan[NOW] = scan[NOW], 0
+    scan[NOW] |= reach
+    scan[TURN] = turn
+    if leaving and scan[WRITTEN] == 0:
+        scan[OLDEST] = scan[TOP]
     elif left or (leaving and not written):
-        walk[OLDEST] = oldest + 1
+        scan[OLDEST] = oldest + 1
     if left:
-        walk[AHEAD] = -1
-        walk[WRITTEN] &= ~(1 << place)
+        scan[AHEAD] = -1
+        scan[WRITTEN] &= ~(1 << place)

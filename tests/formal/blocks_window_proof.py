@@ -15,7 +15,7 @@ from splatline.rtl.window.frame_overlap import FrameOverlap
 from splatline.rtl.window.loader import Loader
 from tests.formal.properties import OneWord, any_value
 from tests.formal.prove import Fault, Proof
-from tests.formal.tiles_window_proof import Narrow, TileWindowProperties
+from tests.formal.window_properties import Narrow, TileWindowProperties
 
 __all__ = ["PROOFS", "Passing", "any_value", "comes_to_top", "lines_are_there"]
 
@@ -155,15 +155,26 @@ CHANGES = (
     Fault(
         "room", BlockReadout, r"queue\.level < DEPTH // 2", f'{OURS}.any_value(m, 1, "any_room")'
     ),
-    Fault("the sweep's last cycle", BlockWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)"),
+    Fault(
+        "the sweep's last cycle", BlockWindow, r"(sweep = Signal\(.*)\)", r"\1, init=-1)", "_clear"
+    ),
     Fault(
         "nothing was requested before",
         BlockWindow,
         r", reset_less=True(\)\s+for q in range\(BLOCK\))",
         r"\1",
+        "_rows",
     ),
-    Fault("nothing was caught before", LaneRow, r", reset_less=True(\)  # of what)", r"\1"),
-    Fault("nothing was drawn before", LaneRow, r"(draws = .*), init=-1, reset_less=True", r"\1"),
+    Fault(
+        "nothing was caught before", LaneRow, r", reset_less=True(\)  # of what)", r"\1", "_stages"
+    ),
+    Fault(
+        "nothing was drawn before",
+        LaneRow,
+        r"(draws = .*), init=-1, reset_less=True",
+        r"\1",
+        "_stages",
+    ),
 )
 """The fifo is as said above, and the lanes have been cleared but for their last pixels.
 
@@ -193,7 +204,7 @@ PROOFS = [
         "a pixel leaves with its own line, as it was drawn, once; none is lost or invented",
         0,
         15,
-        Fault("no depth test", LaneRow, r"difference\[-1\] & ", ""),
+        Fault("no depth test", LaneRow, r"difference\[-1\] & ", "", "_test"),
         Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
         Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
         Fault(
@@ -204,34 +215,57 @@ PROOFS = [
             "_follow",
         ),
         Fault("not told what was drawn", BlockWindow, r"other\.drawn & same", "0", "_follow"),
-        Fault("a block goes where dirty bits do", BlockWindow, r"& ~\(marks_first & marking\)", ""),
+        Fault(
+            "a block goes where dirty bits do",
+            BlockWindow,
+            r"& ~\(marks_first & marking\)",
+            "",
+            "_arbitrate",
+        ),
         Fault(
             "a row not kept for a block",
             BlockWindow,
             r"\(first \| ~\(offered & meeting\)\)",
             "1",
+            "_arbitrate",
         ),
         Fault(
             "dirty bits taken where a block is drawn",
             BlockWindow,
             r"\(marks_first \| ~\(offered & marking\)\)",
             "1",
+            "_arbitrate",
         ),
-        Fault("dirty bits taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", ""),
-        Fault("not held by its beats", BlockFlushScan, r"m\.Elif\(turns\)", "m.Elif(1)"),
-        Fault("jumps over what is written", BlockFlushScan, r"self\.jump & clean", "self.jump"),
-        Fault("comes while beats are behind", BlockFlushScan, r"~behind\.any\(\) & free", "free"),
+        Fault("dirty bits taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", "", "_beats"),
+        Fault("not held by its beats", BlockFlushScan, r"m\.Elif\(turns\)", "m.Elif(1)", "_beats"),
+        Fault(
+            "jumps over what is written",
+            BlockFlushScan,
+            r"self\.jump & clean",
+            "self.jump",
+            "_look",
+        ),
+        Fault(
+            "comes while beats are behind",
+            BlockFlushScan,
+            r"~behind\.any\(\) & leaving\.free",
+            "leaving.free",
+            "_beats",
+        ),
         Fault(
             "comes while there is no room",
             BlockWindow,
             r"flush_scan\.empties & readout\.room",
             "flush_scan.empties",
+            "_connect_frame",
         ),
         Fault("a turn ahead unnoticed", FrameOverlap, r"self\.wraps &", "0 &"),
         Fault("frames meet", FrameOverlap, r"turns\[1:\], self\.closing", "turns[1:], 0"),
         Fault("over too early", FrameOverlap, r"self\.clean \| self", "1 | self"),
-        Fault("a frame closed twice", BlockWindow, r" & ~flush_scan\.closing", ""),
-        Fault("closed twice at once", BlockWindow, r" & ~close\)", ")"),
+        Fault(
+            "a frame closed twice", BlockWindow, r" & ~flush_scan\.closing", "", "_connect_frame"
+        ),
+        Fault("closed twice at once", BlockWindow, r" & ~close\)", ")", "_connect_frame"),
         Fault("over before its beats", BlockReadout, r" & ~valid\.any\(\)", ""),
         Fault("not clipped", BlockWindow, r"is_last & ", "0 & ", "_outside"),
     ),
@@ -240,7 +274,13 @@ PROOFS = [
         "the same, until every fault that is known of shows",
         0,
         16,
-        Fault("a block goes where a beat does", BlockWindow, r"& ~\(first & meeting\)", ""),
+        Fault(
+            "a block goes where a beat does",
+            BlockWindow,
+            r"& ~\(first & meeting\)",
+            "",
+            "_arbitrate",
+        ),
     ),
     plan(
         "window of blocks, initial raster",
@@ -253,22 +293,37 @@ PROOFS = [
             BlockWindow,
             r"\s+& ~\(offered & wanted\.bit_select\(load\.line\[:bits\], 1\)\)",
             "",
+            "_arbitrate",
         ),
-        Fault("loaded while the last is swept", BlockWindow, r"serving & ~swept &", "serving &"),
+        Fault(
+            "loaded while the last is swept",
+            BlockWindow,
+            r"serving & ~swept &",
+            "serving &",
+            "_arbitrate",
+        ),
         Fault(
             "where the frame before was",
             BlockWindow,
             r"-2 \* config\.window_lines",
             "flush_scan.front",
+            "_connect_frame",
         ),
         Fault(
             "loaded while one is cleared",
             BlockWindow,
-            r"loader\.oldest\.eq\(front\)",
-            "loader.oldest.eq(flush_scan.front)",
+            r"self, loader, front",
+            "self, loader, flush_scan.front",
+            "_connect_frame",
         ),
-        Fault("a beat leaves for one that is loaded", BlockWindow, r" & ~serving &", " &"),
-        Fault("a line left unloaded", BlockFlushScan, r"self\.jump \| loaded", "1"),
+        Fault(
+            "a beat leaves for one that is loaded",
+            BlockWindow,
+            r" & ~serving &",
+            " &",
+            "_arbitrate",
+        ),
+        Fault("a line left unloaded", BlockFlushScan, r"self\.jump \| loaded", "1", "_look"),
         Fault(
             "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
         ),

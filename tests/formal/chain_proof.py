@@ -15,7 +15,7 @@ from splatline.rtl.chain.merger import Merger
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 from tests.formal.properties import OneWord, Properties, any_value, parts
 from tests.formal.prove import Fault, Proof
-from tests.formal.tiles_window_proof import Narrow
+from tests.formal.window_properties import Narrow
 
 __all__ = ["PROOFS"]
 

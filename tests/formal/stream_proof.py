@@ -254,7 +254,7 @@ PROOFS = [
     plan(
         "flush scan",
         lambda: TileFlushScan(PAPER),
-        Fault("next word unasked", TileFlushScan, r"If\(asked\)", "If(asking)"),
+        Fault("next word unasked", TileFlushScan, r"If\(asked\)", "If(asking)", "_pairs"),
         given=within_reach,
         depth=10,
         endless=False,

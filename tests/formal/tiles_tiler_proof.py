@@ -41,8 +41,47 @@ class TilerProperties(Properties):
         self.free(m, dut, last_column=last_column, last_line=last_line)
         element, tile = dut.i.payload, dut.o.payload
         taken, given = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
-        lowest = (1 << len(element.top) - 1) - 1
+        oldest, ended = self._assume(m, taken, given)
+        # The line of the element's block that has the place, if there is one.
+        row = Signal(config.slot_bits)
+        line = Signal.like(element.top)
+        m.d.comb += [row.eq(slot - element.top), line.eq(element.top + row)]
+        wanted = Signal()
+        m.d.comb += wanted.eq(
+            taken
+            & (row < 8)
+            & covers(element, row, column)
+            & (line >= 0)
+            & (line <= last_line)
+            & (column[config.pixel_bits :] <= last_column[config.pixel_bits :])
+        )
+        draws, drawn = self._draws(m, slot, column)
+        self._match(m, wanted, taken, draws, drawn, given)
+        shown = Signal.like(tile.top, init=-4)
+        m.d.sync += shown.eq(Mux(given & tile.end, -4, tile.top))
+        self.always(m, "top", tile.top >= shown)
+        self.always(m, "behind_the_end", ~(ended & dut.o.valid) | tile.end)
+        place = Signal(config.slot_bits)
+        distance = Signal.like(element.top)
+        m.d.comb += [
+            place.eq(slot - dut.oldest),
+            distance.eq(dut.oldest + place - tile.top),
+        ]
+        self.always(m, "in_window", ~draws | ((distance >= 0) & (distance < 8)))
+        self._settle(m, draws, slot, oldest)
+        drew = Signal()
+        m.d.sync += drew.eq(drawn)
+        self._meet(m, tile, drew & draws)
+        self.always(m, "output_steady", self.steady(m, dut.o, "o"))
 
+    def _assume(self, m, taken, given):
+        """Assume of elements and window what they are.
+
+        Return the window's first line, and whether an end token was given, a cycle before.
+        """
+        config, dut = self.config, self.dut
+        element, tile = dut.i.payload, dut.o.payload
+        lowest = (1 << len(element.top) - 1) - 1
         # Elements are sorted, and those of the next frame follow right behind the end of one.
         top = Signal.like(element.top, name="last_top", init=-4)
         with m.If(taken):
@@ -62,20 +101,12 @@ class TilerProperties(Properties):
         goes_on = (dut.oldest >= oldest) | back
         self.given(m, "oldest", Mux(ended, anew, goes_on))
         self.given(m, "not_past", (dut.oldest <= 0) | (dut.oldest <= tile.top))
+        return oldest, ended
 
-        # The line of the element's block that has the place, if there is one.
-        row = Signal(config.slot_bits)
-        line = Signal.like(element.top)
-        m.d.comb += [row.eq(slot - element.top), line.eq(element.top + row)]
-        wanted = Signal()
-        m.d.comb += wanted.eq(
-            taken
-            & (row < 8)
-            & covers(element, row, column)
-            & (line >= 0)
-            & (line <= last_line)
-            & (column[config.pixel_bits :] <= last_column[config.pixel_bits :])
-        )
+    def _draws(self, m, slot, column):
+        """Return whether the tile draws the pixel, and whether it is taken."""
+        config, dut = self.config, self.dut
+        tile = dut.o.payload
         number = column[: config.pixel_bits]
         hits = []
         for q in range(config.tile_lines):
@@ -91,8 +122,15 @@ class TilerProperties(Properties):
             draws.eq(dut.o.valid & Cat(hits).any()),
             drawn.eq(draws & dut.o.ready),
         ]
+        return draws, drawn
 
-        # End tokens are in it as well. One more may be taken in the cycle that gives another.
+    def _match(self, m, wanted, taken, draws, drawn, given):
+        """Assert that tiles draw the elements that want the pixel, each once, in order.
+
+        End tokens are in the queue as well. One more may be taken in the cycle that gives another.
+        """
+        config, dut = self.config, self.dut
+        element, tile = dut.i.payload, dut.o.payload
         most = self.inside + 1
         entry = data.StructLayout({"z": config.z.width, "end": 1})
         queue = [Signal(entry, name=f"queue_{n}") for n in range(most)]
@@ -112,22 +150,6 @@ class TilerProperties(Properties):
         self.always(m, "room", length < most)
         self.always(m, "drawn", ~draws | ((length != 0) & ~first.end & (tile.z == first.z)))
         self.always(m, "complete", ~(dut.o.valid & tile.end) | ((length != 0) & first.end))
-        shown = Signal.like(tile.top, init=-4)
-        m.d.sync += shown.eq(Mux(given & tile.end, -4, tile.top))
-        self.always(m, "top", tile.top >= shown)
-        self.always(m, "behind_the_end", ~(ended & dut.o.valid) | tile.end)
-        place = Signal(config.slot_bits)
-        distance = Signal.like(element.top)
-        m.d.comb += [
-            place.eq(slot - dut.oldest),
-            distance.eq(dut.oldest + place - tile.top),
-        ]
-        self.always(m, "in_window", ~draws | ((distance >= 0) & (distance < 8)))
-        self._settle(m, draws, slot, oldest)
-        drew = Signal()
-        m.d.sync += drew.eq(drawn)
-        self._meet(m, tile, drew & draws)
-        self.always(m, "output_steady", self.steady(m, dut.o, "o"))
 
     def _settle(self, m, draws, slot, oldest):
         """Assert that a pixel is in the window as it was a cycle ago.
@@ -163,8 +185,8 @@ FAULTS = (
     Fault("not shifted", Tiler, r"lower & shifted", "0"),
     Fault("the middle drawn twice", Tiler, r"Mux\(raised, 0, other\)", "other", "_turn"),
     Fault("not yet the next frame's window", Tiler, r" \| \(valid & given\.end\)", ""),
-    Fault("in the window's last line", Tiler, r"low > 2 \* SIDE", "low >= 2 * SIDE"),
-    Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & "),
+    Fault("in the window's last line", Tiler, r"low > 2 \* SIDE", "low >= 2 * SIDE", "_compare"),
+    Fault("never meets", Tiler, r"meets\.eq\(", "meets.eq(0 & ", "_give"),
 )
 
 PROOFS = [

@@ -36,7 +36,7 @@ BLOCKS = SWIFT.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 """The same with fewer bits, which Icarus draws in less time."""
 
 FAULTS = [
-    (PAPER, TileWindow, "elaborate", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
+    (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
     (BLOCKS, BlockWindow, "_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
     (BLOCKS, BlockWindow, "_follow", r"known & \(", "self.i.valid & ("),
 ]

@@ -192,5 +192,5 @@ async def a_wipe_takes_a_group_of_lines_and_no_more(dut):
     await compare(dut, bench, marked)
 
 
-def test_marks_are_what_was_written():
+def test_dirty_bits_are_what_was_written():
     run_bench(SWIFT, BlockDirtyBits, __file__)

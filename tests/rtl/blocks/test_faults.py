@@ -9,50 +9,56 @@ from splatline.rtl.blocks.lane_row import LaneRow
 from splatline.rtl.blocks.readout import BlockReadout
 from splatline.rtl.blocks.tiler import BlockTiler
 from splatline.sim.cosim.simulator import SimulationError
-from tests.rtl.blocks import test_dirty_bits as test_beat_marks
-from tests.rtl.blocks import test_flush_scan as test_beat_walker
-from tests.rtl.blocks import test_lane_row
-from tests.rtl.blocks import test_readout as test_beat_emitter
-from tests.rtl.blocks import test_tiler as test_block_tiler
+from tests.rtl.blocks import (
+    test_dirty_bits,
+    test_flush_scan,
+    test_lane_row,
+    test_readout,
+    test_tiler,
+)
 from tests.support.bench_config import run_bench
 from tests.support.faults import rewrite
 
 BENCHES = {
     LaneRow: test_lane_row,
-    BlockTiler: test_block_tiler,
-    BlockDirtyBits: test_beat_marks,
-    BlockFlushScan: test_beat_walker,
-    BlockReadout: test_beat_emitter,
+    BlockTiler: test_tiler,
+    BlockDirtyBits: test_dirty_bits,
+    BlockFlushScan: test_flush_scan,
+    BlockReadout: test_readout,
 }
 LAGS = "a_window_that_lags_behind"
 FOLLOWS = "one_pixel_a_cycle"
 WALK = "written_beats_are_asked_for_once_and_in_order"
 COMES = "every_beat_comes_out"
 REWRITTEN = {
-    "no depth test": (LaneRow, r"difference\[-1\] & draws", "draws", "random_requests"),
+    "no depth test": (LaneRow, r"difference\[-1\] & draws", "draws", "random_requests", "_test"),
     "ties drawn": (
         LaneRow,
         r"Cat\(other, behind \^ meets\)",
         r"\g<0> - 1",
         "nearer_wins_and_equal_stays",
+        "_test",
     ),
     "odd and even swapped": (
         LaneRow,
         r"Mux\(odd\[column\], olds\[.odd.\], olds\[.even.\]\)",
         'Mux(odd[column], olds["even"], olds["odd"])',
         "random_requests",
+        "_test",
     ),
     "not cleared": (
         LaneRow,
         r"Mux\(caught\.clear, 1, mask\[column\]\)",
         "mask[column]",
         "random_requests",
+        "_test",
     ),
     "cleared but where it is nearest": (
         LaneRow,
-        r"Mux\(caught\.clear, background, read\.data\.depth\)",
-        "read.data.depth",
+        r"Mux\(caught\.clear, background, pixel\.depth\)",
+        "pixel.depth",
         "random_requests",
+        "_read",
     ),
     "cleared but where it was drawn": (
         LaneRow,
@@ -73,18 +79,21 @@ REWRITTEN = {
         r"Mux\(caught\.clear, 0, self\.new\.colour\)",
         "self.new.colour",
         "random_requests",
+        "_stages",
     ),
     "leaving is not background": (
         LaneRow,
-        r"Mux\(keep, background, read\.data\.depth\)",
-        "read.data.depth",
+        r"Mux\(keep, self\.config\.background_depth, pixel\.depth\)",
+        "pixel.depth",
         "random_requests",
+        "_leave",
     ),
     "leaving from outside": (
         LaneRow,
-        r"Mux\(outside, 1, ~request\.clear\)",
-        "~request.clear",
+        r"Mux\(outside, 1, ~self\.request\.clear\)",
+        "~self.request.clear",
         "random_requests",
+        "_keep",
     ),
     "over what is nearer": (LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
     "hidden by what is behind": (LaneRow, r" & caught\.behind\[0\]", "", FOLLOWS, "_meet"),
@@ -227,42 +236,60 @@ REWRITTEN = {
         r"looked_at < self\.top",
         "looked_at <= self.top",
         "nothing_leaves_unasked",
+        "_look",
     ),
     "the next line as this one": (
         BlockFlushScan,
         r"looked_at\[: config\.slot_bits\]",
-        "place",
+        "line[: config.slot_bits]",
         WALK,
+        "_look",
     ),
-    "jumps over what is written": (BlockFlushScan, r"self\.jump & clean", "self.jump", WALK),
+    "jumps over what is written": (
+        BlockFlushScan,
+        r"self\.jump & clean",
+        "self.jump",
+        WALK,
+        "_look",
+    ),
     "comes while beats are behind": (
         BlockFlushScan,
-        r"~behind\.any\(\) & free",
-        "free",
+        r"~behind\.any\(\) & leaving\.free",
+        "leaving.free",
         "where_the_window_comes_to_is_told",
+        "_beats",
     ),
     "comes to what is not loaded": (
         BlockFlushScan,
         r"self\.jump & clean",
         "clean",
         "where_the_window_comes_to_is_told",
+        "_look",
     ),
-    "marks taken unasked": (BlockFlushScan, r" & self\.enable\)", ")", "nothing_leaves_unasked"),
+    "marks taken unasked": (
+        BlockFlushScan,
+        r" & self\.enable\)",
+        ")",
+        "nothing_leaves_unasked",
+        "_beats",
+    ),
     "left before it has come": (
         BlockFlushScan,
         r"self\.jump \| loaded",
         "1",
         "nothing_leaves_unasked",
+        "_look",
     ),
     "not held by what is asked for": (
         BlockFlushScan,
         r"m\.Elif\(turns\)",
         "m.Elif(1)",
         "the_window_waits_for_what_is_asked_for",
+        "_beats",
     ),
-    "marks taken while beats wait": (BlockFlushScan, r" & ~behind\.any\(\)", "", WALK),
-    "a stretch skipped": (BlockFlushScan, r"m\.If\(take \| ~here\)", "m.If(1)", WALK),
-    "a line left too early": (BlockFlushScan, r"take & ~rest\.any\(\)", "take", WALK),
+    "marks taken while beats wait": (BlockFlushScan, r" & ~behind\.any\(\)", "", WALK, "_beats"),
+    "a stretch skipped": (BlockFlushScan, r"m\.If\(take \| ~here\)", "m.If(1)", WALK, "_stretches"),
+    "a line left too early": (BlockFlushScan, r"take & ~rest\.any\(\)", "take", WALK, "_stretches"),
     "never wraps": (
         BlockFlushScan,
         r"self\._written\(residue\) & \(",
@@ -289,6 +316,7 @@ REWRITTEN = {
         r"Mux\(here & rest\.any\(\), rest, reached\)",
         "Mux(rest.any(), rest, reached)",
         WALK,
+        "_stretches",
     ),
     "forgotten at a turn": (
         BlockFlushScan,

@@ -191,5 +191,5 @@ async def end_beats_need_room_too(dut):
     assert [unpack(RASTER, bits).end for bits in rows.sink.received] == [1] * ended
 
 
-def test_emitter_gives_every_beat():
+def test_readout_gives_every_beat():
     run_bench(SWIFT, BlockReadout, __file__)

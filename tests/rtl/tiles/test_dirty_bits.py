@@ -191,5 +191,5 @@ async def a_wipe_takes_four_lines_and_no_more(dut):
 
 
 @pytest.mark.parametrize("config", [PAPER, PAIRED], ids=lambda config: config.name)
-def test_marks_are_what_was_touched(config, block_simulator):
+def test_dirty_bits_are_what_was_touched(config, block_simulator):
     run_bench(config, TileDirtyBits, __file__, simulator_name=block_simulator)

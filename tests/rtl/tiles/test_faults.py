@@ -1,4 +1,4 @@
-"""Planted faults in the window of lanes and what stands before it: each must be noticed."""
+"""Planted faults in the parts of the tiles engine: the bench of each must notice them."""
 
 import pytest
 
@@ -7,24 +7,17 @@ from splatline.rtl.front.colour import ColourUnit
 from splatline.rtl.tiles.dirty_bits import TileDirtyBits
 from splatline.rtl.tiles.flush_scan import TileFlushScan
 from splatline.rtl.tiles.lane import Lane
-from splatline.rtl.tiles.readout import TileReadout
 from splatline.rtl.tiles.tiler import Tiler
-from splatline.rtl.tiles.window import TileWindow
-from splatline.rtl.window.loader import Loader
 from splatline.sim.cosim.simulator import SimulationError
-from tests.rtl.front import test_colour
-from tests.rtl.tiles import test_dirty_bits as test_marks
-from tests.rtl.tiles import test_flush_scan as test_walker
-from tests.rtl.tiles import test_lane, test_tiler
-from tests.rtl.tiles import test_window as test_lane_window
-from tests.support.bench_config import PAIRED
-from tests.support.bench_config import run_bench as run_preset
-from tests.support.faults import LANE_WRITES, fault, rewrite
+from tests.rtl.tiles import test_dirty_bits, test_flush_scan, test_lane, test_tiler
+from tests.rtl.tiles.broken_parts import check_rewritten
+from tests.support.bench_config import PAIRED, run_bench
+from tests.support.faults import LANE_WRITES, fault
 
 PAIR = "a_pair_is_cleared_through_both_ports"
 WALK = "drawn_words_are_asked_for_once_and_in_order"
 
-LANE_WINDOW_FAULTS = [
+FAULTS = [
     (Lane, test_lane, "random_requests", "difference", LANE_WRITES, "no depth test"),
     (
         Lane,
@@ -38,7 +31,7 @@ LANE_WINDOW_FAULTS = [
     (Tiler, test_tiler, "one_tile_a_cycle", "past_2", "1'h0", "a line misplaced"),
     (
         TileDirtyBits,
-        test_marks,
+        test_dirty_bits,
         "random_touches",
         "write__en",  # of even pairs on lines that are a multiple of 4: cleared with any other
         "take | (words[1] ? touch[1] & words[0] : touch[0] | (touch[1] & ~words[0]))",
@@ -46,7 +39,7 @@ LANE_WINDOW_FAULTS = [
     ),
     (
         TileDirtyBits,
-        test_marks,
+        test_dirty_bits,
         "random_touches",
         "write__data",
         "take ? 8'h00 : bit_0",
@@ -54,7 +47,7 @@ LANE_WINDOW_FAULTS = [
     ),
     (
         TileFlushScan,
-        test_walker,
+        test_flush_scan,
         WALK,
         "left",
         "leaving & here & moves & (pairs == 0) & (wanted[2:0] == 0)",
@@ -62,88 +55,34 @@ LANE_WINDOW_FAULTS = [
     ),
     (
         TileFlushScan,
-        test_walker,
+        test_flush_scan,
         WALK,
         "clean",
         "1'h1",
         "lines skipped",
     ),
-    (TileFlushScan, test_walker, "nothing_leaves_unasked", "leaving", "1'h1", "lines leave early"),
+    (
+        TileFlushScan,
+        test_flush_scan,
+        "nothing_leaves_unasked",
+        "leaving",
+        "1'h1",
+        "lines leave early",
+    ),
 ]
 
 
 @pytest.mark.parametrize(
     ("component", "bench", "test", "signal", "value"),
-    [pytest.param(*fault[:5], id=fault[5]) for fault in LANE_WINDOW_FAULTS],
+    [pytest.param(*fault[:5], id=fault[5]) for fault in FAULTS],
 )
-def test_a_fault_in_the_window_of_lanes_is_noticed(component, bench, test, signal, value):
+def test_a_fault_in_a_part_is_noticed(component, bench, test, signal, value):
     edit = fault("dut", signal, value)
     with pytest.raises(SimulationError):
-        run_preset(PAPER, component, bench.__file__, test=test, edit=edit)
+        run_bench(PAPER, component, bench.__file__, test=test, edit=edit)
 
 
 REWRITTEN = {
-    "no conflict": (TileWindow, r"conflict\.eq\(\(drawn", "conflict.eq((0 & drawn", "with_stalls"),
-    "drawn while marks are taken": (
-        TileWindow,
-        r"~swept\s+& ~taking",
-        "~swept",
-        "with_stalls",
-    ),
-    "loaded while marks are taken": (
-        TileWindow,
-        r"~stopped\s+& ~flush_scan\.taking",
-        "~stopped",
-        "words_right_behind_what_leaves",
-    ),
-    "no wait after the sweep": (
-        TileWindow,
-        r"running\s+& ~swept",
-        "running",
-        "reset_in_the_middle",
-    ),
-    "a load offered again": (
-        Loader,
-        r" & ~\(self\.o\.valid & self\.o\.ready\)\)",
-        ")",
-        "with_stalls",
-    ),
-    "loaded beyond the window": (
-        Loader,
-        r"waiting & ~drop & in_window",
-        "waiting & ~drop",
-        "words_right_behind_what_leaves",
-    ),
-    "loaded into a tile's lanes": (
-        TileWindow,
-        r"& ~\(offered & wanted\.bit_select\(loader\.o\.payload\.line\[:2\], 1\)\)",
-        "",
-        "with_stalls",
-    ),
-    "a tile goes where a load goes first": (
-        TileWindow,
-        r"~tile\.end & ~pressing\)",
-        "~tile.end)",
-        "with_stalls",
-    ),
-    "marked in the line of a load that waits": (
-        TileWindow,
-        r"If\(flush_scan\.lone\[i\]\)",
-        "If(serving & line[i])",
-        "with_stalls",
-    ),
-    "drawn before its lines have come": (
-        Loader,
-        r"self\.oldest, loaded\)\)",
-        "self.oldest, loaded + 5))",
-        "with_stalls",
-    ),
-    "said to have come too early": (
-        Loader,
-        r"limit\.eq\(Mux\(in_window, beat\.line,",
-        "limit.eq(Mux(in_window, beat.line + 1,",
-        "with_stalls",
-    ),
     "not marked where it is loaded": (
         TileDirtyBits,
         r"touched \|= self\.load\[residue\] & \(other\[0\] == parity\)",
@@ -162,28 +101,29 @@ REWRITTEN = {
         "1",
         "nothing_leaves_unasked",
     ),
-    "background holds all up": (
-        TileReadout,
-        r" \| dropped\)",
-        ")",
-        "a_raster_that_waits_for_its_words",
+    "marks taken unasked": (
+        TileFlushScan,
+        r" & self\.enable\b",
+        "",
+        "nothing_leaves_unasked",
+        "_pairs",
     ),
-    "dropped behind background": (TileReadout, r"(~emit\.end) & ~take\)", r"\1)", "with_stalls"),
-    "marks taken unasked": (TileFlushScan, r" & self\.enable\b", "", "nothing_leaves_unasked"),
-    "marks taken twice": (TileFlushScan, r" & ~self\.taking\b", "", WALK),
-    "marks taken too early": (TileFlushScan, r"~pairs\.any\(\) & wanted", "wanted", WALK),
-    "a line left too early": (TileFlushScan, r"here & moves & ", "here & ", WALK),
+    "marks taken twice": (TileFlushScan, r" & ~self\.taking\b", "", WALK, "_pairs"),
+    "marks taken too early": (TileFlushScan, r"~pairs\.any\(\) & wanted", "wanted", WALK, "_pairs"),
+    "a line left too early": (TileFlushScan, r"scans & moves & ", "scans & ", WALK, "_pairs"),
     "a pair of the next stretch": (
         TileFlushScan,
         r"\(first\), stretch\)",
         "(first), next_stretch)",
         WALK,
+        "_pairs",
     ),
     "the stretch of before": (
         TileFlushScan,
         r"next_stretch\.eq\(number_of\(lowest\)\)",
         "next_stretch.eq(number_of(stretch_bit))",
         WALK,
+        "_stretches",
     ),
     "reached at the moment": (
         TileFlushScan,
@@ -227,24 +167,6 @@ REWRITTEN = {
         "loaded_words_too",
         "_reached",
     ),
-    "a tile goes where a word does": (
-        TileWindow,
-        r"& ~\(first & meeting\)",
-        "",
-        "with_stalls",
-    ),
-    "lanes kept from what goes first": (
-        TileWindow,
-        r" & ~\(line & first\.replicate\(SIDE\)\)",
-        "",
-        "with_stalls",
-    ),
-    "lanes not kept for a tile": (
-        TileWindow,
-        r"& \(first \| ~\(offered & meeting\)\)",
-        "",
-        "with_stalls",
-    ),
     "lower border": (
         Tiler,
         r"(groups\.eq\(.*) \+ 1\)",
@@ -258,41 +180,53 @@ REWRITTEN = {
         r"low > SIDE",
         "low > SIDE - 1",
         "a_window_that_lags_behind",
+        "_compare",
     ),
     "lower lines too early": (
         Tiler,
         r"low > 2 \* SIDE",
         "low > 2 * SIDE - 1",
         "a_window_that_lags_behind",
+        "_compare",
     ),
     "lines too late": (
         Tiler,
         r"low > SIDE",
         "low > SIDE + 1",
         "a_tile_comes_as_soon_as_its_lines",
+        "_compare",
     ),
-    "another's lines": (Tiler, r"near\.eq\(0\)", "near.eq(near)", "a_window_that_lags_behind"),
+    "another's lines": (
+        Tiler,
+        r"near\.eq\(0\)",
+        "near.eq(near)",
+        "a_window_that_lags_behind",
+        "_compare",
+    ),
     "top once it goes": (
         Tiler,
         r"m\.If\(there\)",
         "m.If(there & may)",
         "a_window_that_lags_behind",
+        "_give",
     ),
-    "top of the last frame": (Tiler, r"top\.eq\(-SIDE\)", "top.eq(top)", "end_tokens"),
+    "top of the last frame": (Tiler, r"top\.eq\(-SIDE\)", "top.eq(top)", "end_tokens", "_give"),
     "top outlasts a reset": (
         Tiler,
         r"init=-SIDE\)",
         "init=-SIDE, reset_less=True)",
         "reset_in_the_middle",
+        "_give",
     ),
     "colour moves too late": (Tiler, r"moves\.eq\(step\)", "moves.eq(self.i.ready)", "end_tokens"),
     "colour moves too early": (Tiler, r"moves\.eq\(step\)", "moves.eq(1)", "end_tokens"),
-    "never meets": (Tiler, r"meets\.eq\(", "meets.eq(0 & ", "one_tile_a_cycle"),
+    "never meets": (Tiler, r"meets\.eq\(", "meets.eq(0 & ", "one_tile_a_cycle", "_give"),
     "meets what was long ago": (
         Tiler,
         r" & valid & self\.o\.ready\)",
         ")",
         "a_window_that_lags_behind",
+        "_give",
     ),
     "meets on any line": (
         Tiler,
@@ -316,28 +250,6 @@ REWRITTEN = {
         r"If\(self\.o\.ready\)",
         "If(self.moves)",
         "random_materials",
-    ),
-}
-REWRITTEN_COLLISIONS = {
-    "a load meets what is cleared": (
-        r"~swept\s+& ~stopped\s",
-        "~swept ",
-        "words_right_behind_what_leaves",
-    ),
-    "a load meets what the sweep clears": (
-        r"& ~swept\s+& ~stopped",
-        "& ~stopped",
-        "words_right_behind_the_sweep",
-    ),
-    "a tile meets one that stood still": (
-        r" \| stopped\)",
-        ")",
-        "tiles_while_the_raster_waits",
-    ),
-    "a word leaves where a tile stood still": (
-        r"& ~\(stopped & drawn\)",
-        "",
-        "a_line_that_leaves_behind_a_tile_that_stood_still",
     ),
 }
 REWRITTEN_PAIRS = {
@@ -376,38 +288,6 @@ REWRITTEN_PAIRS = {
         PAIR,
         "_clear_pairs",
     ),
-    "even pixels keep their depth": (
-        TileWindow,
-        r"pixels\.depth\[j\] \| cleared",
-        "pixels.depth[j]",
-        "with_stalls",
-        "_connect_pixels",
-    ),
-    "a pair right behind another": (
-        TileWindow,
-        r"m\.If\(readout\.busy\)",
-        "m.If(0)",
-        "with_stalls",
-    ),
-    "a tile where marks are taken": (
-        TileWindow,
-        r"taking = flush_scan\.taking & meeting",
-        "taking = 0",
-        "with_stalls",
-    ),
-    "the odd word in another's place": (TileReadout, r"m\.If\(flushed\)", "m.If(0)", "with_stalls"),
-    "the end before an odd word": (
-        TileReadout,
-        r"self\.end & ~leaves",
-        "self.end & ~flushed",
-        "with_stalls",
-    ),
-    "an odd word lost while the raster waits": (
-        TileReadout,
-        r"~\(leaves & ~take\)",
-        "~(flushed & ~take)",
-        "with_stalls",
-    ),
     "marks lost beside what is taken": (
         TileDirtyBits,
         r"self\.take & mine if",
@@ -415,38 +295,14 @@ REWRITTEN_PAIRS = {
         "random_touches",
     ),
 }
-BENCHES = {
-    Lane: (Lane, test_lane),
-    Tiler: (Tiler, test_tiler),
-    TileFlushScan: (TileFlushScan, test_walker),
-    TileDirtyBits: (TileDirtyBits, test_marks),
-    ColourUnit: (test_colour.Painter, test_colour),
-}
-
-
-def check_rewritten(
-    monkeypatch, part, pattern, replacement, test, method="elaborate", config=PAPER, **options
-):
-    """Break a component and run a test on it, or on the window of lanes that it is part of."""
-    rewrite(monkeypatch, part, method, pattern, replacement)
-    component, bench = BENCHES.get(part, (TileWindow, test_lane_window))
-    assert hasattr(bench, test)
-    with pytest.raises(SimulationError):
-        run_preset(config, component, bench.__file__, test=test, **options)
 
 
 @pytest.mark.parametrize("broken", REWRITTEN.values(), ids=REWRITTEN)
-def test_a_rewritten_window_of_lanes_is_noticed(monkeypatch, broken):
+def test_a_rewritten_part_is_noticed(monkeypatch, broken):
     """Faults in what has no name in the Verilog."""
     check_rewritten(monkeypatch, *broken)
 
 
 @pytest.mark.parametrize("broken", REWRITTEN_PAIRS.values(), ids=REWRITTEN_PAIRS)
-def test_a_fault_in_how_pairs_leave_is_noticed(monkeypatch, broken):
+def test_a_rewritten_part_of_paired_lanes_is_noticed(monkeypatch, broken):
     check_rewritten(monkeypatch, *broken, config=PAIRED)
-
-
-@pytest.mark.parametrize("broken", REWRITTEN_COLLISIONS.values(), ids=REWRITTEN_COLLISIONS)
-def test_a_pixel_that_is_read_while_it_is_written_is_noticed(monkeypatch, broken):
-    """Where the memory is as unkind as it may be."""
-    check_rewritten(monkeypatch, TileWindow, *broken, edit=test_lane_window.collide)

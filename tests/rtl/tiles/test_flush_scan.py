@@ -242,10 +242,10 @@ async def nothing_leaves_unasked(dut):
 
 
 @pytest.mark.parametrize("config", [PAPER, PAIRED], ids=lambda config: config.name)
-def test_walker_asks_for_what_was_written(config, block_simulator):
+def test_flush_scan_asks_for_what_was_written(config, block_simulator):
     run_bench(config, TileFlushScan, __file__, simulator_name=block_simulator)
 
 
-def test_walker_chooses_among_sixteen_stretches():
+def test_flush_scan_chooses_among_sixteen_stretches():
     (config,) = (config for config in VARIANTS if config.name == "wide2048")
     run_bench(config, TileFlushScan, __file__)

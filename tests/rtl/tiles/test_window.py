@@ -254,7 +254,7 @@ def collide_pairs(text):
 
 
 @pytest.mark.parametrize("config", [PAPER, PAIRED], ids=lambda config: config.name)
-def test_lane_window_draws_every_frame(config):
+def test_window_draws_every_frame(config):
     run_bench(config, TileWindow, __file__, simulator_name="verilator")
 
 
@@ -262,7 +262,7 @@ def test_no_pixel_of_a_pair_counts_that_two_ports_have_at_once():
     run_bench(PAIRED, TileWindow, __file__, simulator_name="verilator", edit=collide_pairs)
 
 
-def test_lane_window_in_the_quickest_simulator():
+def test_window_in_the_quickest_simulator():
     run_bench(PAPER, TileWindow, __file__, test="in_short", edit=collide)
 
 

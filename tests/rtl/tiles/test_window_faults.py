@@ -1,0 +1,193 @@
+"""Planted faults in the window of tiles, its loader and its readout: frames must show them."""
+
+import pytest
+
+from splatline.rtl.tiles.readout import TileReadout
+from splatline.rtl.tiles.window import TileWindow
+from splatline.rtl.window.loader import Loader
+from tests.rtl.tiles import test_window
+from tests.rtl.tiles.broken_parts import check_rewritten
+from tests.support.bench_config import PAIRED
+
+REWRITTEN = {
+    "no conflict": (
+        TileWindow,
+        r"conflict\.eq\(\(drawn",
+        "conflict.eq((0 & drawn",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "drawn while marks are taken": (
+        TileWindow,
+        r"~swept\s+& ~taking",
+        "~swept",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "loaded while marks are taken": (
+        TileWindow,
+        r"~stopped\s+& ~flush_scan\.taking",
+        "~stopped",
+        "words_right_behind_what_leaves",
+        "_arbitrate",
+    ),
+    "no wait after the sweep": (
+        TileWindow,
+        r"running\s+& ~swept",
+        "running",
+        "reset_in_the_middle",
+        "_arbitrate",
+    ),
+    "a load offered again": (
+        Loader,
+        r" & ~\(self\.o\.valid & self\.o\.ready\)\)",
+        ")",
+        "with_stalls",
+    ),
+    "loaded beyond the window": (
+        Loader,
+        r"waiting & ~drop & in_window",
+        "waiting & ~drop",
+        "words_right_behind_what_leaves",
+    ),
+    "loaded into a tile's lanes": (
+        TileWindow,
+        r"& ~\(offered & wanted\.bit_select\(loader\.o\.payload\.line\[:2\], 1\)\)",
+        "",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "a tile goes where a load goes first": (
+        TileWindow,
+        r"~tile\.end & ~pressing\)",
+        "~tile.end)",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "marked in the line of a load that waits": (
+        TileWindow,
+        r"If\(flush_scan\.lone\[i\]\)",
+        "If(service.serving & service.row[i])",
+        "with_stalls",
+        "_touch_loaded",
+    ),
+    "drawn before its lines have come": (
+        Loader,
+        r"self\.oldest, loaded\)\)",
+        "self.oldest, loaded + 5))",
+        "with_stalls",
+    ),
+    "said to have come too early": (
+        Loader,
+        r"limit\.eq\(Mux\(in_window, beat\.line,",
+        "limit.eq(Mux(in_window, beat.line + 1,",
+        "with_stalls",
+    ),
+    "background holds all up": (
+        TileReadout,
+        r" \| dropped\)",
+        ")",
+        "a_raster_that_waits_for_its_words",
+    ),
+    "dropped behind background": (TileReadout, r"(~emit\.end) & ~take\)", r"\1)", "with_stalls"),
+    "a tile goes where a word does": (
+        TileWindow,
+        r"& ~\(first & meeting\)",
+        "",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "lanes kept from what goes first": (
+        TileWindow,
+        r" & ~\(line & first\.replicate\(SIDE\)\)",
+        "",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "lanes not kept for a tile": (
+        TileWindow,
+        r"& \(first \| ~\(offered & meeting\)\)",
+        "",
+        "with_stalls",
+        "_arbitrate",
+    ),
+}
+REWRITTEN_COLLISIONS = {
+    "a load meets what is cleared": (
+        r"~swept\s+& ~stopped\s",
+        "~swept ",
+        "words_right_behind_what_leaves",
+        "_arbitrate",
+    ),
+    "a load meets what the sweep clears": (
+        r"& ~swept\s+& ~stopped",
+        "& ~stopped",
+        "words_right_behind_the_sweep",
+        "_arbitrate",
+    ),
+    "a tile meets one that stood still": (
+        r" \| stopped\)",
+        ")",
+        "tiles_while_the_raster_waits",
+        "_arbitrate",
+    ),
+    "a word leaves where a tile stood still": (
+        r"& ~\(stopped & drawn\)",
+        "",
+        "a_line_that_leaves_behind_a_tile_that_stood_still",
+        "_arbitrate",
+    ),
+}
+REWRITTEN_PAIRS = {
+    "even pixels keep their depth": (
+        TileWindow,
+        r"pixels\.depth\[j\] \| cleared",
+        "pixels.depth[j]",
+        "with_stalls",
+        "_connect_pixels",
+    ),
+    "a pair right behind another": (
+        TileWindow,
+        r"m\.If\(readout\.busy\)",
+        "m.If(0)",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "a tile where marks are taken": (
+        TileWindow,
+        r"taking = flush_scan\.taking & meeting",
+        "taking = 0",
+        "with_stalls",
+        "_arbitrate",
+    ),
+    "the odd word in another's place": (TileReadout, r"m\.If\(flushed\)", "m.If(0)", "with_stalls"),
+    "the end before an odd word": (
+        TileReadout,
+        r"self\.end & ~leaves",
+        "self.end & ~flushed",
+        "with_stalls",
+    ),
+    "an odd word lost while the raster waits": (
+        TileReadout,
+        r"~\(leaves & ~take\)",
+        "~(flushed & ~take)",
+        "with_stalls",
+    ),
+}
+
+
+@pytest.mark.parametrize("broken", REWRITTEN.values(), ids=REWRITTEN)
+def test_a_rewritten_window_is_noticed(monkeypatch, broken):
+    """Faults in what has no name in the Verilog."""
+    check_rewritten(monkeypatch, *broken)
+
+
+@pytest.mark.parametrize("broken", REWRITTEN_PAIRS.values(), ids=REWRITTEN_PAIRS)
+def test_a_rewritten_window_of_paired_lanes_is_noticed(monkeypatch, broken):
+    check_rewritten(monkeypatch, *broken, config=PAIRED)
+
+
+@pytest.mark.parametrize("broken", REWRITTEN_COLLISIONS.values(), ids=REWRITTEN_COLLISIONS)
+def test_a_pixel_that_is_read_while_it_is_written_is_noticed(monkeypatch, broken):
+    """Where the memory is as unkind as it may be."""
+    check_rewritten(monkeypatch, TileWindow, *broken, edit=test_window.collide)
