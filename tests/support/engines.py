@@ -15,6 +15,6 @@ def engine(config=PAPER, simulator_name="verilator"):
 
 
 def mismatches(job, outcome):
-    """Return the pixels of a job's pictures that differ from golden."""
+    """Return how many pixels of a job's pictures differ from golden."""
     pairs = zip(outcome.rasters, job.pictures(), strict=True)
     return sum(picture.mismatches(expected) for picture, expected in pairs)
