@@ -1,4 +1,4 @@
-"""The Verilog of the engine on its buses, and a description of it."""
+"""The Verilog of the AXI top, and its description."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ MEANINGS = {
 
 
 def generate_axi(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
-    """Return the Verilog and the description of an engine on its buses.
+    """Return the Verilog and the description of an engine in the AXI top.
 
-    Parameters and results are those of :func:`splatline.rtl.verilog.generate`; the description has
-    the map of the registers as well.
+    Parameters and results are those of :func:`splatline.flow.verilog.generate`. The description
+    also has the register map.
     """
     top = AxiTop(config)
     ports = []

@@ -1,4 +1,4 @@
-"""The Verilog of a chain: one module an engine, however many there are of it."""
+"""The Verilog of a chain, with one module for all of its engines."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ __all__ = ["Reference", "generate_chain"]
 
 
 class Reference(wiring.Component):
-    """Stands for a component whose module is written elsewhere in the same Verilog.
+    """An instance of a module that is written elsewhere in the same Verilog.
 
-    Amaranth writes a module for each instance; of eight engines a synthesiser and a simulator would
-    read and build the same text eight times.
+    Amaranth writes a module for each instance. Synthesis and simulation of a chain of eight engines
+    would read the same text eight times.
 
     Parameters
     ----------
     module
         Name of the module.
     component
-        What it was made of; its ports become this one's.
+        The component of that module. The ports are the same.
     """
 
     def __init__(self, module: str, component: wiring.Component):
@@ -60,18 +60,18 @@ def generate_chain(
     Parameters
     ----------
     config, engines, link, queue
-        As of :class:`Chain`.
+        As for :class:`Chain`.
     name
         Name of the top module; the modules of its parts are ``name_first``, ``name_engine``,
         ``name_queue`` and ``name_merger``.
     around
-        Called with the kind of each part and what stands for it, it returns what is put there: a
-        test puts its own around some.
+        A function of the kind of a part and its instance. It returns the component to use instead:
+        a test may wrap the instance.
 
     Returns
     -------
     text, sidecar
-        As of :func:`splatline.rtl.verilog.generate`; the sidecar has ``engines`` and ``link`` too.
+        As of :func:`splatline.flow.verilog.generate`. The sidecar has ``engines`` and ``link`` too.
     """
     parts: dict[str, wiring.Component] = {}
 

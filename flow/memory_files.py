@@ -1,4 +1,4 @@
-"""Memories' initial contents: short in the Verilog, or in files of their own for ``$readmemh``."""
+"""Initial contents of memories: in few lines of Verilog, or in files for ``$readmemh``."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ MEMORY = re.compile(
     r"  end\n",
     re.MULTILINE,
 )
-"""A memory as Amaranth's Verilog has it, all of its words in order, or with several a line."""
+"""A memory in Yosys' Verilog, with one word a line or several."""
 
 WORD = re.compile(r"\[(\d+)\] = \d+'h([0-9a-f]+);")
 
 
 COLUMNS = 100
-"""Characters of a line with words of a memory."""
+"""Length of a line with words of a memory."""
 
 
 def pack_contents(text: str) -> str:
     """Return Verilog with the initial contents of its memories in few lines.
 
-    Zeros are written in a loop, other words several a line.
+    Contents of zeros become a loop. Other contents have several words a line.
 
     Parameters
     ----------
@@ -59,24 +59,24 @@ def pack_contents(text: str) -> str:
 
 
 def move_contents(text: str, folder: str) -> tuple[str, dict[str, str]]:
-    """Replace the contents of memories that start with more than zeros by ``$readmemh``.
+    """Replace the initial contents of memories by ``$readmemh``, unless they are zeros.
 
-    Simulators and the tools of FPGAs read such files when they elaborate the Verilog; they look for
-    them from where they were started. The contents can then be changed without new Verilog.
+    Simulators and synthesis tools read these files when they elaborate the Verilog, relative to the
+    folder where they were started. The contents can then be changed without new Verilog.
 
     Parameters
     ----------
     text
         Verilog, as ``verilog.convert`` writes it.
     folder
-        Where the files will lie, as the Verilog is to name it; slashes apart.
+        Path of the files' folder in the Verilog, with forward slashes.
 
     Returns
     -------
     text
         The Verilog without those contents.
     files
-        What to write into each file of the folder, by name: a word a line in hexadecimal.
+        The text of each file, by name: a word a line in hexadecimal.
     """
     files = {}
 

@@ -1,4 +1,4 @@
-"""The pin-level top as a netlist of Virtex-II's cells, for the vendor's last tools."""
+"""The narrow top as a netlist of Virtex-II cells, for ISE."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ WRITE_EDIF = "write_edif -pvector bra"
 
 
 def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
-    """Return an engine with its pins as EDIF, and as Yosys' JSON of the same cells.
+    """Return the narrow top as EDIF, and the same netlist as Yosys' JSON.
 
-    ``-ise`` makes what ISE reads, buffers at the pins and a global one for the clock among it. The
-    commands are those by which resources are counted, so the netlist is what the counts are of.
+    The option ``-ise`` makes a netlist for ISE, with I/O buffers and a global clock buffer. The
+    commands are those of :func:`splatline.flow.area.synth.synthesise`, so its counts are of this
+    netlist.
 
     Parameters
     ----------

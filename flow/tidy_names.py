@@ -1,8 +1,7 @@
-"""Amaranth's RTLIL with names that every tool takes.
+"""Renames the wires, cells and modules of Amaranth's RTLIL to plain identifiers.
 
-Amaranth names what has no name of its own with ``$`` and a number, and writes dots into the names
-of modules. Here all get plain identifiers, ``_7_`` in place of ``$7``. Wires of no bits are left
-out.
+Amaranth gives unnamed signals a ``$`` and a number, and its module names have dots. Some tools
+accept neither. ``$7`` becomes ``_7_`` here. Wires of no bits are removed.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ _WORDS = (
 )
 
 KEYWORDS = frozenset(_WORDS.split())
-"""Words that Verilog and SystemVerilog keep for themselves."""
+"""Keywords of Verilog and SystemVerilog."""
 
 MODULE = re.compile(r"^module \\(\S+)\n(.*?)^end\n", re.MULTILINE | re.DOTALL)
 WIRE = re.compile(r"^  wire width (\d+)(?: (input|output) \d+)?.* (\S+)$", re.MULTILINE)
@@ -46,19 +45,19 @@ NUMBERED = re.compile(r"(.*?)\$\d+(?=$|[.\[])")
 
 
 def is_identifier(name: str) -> bool:
-    """Return whether Verilog takes a name as it stands."""
+    """Return whether a name is an identifier in Verilog, without a backslash."""
     return re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) is not None and name not in KEYWORDS
 
 
 def tidy(text: str) -> str:
-    """Return RTLIL of the same circuit, as said above.
+    """Return RTLIL of the same circuit with plain identifiers.
 
     The module ``top.part`` becomes ``top__part``.
 
     Parameters
     ----------
     text
-        What ``amaranth.back.rtlil.convert`` returns.
+        RTLIL of ``amaranth.back.rtlil.convert``.
     """
     bodies = {found[1]: found[2] for found in MODULE.finditer(text)}
     modules = _unique({name: name.replace(".", "__") for name in bodies}, set())
@@ -74,9 +73,9 @@ def tidy(text: str) -> str:
 
 
 def _unique(wanted: dict[str, str], taken: set[str]) -> dict[str, str]:
-    """Return names of which none is taken or comes twice.
+    """Return unique names that are not taken.
 
-    A keyword gets ``_`` behind it, and what would come twice a number.
+    A keyword gets ``_`` appended, and a duplicate gets a number.
     """
     names = {}
     for key, name in wanted.items():
@@ -90,7 +89,7 @@ def _unique(wanted: dict[str, str], taken: set[str]) -> dict[str, str]:
 
 
 def _without_empty_wires(body: str) -> str:
-    """Drop wires of no bits, which Verilog cannot write, unless something reads them."""
+    """Remove wires of no bits, which Verilog does not have, unless they are read."""
     empty = {name for width, _, name in WIRE.findall(body) if width == "0"}
     for name in NAME.findall(CONNECT.sub(r" \2\n", WIRE.sub("", body))):
         empty.discard(name)
@@ -106,11 +105,11 @@ def _without_empty_wires(body: str) -> str:
 
 
 def _port_names(body: str) -> dict[str, str]:
-    """Return new names of a module's wires and cells, where they have none of their own.
+    """Return new names of a module's wires and cells that are not plain identifiers.
 
-    An expression gets its number between underscores, as in Yosys' own Verilog. A port that is cut
-    from a longer signal is named after the signals of the module that it makes up, else after the
-    one that it is part of.
+    An expression gets its number between underscores, as in Yosys' own Verilog. A port that is a
+    part of a longer signal is named after the module's signals that are parts of the port; or else
+    after the signal that the port is part of.
     """
     wires, connects = WIRE.findall(body), CONNECT.findall(body)
     cells = [name for _, name, _ in CELL.findall(body)]
@@ -130,7 +129,7 @@ def _port_names(body: str) -> dict[str, str]:
 
 
 def _made_of(port: str, connects: list[tuple[str, str]]) -> str:
-    """Return a name for a port after the signals that are parts of it, or that it is part of."""
+    """Return a port's name, made of the signals that are parts of it, or that it is part of."""
     parts: dict[int, str] = {}
     whole = ""
     inner = next((value.split()[0] for name, value in connects if name == port), port)
@@ -146,7 +145,7 @@ def _made_of(port: str, connects: list[tuple[str, str]]) -> str:
 
 
 def _rename(body: str, names: dict[str, str]) -> str:
-    """Return a module's body with other names of wires and cells."""
+    """Return a module's body with new names of wires and cells."""
     head = {f"{old} ": f"{new} " for old, new in names.items()}
     pins: list[str] = []
 
@@ -154,7 +153,7 @@ def _rename(body: str, names: dict[str, str]) -> str:
         pins.append(found[2])
         return f"{found[1]}@pin{found[3]}"
 
-    # A pin of a cell may be called like a wire; its name is not the wire's.
+    # A pin of a cell may have the same name as a wire, and keeps it.
     held = PIN.sub(keep, body)
     held = NAME.sub(lambda found: head.get(f"{found[0]} ", found[0] + " ")[:-1], held)
     left = iter(pins)
@@ -162,7 +161,7 @@ def _rename(body: str, names: dict[str, str]) -> str:
 
 
 def _instance(found: re.Match, modules: dict[str, str], ports: dict[str, dict[str, str]]) -> str:
-    """Return an instance with its module's new name and those of its ports."""
+    """Return an instance with the new names of its module and ports."""
     kind, name, pins = found.groups()
     if kind[1:] not in modules:
         return found[0]

@@ -1,4 +1,4 @@
-"""Yosys, nextpnr and ecppack: programs of WebAssembly, each run in a folder of its own."""
+"""Runs Yosys, nextpnr and ecppack, which are WebAssembly programs of YoWASP."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pathlib import Path
 __all__ = ["ToolError", "run_ecppack", "run_nextpnr", "run_yosys"]
 
 LOG = 2000
-"""Characters of a failed tool's log that are shown: its last ones say why."""
+"""Characters of a failed tool's log that are shown, from its end."""
 
 
 class ToolError(RuntimeError):
-    """A tool failed or was killed, or left what it should not; the message may end with its log."""
+    """A tool failed, was killed or gave a wrong result. The message may end with its log."""
 
 
 def run_yosys(script: str, folder: Path) -> None:
-    """Run Yosys' commands in a folder, which has all files that they name.
+    """Run Yosys' commands in a folder with all of their files.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def run_yosys(script: str, folder: Path) -> None:
 
 
 def run_nextpnr(arguments: list[str], folder: Path) -> None:
-    """Place and route for an ECP5 in a folder, which has all files that the arguments name.
+    """Place and route for an ECP5 in a folder with all files of the arguments.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def run_nextpnr(arguments: list[str], folder: Path) -> None:
 
 
 def run_ecppack(arguments: list[str], folder: Path) -> None:
-    """Make an ECP5's bitstream in a folder, which has all files that the arguments name.
+    """Make an ECP5's bitstream in a folder with all files of the arguments.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def run_ecppack(arguments: list[str], folder: Path) -> None:
 
 
 def _run(tool: str, program: str, arguments: list[str], folder: Path) -> None:
-    """Run a Python program in a folder; ``subprocess`` kills it if this one is interrupted."""
+    """Run a Python program in a folder. An interrupt of this process kills it."""
     done = subprocess.run(
         [sys.executable, "-c", program, *arguments],
         cwd=folder,

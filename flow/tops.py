@@ -1,4 +1,4 @@
-"""The top modules that an engine is written with, by name."""
+"""The top modules of an engine, by name."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ TOPS: dict[str, Callable[[EngineConfig, str], tuple[str, dict]]] = {
     "pins": generate_pins,
     "axi": generate_axi,
 }
-"""``engine``: whole streams; ``pins``: narrow ones, which fit a package; ``axi``: vendors' buses.
+"""``engine``: the engine's own streams; ``pins``: the narrow top; ``axi``: the AXI top.
 
-Each is a function of a configuration and a module's name; it returns the Verilog and its
+Each is a function of a configuration and a module's name. It returns the Verilog and its
 description.
 """

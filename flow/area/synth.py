@@ -1,4 +1,4 @@
-"""Resource counts: an engine through Yosys, for the paper's Virtex-II."""
+"""Resource counts of an engine on the paper's Virtex-II, by Yosys."""
 
 from __future__ import annotations
 
@@ -29,17 +29,16 @@ __all__ = [
 ]
 
 DEVICE = {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24}
-"""What the paper's FPGA has."""
+"""Resources of the paper's FPGA."""
 
 NAME = "splatline"
-"""Of the module that is counted: another name, or another line for the same text, gives counts that
-are off by up to a percent."""
+"""Name of the top module. Counts depend on it, and on line numbers, by up to a percent."""
 
 PAPER_TABLE_1 = {"lut4": 2150, "ff": 960, "bram": 17}
-"""What the paper's engine takes of it (its Table 1); the paper does not count multipliers."""
+"""Counts of the paper's engine (its Table 1). The paper does not count multipliers."""
 
 COMMAND = "synth_xilinx -family xc2v -ise -nowidelut"
-"""Wide functions made with MUXF5..8 take a quarter more LUTs here, for less delay."""
+"""Without MUXF5..8: they need a quarter more LUTs, for less delay."""
 
 KINDS = {
     "lut4": ("LUT1", "LUT2", "LUT3", "LUT4"),
@@ -53,7 +52,7 @@ KINDS = {
 """Cells of each kind. LUT1..LUT4 each take one 4-input LUT of the device."""
 
 NUMBER = re.compile(r"_(\d+)(?=[._]|$)")
-"""Of an instance, where there are several of a kind."""
+"""Number of an instance among several of a kind."""
 
 LUT_MEMORIES = {
     "RAM16X1S": 1,
@@ -64,23 +63,23 @@ LUT_MEMORIES = {
     "RAM64X1D": 8,
     "RAM128X1S": 8,
 }
-"""LUTs that hold 16 bits each, and how many a cell takes: a small memory may be made of them."""
+"""Cells of distributed RAM, and the LUTs of each."""
 
 MEMORY_CELLS = ("RAM16X", "RAM32X", "RAM64X", "RAM128X")
 
 
 def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
-    """Return what an engine takes of the XC2V250, as Yosys counts it.
+    """Return an engine's resources in the XC2V250, as Yosys counts them.
 
-    The whole is synthesised flat; the modules are counted in a second run that keeps the hierarchy,
-    so their sum differs from the whole, which is optimised across their borders.
+    The engine is synthesised flat. A second run with the hierarchy counts the modules. Their sum
+    differs from the whole, which is optimised across modules.
 
     Parameters
     ----------
     config
         The engine's configuration.
     top
-        What to count: one of :data:`splatline.flow.tops.TOPS`.
+        The top module: one of :data:`splatline.flow.tops.TOPS`.
 
     Returns
     -------
@@ -88,14 +87,14 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
         ``preset``, ``top``; ``lut4``, ``ff``, ``bram``, ``mult``;
         ``device``, ``fits``; ``paper``, ``difference`` from it (``absolute``, ``percent``);
         ``budget``, None if none is recorded, and ``over_budget``; ``longest_path``, see
-        ``levels.longest_path``;
+        :func:`splatline.flow.timing.logic_levels.longest_path`;
         ``modules``: the counts per instance, without what is below it, and ``groups`` of them;
         ``cells`` by name; ``command`` and ``tools``.
 
     Raises
     ------
     ToolError
-        If Yosys fails, or leaves a cell that the device lacks.
+        If Yosys fails, or gives a cell whose LUTs are not known.
     """
     text, _ = TOPS[top](config, NAME)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
@@ -127,12 +126,12 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
 
 
 def count_engine(config: EngineConfig, top: str = "engine") -> dict[str, int]:
-    """Return the counts of ``synthesise``, and nothing else, in half the time."""
+    """Return only the counts of ``synthesise``, in half the time."""
     return _count_text(TOPS[top](config, NAME)[0])
 
 
 def count_component(component: wiring.Component) -> dict[str, int]:
-    """Return what one component takes by itself."""
+    """Return the counts of one component by itself."""
     return _count_text(convert(component, NAME))
 
 
@@ -144,7 +143,7 @@ def _count_text(text: str) -> dict[str, int]:
 
 
 def group_instances(modules: dict[str, dict[str, int]]) -> list[dict]:
-    """Return the modules with instances of the same name but for a number in one row each.
+    """Return the modules in groups: those whose instances differ only in numbers.
 
     Parameters
     ----------
@@ -154,7 +153,7 @@ def group_instances(modules: dict[str, dict[str, int]]) -> list[dict]:
     Returns
     -------
     list of dict
-        ``name``, such as ``window.bank_0..7``; ``instances``; and the sums of their counts.
+        ``name``, such as ``window.row_0..7``; ``instances``; and the sums of their counts.
     """
     groups: dict[str, list[str]] = {}
     for name in modules:
@@ -167,14 +166,14 @@ def group_instances(modules: dict[str, dict[str, int]]) -> list[dict]:
 
 
 def _joint_name(names: list[str]) -> str:
-    """Return one name for instances that differ in their numbers alone."""
+    """Return one name for instances that differ only in numbers."""
     columns = zip(*(map(int, NUMBER.findall(name)) for name in names), strict=True)
     ranges = iter([f"_{min(column)}..{max(column)}" for column in columns])
     return NUMBER.sub(lambda _: next(ranges), names[0]) if len(names) > 1 else names[0]
 
 
 def _difference(counts: dict[str, int]) -> dict[str, dict[str, float]]:
-    """Return what the engine takes more than the paper's, of what the paper counts."""
+    """Return the difference from the paper's counts."""
     return {
         kind: {
             "absolute": counts[kind] - taken,
@@ -211,5 +210,5 @@ def _count(cells: dict[str, int]) -> dict[str, int]:
 
 
 def _instance(module: str, top: str) -> str:
-    """Return a module's name as the path of its instance."""
+    """Return the path of a module's instance."""
     return module.removeprefix(f"{top}__").replace("__", ".") if module != top else "(top)"

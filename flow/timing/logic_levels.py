@@ -1,8 +1,8 @@
-"""The longest logic path of a netlist for Virtex-II: how many levels, and between which signals.
+"""The longest path of a Virtex-II netlist in logic levels.
 
-A level is a LUT, a multiplier without a register, or a carry chain, however long that is: a carry
-takes a tenth of a LUT's time. Levels are not nanoseconds, but no delays are needed to count them,
-and what a stage of the pipeline grows by shows at once.
+A level is a LUT, a multiplier without a register, or a carry chain of any length: a carry takes a
+tenth of a LUT's time. Levels are not nanoseconds, but need no delays, and show at once if a
+pipeline stage becomes longer.
 """
 
 from __future__ import annotations
@@ -12,15 +12,14 @@ from .longest_path import LUT_MEMORIES, Step, find_longest, signal_names
 __all__ = ["longest_path"]
 
 A_CELL = 2.0**-20
-"""What a cell counts beside its level: of paths with as many levels the one with more cells is the
-longer."""
+"""Weight of a cell beside its level: of paths of equal levels that with more cells is longer."""
 
 CONTROLS = {"CE": "clock enable of ", "R": "reset of ", "S": "set of "}
-"""A flip-flop's inputs that are not its data."""
+"""Control inputs of a flip-flop."""
 
 
 def longest_path(module: dict) -> dict:
-    """Return the longest path from a register or memory to another, ports left out.
+    """Return the longest path from a register or memory to another, without ports.
 
     Parameters
     ----------
@@ -30,13 +29,13 @@ def longest_path(module: dict) -> dict:
     Returns
     -------
     dict
-        ``levels``; ``luts``, ``carries`` and ``multipliers`` on the way (cells, so that a chain of
-        ten carries counts ten); ``start`` and ``end``, by the names of signals.
+        ``levels``; ``luts``, ``carries`` and ``multipliers`` on the path, in cells: a chain of ten
+        carries counts ten; ``start`` and ``end``, by the names of signals.
 
     Raises
     ------
     RuntimeError
-        As :func:`splatline.rtl.paths.find_longest` does.
+        As :func:`splatline.flow.timing.longest_path.find_longest` does.
     """
     path = find_longest(module, start=lambda _: 0.0, through=_levels, end=lambda _: 0.0)
     kinds = [step.kind for step in path.steps[:-1]]
@@ -53,13 +52,13 @@ def longest_path(module: dict) -> dict:
 
 
 def _levels(step: Step) -> float:
-    """Return what a step counts: an inverter is part of the pin that it leads to."""
+    """Return the levels of a step. An inverter is part of the pin that it drives."""
     along = step.pin == "CI" and step.source == "MUXCY"
     return float(step.kind != "INV" and not along) + A_CELL
 
 
 def _register_name(module: dict, name: str, names: dict[int, str], pin: str = "") -> str:
-    """Return what to call a register: its output's signal, or the cell's name with the pin."""
+    """Return a register's name: the signal of its output, or else the cell with the pin."""
     cell = module["cells"][name]
     if cell["type"].startswith("FD") and cell["connections"]["Q"][0] in names:
         return names[cell["connections"]["Q"][0]]

@@ -1,6 +1,6 @@
-"""The longest path between the registers of a Virtex-II netlist, by whatever is counted on it.
+"""The longest path between the registers of a Virtex-II netlist, by a measure of choice.
 
-``levels`` counts cells and ``timing`` nanoseconds; how signals run is found here for both.
+``logic_levels`` counts cells, and ``virtex2_delays`` counts nanoseconds.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from typing import NamedTuple
 __all__ = ["LUT_MEMORIES", "REGISTERS", "Path", "Step", "find_longest", "pins", "signal_names"]
 
 LUT_MEMORIES = ("RAM16X1", "RAM32X1", "RAM64X1", "RAM128X1")
-"""A memory made of LUTs is written at the clock's edge, and read as a LUT is, by its address."""
+"""Prefixes of distributed RAM. It is written at the clock edge, and read without a clock."""
 
 REGISTERS = ("FD", "RAMB16", "MULT18X18S", *LUT_MEMORIES)
-"""How the names of what has a clock begin."""
+"""Prefixes of cells with a clock."""
 
 READ_BY = {"O": "A", "SPO": "A", "DPO": "DPRA"}
-"""How the pins of the address begin by which an output of such a memory is read."""
+"""Prefix of the address pins for each output of a distributed RAM."""
 
 LOGIC = ("LUT1", "LUT2", "LUT3", "LUT4", "MUXF5", "MUXF6", "MUXF7", "MUXF8")
 LOGIC += ("MUXCY", "XORCY", "MULT18X18", "INV")
@@ -29,9 +29,9 @@ CLOCKS = ("C", "CLKA", "CLKB", "WCLK")
 
 
 class Step(NamedTuple):
-    """A wire of a path, from a cell of kind ``source``, and the cell that it leads into.
+    """A wire of a path, from a cell of kind ``source``, and the cell that it drives.
 
-    ``out`` is which bit of its output the path leaves that cell by.
+    ``out`` is the bit of that cell's output through which the path goes on.
     """
 
     bit: int
@@ -44,7 +44,7 @@ class Step(NamedTuple):
 
 
 class Path(NamedTuple):
-    """What is counted on a path, the register that it starts at, and its steps into another."""
+    """A path's length, the register where it starts, and its steps into another register."""
 
     total: float
     start: str
@@ -58,28 +58,28 @@ def find_longest(
     through: Callable[[Step], float],
     end: Callable[[Step], float],
 ) -> Path:
-    """Return the longest path from a register or memory to another, ports left out.
+    """Return the longest path from a register or memory to another, without ports.
 
-    Of equal ones it is the one whose end is the first in the alphabet, so that the same netlist
-    gives the same answer.
+    Of paths of equal length it is that with the alphabetically first end, so the same netlist gives
+    the same result.
 
     Parameters
     ----------
     module
         A flat module as Yosys writes it in JSON after ``synth_xilinx -family xc2v -ise -flatten``.
     start
-        What a kind of register counts at the start of a path.
+        Function of a kind of register: length at the start of a path.
     through
-        What a step counts, with the cell that it leads through.
+        Function of a step: length of its wire and of the cell that it drives.
     end
-        What a step into a register counts.
+        Function of a step into a register: its length.
 
     Raises
     ------
     RuntimeError
-        If a cell is not known, signals run in a circle or no path joins two registers.
+        If a cell is not known, there is a combinational loop, or no path joins two registers.
     """
-    # Those left out are notes of Yosys.
+    # Cells with a $ are comments of Yosys.
     cells = {n: cell for n, cell in module["cells"].items() if cell["type"][0] != "$"}
     for kind in {cell["type"] for cell in cells.values()}:
         if not kind.startswith(REGISTERS) and kind not in (*LOGIC, *PADS):
@@ -94,7 +94,7 @@ def find_longest(
     }
 
     def steps(name: str, output: str = "", out: int = 0) -> Iterator[tuple[float, Step]]:
-        """Yield when a cell's inputs come, and the steps into it."""
+        """Yield the steps into a cell, each with the length of the path before it."""
         kind = cells[name]["type"]
         for pin, _, bit in _causes(cells[name], output):
             if bit in arrivals:
@@ -119,7 +119,7 @@ def find_longest(
 
 
 def pins(cell: dict, direction: str) -> Iterator[tuple[str, int, int]]:
-    """Yield the pins of one direction, by name and place, with their bits; constants left out."""
+    """Yield the pins of one direction: name, index and bit, without constants."""
     for pin, way in cell["port_directions"].items():
         if way == direction:
             for place, bit in enumerate(cell["connections"][pin]):
@@ -128,12 +128,12 @@ def pins(cell: dict, direction: str) -> Iterator[tuple[str, int, int]]:
 
 
 def signal_names(module: dict) -> dict[int, str]:
-    """Return a name of each bit that has one in the source: of several, one that says where."""
+    """Return a name for each bit that has one in the source; the most telling one of several."""
     best: dict[int, tuple] = {}
     for name, net in module["netnames"].items():
         if net["hide_name"]:
             continue  # made by Yosys
-        # What has no name of its own is called _7_, see flow/tidy_names.py.
+        # An unnamed signal is called _7_, see flow/tidy_names.py.
         rank = (
             re.search(r"\b_\d+_$", name) is not None or "$" in name,
             "." not in name,
@@ -148,7 +148,7 @@ def signal_names(module: dict) -> dict[int, str]:
 
 
 def _sorted(cells: dict, drivers: dict[int, str]) -> Iterator[str]:
-    """Yield the cells that a path may lead through, each after those that drive it."""
+    """Yield the cells of logic in topological order."""
     before = {
         name: {
             drivers[bit]
@@ -166,7 +166,7 @@ def _sorted(cells: dict, drivers: dict[int, str]) -> Iterator[str]:
 
 
 def _causes(cell: dict, output: str) -> Iterator[tuple[str, int, int]]:
-    """Yield the inputs that an output follows at once; for no output, all but the clocks."""
+    """Yield the inputs of an output's combinational logic; without an output, all but clocks."""
     address = READ_BY[output] if output and cell["type"].startswith(LUT_MEMORIES) else ""
     for pin, place, bit in pins(cell, "input"):
         if pin.startswith(address) and pin not in CLOCKS:

@@ -1,4 +1,4 @@
-"""A clock rate after routing: the pin-level top on a Lattice ECP5, all with open tools."""
+"""The clock rate of the narrow top after routing on a Lattice ECP5, with open tools."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CONSTRAINTS = Path(__file__).resolve().parents[2] / "constraints" / "lfe5u25_cab
 
 
 class Device(NamedTuple):
-    """An ECP5: its name, nextpnr's option for it, and how many block RAMs of 18 kbit it has."""
+    """An ECP5: its name, nextpnr's option for it, and its block RAMs of 18 kbit."""
 
     name: str
     option: str
@@ -36,31 +36,31 @@ DEVICES = (
     Device("LFE5U-45F-6BG381", "--45k", 108),
     Device("LFE5U-85F-6BG381", "--85k", 208),
 )
-"""Those of one package and the slowest grade, with 24, 44 and 84 thousand LUTs."""
+"""Devices of one package and the slowest speed grade, with 24, 44 and 84 thousand LUTs."""
 
 OPTIONS = ("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
 """The last lets the placer choose the pins."""
 
 TIMED = ("--placer-heap-timingweight", "40")
-"""Four times what it is else: the placer cares more for the slowest wires than for the length of
-all. A tenth faster where a block RAM and its comparison are two thirds of the longest way
+"""Four times the default: the placer gives the critical path more weight than the total wire
+length. A tenth faster if a block RAM and its comparison are two thirds of the critical path
 (decision 0055)."""
 
 SHORT = ("--placer", "static")
-"""A placer that keeps all wires short. That is faster where rows of lanes have their block RAMs all
-over the chip, and in no other engine; and the router is done in some minutes then, which else found
-no way in forty."""
+"""A placer that keeps all wires short. It gives a higher rate for the blocks engine only, whose
+block RAMs are all over the chip. Routing then takes some minutes; after the other placer it did not
+end in forty (decision 0056)."""
 
 SYNTHESIS = "synth_ecp5 -cmp2softlogic"
-"""Comparisons with constants in LUTs: a carry chain takes longer to get into and out of."""
+"""Comparisons with constants in LUTs: entry and exit of a carry chain take longer."""
 
 MANY_MEMORIES = " -no-rw-check"
-"""Yosys gives a lane's block RAM registers and multiplexers, so that a pixel which is read while it
-is written is the old one. Nothing depends on that (``docs/formal.md``), and the router cannot place
-so many in a quarter of an hour."""
+"""Without it Yosys adds registers and multiplexers to each block RAM, so that a pixel that is read
+while it is written has its old value. Nothing depends on that (``docs/formal.md``), and so many
+cells cannot be placed and routed in a quarter of an hour."""
 
 MEMORY_MAPS = ("lutrams_map_trellis.v", "brams_map_16kd.v")
-"""Yosys' own, of the memories in LUTs and of the block RAMs."""
+"""Yosys' maps of distributed RAM and of block RAM."""
 
 RESOURCES = {
     "TRELLIS_COMB": "4-input LUTs",
@@ -79,30 +79,30 @@ def place_and_route(
     mhz: float = 100.0,
     packed: Path | None = None,
 ) -> dict:
-    """Return how fast an engine with its pins is on an ECP5, placed and routed.
+    """Place and route the narrow top on an ECP5; return its clock rate.
 
-    It is the smallest of ``DEVICES`` that has all its block RAMs.
+    The device is the smallest of ``DEVICES`` with enough block RAMs.
 
     Parameters
     ----------
     config
         The engine's configuration.
     seed
-        Of the placer; another gives another rate, by about a tenth.
+        Seed of the placer. Rates differ by about a tenth between seeds.
     tries
-        So many seeds are tried from there on, and the fastest is kept.
+        Number of seeds to try, from ``seed`` on. The fastest counts.
     mhz
-        Clock rate to aim at, and to measure the slack against.
+        Target clock rate, which the slack refers to.
     packed
-        Where to write the bitstream; none is made if not given.
+        File for the bitstream; None: no bitstream.
 
     Returns
     -------
     dict
         ``preset``, ``device``, ``seed``, ``rates_mhz`` of every seed tried; what
         :func:`read_report` returns of the fastest; ``virtex2_estimate_mhz`` and
-        ``virtex2_estimate``, see :func:`splatline.rtl.timing.estimate_timing`; ``commands`` and
-        ``tools``.
+        ``virtex2_estimate``, see :func:`splatline.flow.timing.virtex2_delays.estimate_timing`;
+        ``commands`` and ``tools``.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def place_and_route(
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "top.v").write_text(text)
-        # The last of two rates of a clock counts.
+        # The last of two frequencies of a clock counts.
         limits = CONSTRAINTS.read_text() + f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
         synthesis = SYNTHESIS + (MANY_MEMORIES if config.draws_blocks else "")
@@ -152,21 +152,22 @@ def place_and_route(
 
 
 def smallest(block_rams: int) -> Device:
-    """Return the smallest device that has so many block RAMs, or else the largest there is."""
+    """Return the smallest device with so many block RAMs, or else the largest device."""
     return next((device for device in DEVICES if device.block_rams >= block_rams), DEVICES[-1])
 
 
 def placer(config: EngineConfig) -> tuple[str, ...]:
-    """Return nextpnr's options for how an engine is placed."""
+    """Return nextpnr's options of the placer for an engine."""
     return SHORT if config.draws_blocks else TIMED
 
 
 def _script(config: EngineConfig, synthesis: str, name: str, folder: Path) -> list[str]:
     """Return Yosys' commands.
 
-    Block RAMs of lanes that give pairs are read through the port that writes them, before it does.
-    Yosys' library has that, but not what the other port reads at that place in that cycle, so that
-    it finds no mapping. Nobody counts on it: a library that promises it serves in its place.
+    With ``flush_words`` 2 the write port of a lane's block RAM is also read, read-first. Yosys'
+    library has that, but does not define what the other port reads from an address that is written
+    in the same cycle, so Yosys finds no mapping. Nothing depends on that value, so the library is
+    replaced by one that defines it.
     """
     begin = ["read_verilog top.v"]
     end = f"{synthesis} -top {name} -json top.json"
@@ -185,24 +186,24 @@ def _script(config: EngineConfig, synthesis: str, name: str, folder: Path) -> li
 
 
 def _route(folder: Path, route: list[str], seed: int) -> dict:
-    """Place and route with a seed, and return what the report says."""
+    """Place and route with a seed; return the report."""
     files = ["--textcfg", f"{seed}.config", "--report", "report.json"]
-    # A rate that is missed is a result, not a failure.
+    # A missed target is a result, not a failure.
     run_nextpnr([*route, *files, "--timing-allow-fail"], folder)
     return read_report(json.loads((folder / "report.json").read_text()))
 
 
 def read_report(report: dict) -> dict:
-    """Return what nextpnr's JSON report says of the one clock.
+    """Return the clock rate, utilisation and critical path of nextpnr's JSON report.
 
     Returns
     -------
     dict
-        ``fmax_mhz``; ``target_mhz``; ``slack_ns`` at the target, below 0 if it was missed;
+        ``fmax_mhz``; ``target_mhz``; ``slack_ns`` at the target, negative if it was missed;
         ``utilisation``: ``used`` and ``available`` by resource; ``logic_ns`` and ``routing_ns`` of
         the critical path, and ``critical_path``: its steps, each with ``type`` (clk-to-q, logic,
-        routing, setup), ``ns``, the ``module`` it is in, and ``name``: a cell's, or a net's where
-        it is routing.
+        routing, setup), ``ns``, its ``module``, and ``name``: that of a cell, or of a net for
+        routing.
 
     Raises
     ------
@@ -212,7 +213,7 @@ def read_report(report: dict) -> dict:
     if len(report["fmax"]) != 1:
         raise ToolError(f"nextpnr's report has {len(report['fmax'])} clocks; one was expected")
     rate = next(iter(report["fmax"].values()))
-    # Paths to and from pins are listed as well, with <async> at one end.
+    # Paths to and from pins have <async> at one end.
     paths = [
         path for path in report["critical_paths"] if "<async>" not in (path["from"], path["to"])
     ]
@@ -233,9 +234,9 @@ def read_report(report: dict) -> dict:
 
 
 def _step(step: dict) -> dict:
-    """Return a step of a path as the report has it."""
+    """Return type, delay, module and name of a step of a path."""
     name = step.get("net") or step["to"]["cell"]
-    # What Yosys appends to a signal's name says which cells lie between, at length.
+    # Yosys appends the cells of the path to a signal's name.
     signal = re.sub(r"(_(LUT4|CCU2C|PFUMX|L6MUX21|TRELLIS_FF)|\$CCU2|\$DP16KD).*$", "", name)
     return {
         "type": step["type"],

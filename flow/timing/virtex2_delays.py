@@ -1,27 +1,27 @@
-"""How fast a netlist might run in a Virtex-II: its longest path, as Xilinx' XST would estimate it.
+"""Estimates the clock rate of a netlist in a Virtex-II, as Xilinx' XST does before placement.
 
-No place is known of any cell, so what the wires take follows from their fan-out alone, and the
-result is an **estimate**: placement and routing by the vendor's tools alone can tell
+The cells are not placed, so the delay of a wire follows from its fan-out alone. The result is an
+**estimate**: only placement and routing by the vendor's tools give the clock rate
 (``docs/ise.md``).
 
-**Where the figures are from.** The tables of the data sheet (DS031 module 3) could not be had. But
-ISE 10.1.03 prints the delays of its speed files ("-4", "PRODUCTION 1.121 2008-07-25") in reports,
-and students of MIT's 6.111, whose board has an XC2V6000-4, left theirs on GitHub:
+**Source of the delays.** The tables of the data sheet (DS031 module 3) were not available. ISE
+10.1.03 prints the delays of its speed files ("-4", "PRODUCTION 1.121 2008-07-25") in its reports.
+Students of MIT's 6.111, whose board has an XC2V6000-4, have published such reports on GitHub:
 
 - *trce*: github.com/paulinev/laser_pinball, ``camera/ise/camera_read/labkit.twr`` (blobs
   6887224762, 78652b2cfe, 388bd3ff2f): T_CKO 0.568, T_ILO 0.439, T_DICK 0.370, T_SRCK 0.280, T_BACK
   0.359, T_BECK 1.196, T_BWCK 0.718.
 - *XST*, "Timing Detail" in 136 reports (``*.syr``), such as ``lolzhang/finallabkit.syr`` in
   github.com/lycarter/6.111-finalproj; others in leftger/bodydrums, liamcohen/ProjectedPiano,
-  plancherb1/6.111-Final-Project: the same, and all that is not marked as from memory below.
-- *from memory of DS031*, not found anywhere: what is marked so.
+  plancherb1/6.111-Final-Project: the same, and all delays not marked "from memory" below.
+- *from memory of DS031*: the delays marked so, which were found nowhere.
 
-**How good it is.** The wires are fitted to XST's: of 2,323 in those reports that leave a slice the
-worst is off by 0.004 ns. Of 97 paths there between registers, of cells that are used here, 93 come
-out within 0.01 ns of what XST printed; for the other four more is reckoned here, by up to 0.84 ns.
-XST itself is off as well: of 43 clocks in those designs, those behind a DCM left out, the period
-after ``par -ol std`` was 0.87 of XST's in the median, at least 0.54 and at most 1.52. Half of the
-designs filled under 3 % of their chip, and a wire is longer in a full one.
+**Accuracy.** The delays of wires are fitted to XST's: of 2,323 wires between slices in those
+reports the worst differs by 0.004 ns. Of 97 paths between registers, of cells that occur here, 93
+are within 0.01 ns of XST's; the other four are estimated too long here, by up to 0.84 ns. XST's own
+estimate is inexact: for 43 clocks of those designs, without those of a DCM, the period after ``par
+-ol std`` was 0.87 of XST's in the median, at least 0.54 and at most 1.52. Half of the designs used
+under 3 % of their chip; in a full chip wires are longer.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ from .longest_path import LUT_MEMORIES, REGISTERS, Step, find_longest, pins, sig
 __all__ = ["SOURCE", "estimate_timing", "net_delay"]
 
 SOURCE = "Virtex-II -4: as XST 10.1.03 has cells, and wires by fan-out; some of RAMs from memory"
-"""Where the delays come from, in short."""
+"""Source of the delays, in short."""
 
 MEMORY_MUXES = {"RAM16X1": 0.0, "RAM32X1": 0.436, "RAM64X1": 0.883, "RAM128X1": 1.33}
-"""ns of the wide multiplexers behind the LUTs of a memory of more than 16 rows: MUXF5 to 7."""
+"""ns of the wide multiplexers MUXF5..7 behind the LUTs of a distributed RAM of over 16 rows."""
 
 CLOCK_TO_OUT = {"FD": 0.568, "RAMB16": 2.65, "MULT18X18S": 3.0}
 CLOCK_TO_OUT |= {kind: 2.05 + muxes for kind, muxes in MEMORY_MUXES.items()}
-"""ns from the clock's edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_MULTCK.
+"""ns from the clock edge to an output: T_CKO, T_BCKO, T_SHCKO16, T_MULTCK.
 
-From memory: all but the first. That T_BACK, T_BECK and T_BWCK, recalled from T_BCKO's table, came
-out right speaks for it, as T_DS and T_WES do for T_SHCKO16. No MULT18X18S is used.
+All but the first are from memory. T_BACK, T_BECK and T_BWCK of the same table as T_BCKO were
+remembered correctly, and so were T_DS and T_WES of that of T_SHCKO16. No MULT18X18S is used.
 """
 
 SETUP = {"FD": 0.370, "RAMB16": 0.359, "MULT18X18S": 3.890}
 SETUP |= dict.fromkeys(LUT_MEMORIES, 0.667)
-"""ns that an input stands before the clock's edge: T_DICK, T_BACK, T_DS, T_MULIDCK.
+"""Setup time in ns before the clock edge: T_DICK, T_BACK, T_DS, T_MULIDCK.
 
-T_DS was found for SRL16E, a LUT as well. From memory: that T_BDCK is as T_BACK, and T_AS below
-T_DS.
+T_DS was found for SRL16E, which is a LUT as well. From memory: T_BDCK equals T_BACK, and T_AS is
+less than T_DS.
 """
 
 SETUP_OF_PIN = {
@@ -63,19 +63,19 @@ SETUP_OF_PIN = {
     ("RAMB16", "SSR"): 1.65,
     **{(kind, "WE"): 0.525 for kind in LUT_MEMORIES},
 }
-"""Where it is another: T_CECK, T_SRCK, T_BECK, T_BWCK, T_BRCK (from memory), T_WES."""
+"""Setup time of other pins: T_CECK, T_SRCK, T_BECK, T_BWCK, T_BRCK (from memory), T_WES."""
 
 LUT = 0.439
 """ns through a LUT: T_ILO."""
 
 LUT_READ = 0.938
-"""ns to read a memory of 16 rows made of LUTs: those that XST has for RAM32X1D, 1.374, without its
-MUXF5. By the data sheet, from memory, it is T_ILO."""
+"""ns to read a distributed RAM of 16 rows: XST's delay of RAM32X1D, 1.374, without its MUXF5. The
+data sheet has T_ILO for it (from memory)."""
 
 MUXES = {"MUXF5": (0.436, 0.699), "MUXF6": (0.447, 0.570)}
 MUXES |= dict.fromkeys(("MUXF7", "MUXF8"), MUXES["MUXF6"])
-"""ns through a wide multiplexer, from its inputs and from its select. Not found: the select of
-MUXF7 and MUXF8."""
+"""ns through a wide multiplexer, from its inputs and from its select. The select of MUXF7 and MUXF8
+was not found."""
 
 CARRIES = {
     ("MUXCY", "S"): 0.298,
@@ -87,22 +87,22 @@ CARRIES = {
 """ns through the cells of a carry chain, by the pin."""
 
 CARRY_OUT = 0.889
-"""ns from a carry out of its chain, where no XORCY makes a sum of it."""
+"""ns from a carry chain to a wire without an XORCY."""
 
 MULTIPLIER, MULTIPLIER_BIT = 3.111, 0.207
-"""ns through a multiplier to bit 0 of its product, and how much more for each bit above: seen from
-bit 7 (4.560) to bit 27 (8.700), so 10.356 for bit 35. These are of stepping 0, which ISE takes if
-not told otherwise; chips of stepping 1 are faster, 5.91 for bit 35 (from memory)."""
+"""ns through a multiplier to bit 0 of its product, and for each further bit. Found for bits 7 to 27
+(4.560 to 8.700); bit 35 is then 10.356. These are of stepping 0, ISE's default. Chips of stepping 1
+are faster, 5.91 for bit 35 (from memory)."""
 
 NETS = ((1, 0.517), (2, 0.701), (14, 0.977), (19, 1.035), (25, 1.069), (479, 2.249))
-"""ns of a wire by its fan-out, straight lines between."""
+"""ns of a wire by its fan-out, with linear interpolation."""
 
 LUT_PINS = {"I0": 0.286, "I1": 0.209, "I2": 0.035, "I3": 0.040}
-"""ns that a wire takes longer to a pin of a LUT."""
+"""Additional ns of a wire to a pin of a LUT."""
 
 
 def net_delay(fan_out: int) -> float:
-    """Return the ns that a wire to ``fan_out`` inputs is taken to need, see NETS."""
+    """Return the ns of a wire with a fan-out, by NETS."""
     beyond = NETS[-2], NETS[-1]
     line = next((points for points in pairwise(NETS) if fan_out <= points[1][0]), beyond)
     (few, soon), (many, late) = line
@@ -110,7 +110,7 @@ def net_delay(fan_out: int) -> float:
 
 
 def estimate_timing(module: dict) -> dict:
-    """Return an estimate of a flat netlist's clock rate, of the paths between registers alone.
+    """Estimate a flat netlist's clock rate from the paths between registers.
 
     Parameters
     ----------
@@ -121,15 +121,14 @@ def estimate_timing(module: dict) -> dict:
     -------
     dict
         ``ns`` and ``mhz``; ``logic_ns`` and ``routing_ns`` of it; ``levels``: cells between the
-        registers; ``path``: for each cell its ``type``, ``pin`` that the path enters by, ``signal``
-        that it drives (nothing where it has no name in the source), ``net_ns`` before it and
-        ``cell_ns`` in it;
+        registers; ``path``: for each cell its ``type``, input ``pin``, the ``signal`` that it
+        drives (empty if it has no name in the source), ``net_ns`` before it and ``cell_ns`` in it;
         ``source`` of the delays.
 
     Raises
     ------
     RuntimeError
-        As :func:`splatline.rtl.paths.find_longest` does.
+        As :func:`splatline.flow.timing.longest_path.find_longest` does.
     """
     total, start, steps = find_longest(
         module,
@@ -169,12 +168,12 @@ def estimate_timing(module: dict) -> dict:
 
 
 def _register(kind: str) -> str:
-    """Return which of the registers a cell is."""
+    """Return the kind of register of a cell."""
     return next(name for name in REGISTERS if kind.startswith(name))
 
 
 def _setup(step: Step) -> float:
-    """Return what a register's input needs before the clock's edge."""
+    """Return the setup time of a register's input."""
     register = _register(step.kind)
     for (name, start), ns in SETUP_OF_PIN.items():
         if name == register and step.pin.startswith(start):
@@ -183,7 +182,7 @@ def _setup(step: Step) -> float:
 
 
 def _gate(step: Step) -> float:
-    """Return the delay of the cell that a step leads through."""
+    """Return the delay of the cell that a step drives."""
     if step.kind.startswith("LUT"):
         return LUT
     if step.kind.startswith(LUT_MEMORIES):
@@ -193,17 +192,17 @@ def _gate(step: Step) -> float:
     if step.kind == "MULT18X18":
         return MULTIPLIER + MULTIPLIER_BIT * step.out
     if step.kind == "INV":
-        return 0.0  # it goes into the LUT or register behind it
+        return 0.0  # it becomes part of the LUT or register behind it
     return CARRIES[step.kind, step.pin]
 
 
 def _leave(step: Step) -> float:
-    """Return what it takes to leave a carry chain, if the step does."""
+    """Return the delay of a step out of a carry chain, or 0."""
     return CARRY_OUT if step.source == "MUXCY" and step.pin != "CI" else 0.0
 
 
 def _wire(step: Step) -> float:
-    """Return the delay of a step's wire: none within a slice, or before an inverter."""
+    """Return the delay of a step's wire; 0 within a slice and before an inverter."""
     wide = step.source.startswith(("LUT", "MUXF"))
     data = step.kind.startswith("FD") and step.pin == "D"
     if step.kind == "INV":

@@ -341,15 +341,17 @@ class BlockWindow(wiring.Component):
             ]
 
     def _load(self, m, loaded, loader):
-        """Split the loaded beat into its even and its odd word."""
+        """Split the loaded beat into its even and its odd word; background has colour 0."""
         pixels = loader.o.payload.pixels
         for half, name in enumerate(HALVES):
-            left = self.config.pixels_per_word * half
-            m.d.sync += [
-                getattr(loaded, name)[kind][column].eq(pixels[kind][left + column])
-                for kind in ("depth", "colour")
-                for column in range(self.config.pixels_per_word)
-            ]
+            word = getattr(loaded, name)
+            for column in range(self.config.pixels_per_word):
+                pixel = self.config.pixels_per_word * half + column
+                depth, colour = pixels.depth[pixel], pixels.colour[pixel]
+                m.d.sync += [
+                    word.depth[column].eq(depth),
+                    word.colour[column].eq(Mux(depth.all(), 0, colour)),
+                ]
 
     def _mark(self, m, flush_scan, loader, grants, clearing):
         """Tell the flush scan which words are written, and when it may take dirty bits."""

@@ -183,14 +183,17 @@ class AxiTop(wiring.Component):
             "words": word_left,
         }
         self._count(m, registers, counted)
+        self._interrupt(m, values, live)
+        return m
 
+    def _interrupt(self, m, values, live):
+        """Raise the interrupt while an enabled bit of IRQ_STATUS is set."""
         irq = Signal()
         m.d.sync += irq.eq(
             (values.irq_status_frame_done & values.irq_enable_frame_done)
             | (live.irq_status_error & values.irq_enable_error)
         )
         m.d.comb += self.irq.eq(irq)
-        return m
 
     def _registers(self, m):
         """Return the register file behind the AXI4-Lite port."""

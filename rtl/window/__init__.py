@@ -1,4 +1,4 @@
-"""Parts of both windows: the loader of an initial raster, and frame overlap.
+"""Parts of both windows: loader, frame overlap, and what their services and flush scans share.
 
 It imports ``contract`` and ``rtl.layouts``. Start with ``loader``.
 """

@@ -58,7 +58,7 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
         first (:mod:`splatline.sim.golden.compact_words`).
     initial
         Raster to start from, such as the picture of the previous engine of a chain; background
-        if not given. It is not changed.
+        if not given. Its colours at background depth do not count. It is not changed.
     bands
         Number of bands of lines that are drawn in parallel, at least 1; by default the number of
         numba's threads. The picture does not depend on it.
@@ -75,7 +75,7 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
         another shape or larger values than the engine's.
     ValueError
         If ``bands`` is below 1, or the initial raster has another size or configuration than the
-        frame, a value that no pixel holds, or a colour at background depth.
+        frame, or a value that no pixel holds.
     """
     config = frame.config
     if bands is None:
@@ -203,7 +203,8 @@ def _initial_raster(frame: Frame, initial: Raster | None) -> Raster:
     """Return the raster that a frame starts from, in new arrays."""
     if initial is None:
         return Raster.background(frame.width, frame.height, frame.config)
-    return Raster(initial.depth.astype(np.uint16), initial.colour.astype(np.uint8), frame.config)
+    colour = np.where(initial.drawn[..., np.newaxis], initial.colour, 0)
+    return Raster(initial.depth.astype(np.uint16), colour.astype(np.uint8), frame.config)
 
 
 def _cut(
@@ -243,5 +244,3 @@ def _check_initial(initial: Raster, frame: Frame) -> None:
         )
     if initial.depth.max() > config.background_depth or initial.colour.max() > config.channel_max:
         raise ValueError("the initial raster has a depth or a colour that no pixel holds")
-    if initial.colour[~initial.drawn].any():
-        raise ValueError("the initial raster has a colour where it has background")

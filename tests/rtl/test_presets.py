@@ -35,9 +35,12 @@ def over_an_initial_raster(rng, config):
     """Sparse, half and wholly full initial rasters, which take the lanes from the elements."""
     for seed, rates in enumerate(RATES):
         for width, height, share in ((40, 30, 0.5), (37, 60, 0.02), (130, 10, 1.0)):
+            start = random_raster(rng, width, height, share, config)
+            # A colour at background depth does not count.
+            start.colour[~start.drawn] = rng.integers(0, config.channel_max + 1)
             yield Job(
                 frame=shapes(rng, 200, width, height, config=config),
-                initial=random_raster(rng, width, height, share, config),
+                initial=start,
                 rates=rates,
                 seed=seed,
             )

@@ -1,4 +1,4 @@
-"""Which preset a bench tests: it runs inside a simulator, and the environment tells it."""
+"""The preset of a bench. The bench runs in a simulator and gets it from the environment."""
 
 import os
 from pathlib import Path
@@ -15,13 +15,13 @@ VARIABLE = "SPLATLINE_TEST_PRESET"
 
 
 class Paired(EngineConfig):
-    """An engine whose lanes give pairs of words, whatever a word's pixels."""
+    """An engine whose lanes flush pairs of words, with any pixels a word."""
 
     flush_words = 2
 
 
 PAIRED = Paired(name="paired")
-"""Paper's lanes, for the same benches: what is particular about those of ``lanes8``."""
+"""``paper`` with lanes that flush pairs of words, as those of ``lanes8``, for the same benches."""
 
 CONFIG = {config.name: config for config in (*PRESETS.values(), *VARIANTS, NARROW_BLOCKS, PAIRED)}[
     os.environ.get(VARIABLE, PAPER.name)
@@ -32,9 +32,9 @@ OTHERS = [config for config in PRESETS.values() if config is not PAPER]
 
 
 def run_bench(config, component, bench, **options):
-    """Run a file's cocotb tests on a preset's component, in the simulator that is quicker.
+    """Run a file's cocotb tests on a preset's component.
 
-    That is Icarus, which builds in no time, where it is installed.
+    The simulator is Icarus, which builds faster, or Verilator if Icarus is not installed.
     """
     quicker = "icarus" if simulator.available("icarus") else "verilator"
     options = {"simulator_name": quicker, **options}
@@ -43,7 +43,7 @@ def run_bench(config, component, bench, **options):
 
 
 def run_built(config, built, bench, test, fault):
-    """Run one of a file's cocotb tests on a build of several faults: see ``faults.switched``."""
+    """Run one cocotb test of a file on a build with several faults (see ``faults.switched``)."""
     with mock.patch.dict(os.environ, {VARIABLE: config.name}):
         simulator.run(
             built,

@@ -1,8 +1,8 @@
-"""The rows of a code word's block, as docs/contract.md has them."""
+"""The rows of a code word's block, by docs/contract.md."""
 
 
 def block_rows(rows, mode):
-    """The ends of the pixels of each of the eight rows of a block: up to eight (row, first, last).
+    """Return the rows of a block that have pixels: up to eight of (row, first, last).
 
     ``rows``: the four pairs of a code word.
     """
@@ -23,7 +23,7 @@ def block_rows(rows, mode):
 
 
 def is_shifted(rows, mode):
-    """Whether the lower half of a block lies a column further right than the upper one."""
+    """Return whether the lower half of a block begins a column further right."""
     if mode == 1:
         return False
     (first, last), (left, right) = rows[0], rows[3]

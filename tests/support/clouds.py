@@ -8,7 +8,7 @@ __all__ = ["cloud_of", "sphere"]
 
 
 def cloud_of(positions, normals, colours=None, two_sided=False):
-    """A cloud of given points about the origin."""
+    """Return a cloud of points about the origin."""
     positions = np.asarray(positions, np.float64).reshape(-1, 3)
     normals = np.asarray(normals, np.float32).reshape(-1, 3)
     if colours is None:
@@ -25,7 +25,7 @@ def cloud_of(positions, normals, colours=None, two_sided=False):
 
 
 def sphere(count=2000, seed=1):
-    """Points on the unit sphere with three colours."""
+    """Return points on the unit sphere with three colours."""
     rng = np.random.default_rng(seed)
     positions = rng.normal(size=(count, 3))
     positions /= np.linalg.norm(positions, axis=1, keepdims=True)

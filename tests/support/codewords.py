@@ -1,4 +1,4 @@
-"""A second reading of docs/contract.md, pixel by pixel in plain Python: slow, but plain to see."""
+"""docs/contract.md in plain Python, pixel by pixel: slow and simple, independent of golden."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from splatline.contract.frame import Frame, Tables
 from splatline.contract.presets import PAPER, PRESETS
 from splatline.contract.raster import Raster
 
-# Two engines beside the named ones, at the ends of what a configuration allows.
+# Two more engines, at the limits of a configuration.
 COLOURFUL = EngineConfig(
     name="colourful", intensity_bits=6, material_bits=5, x_bits=11, depth_bits=11, line_bits=11,
     channel_bits=8, coefficient_bits=8, colour_shift=6,
@@ -20,7 +20,7 @@ CONFIGS = (*PRESETS.values(), COLOURFUL, DEEP)
 
 
 def widths(config):
-    """The fields above the scans, lowest first."""
+    """Return the widths of the fields above SCANS, lowest first."""
     return {
         "d": config.intensity_bits, "s": config.intensity_bits, "m": config.material_bits,
         "x": config.x_bits, "z": config.depth_bits,
@@ -28,7 +28,7 @@ def widths(config):
 
 
 def encode(rows, *, mode=0, config=PAPER, **fields):
-    """A code word of (first, last) pairs."""
+    """Return a code word of (first, last) pairs."""
     word = mode
     for k, (first, last) in enumerate(rows):
         word |= (first | last << 3) << (1 + 6 * k)
@@ -56,7 +56,7 @@ def end(config=PAPER):
 
 
 def largest_tables(config=PAPER):
-    """Every entry and I0 as large as they can be."""
+    """Return tables with the largest entries and I0."""
     shape = (1 << config.material_bits, 3)
     top = (1 << config.coefficient_bits) - 1
     ambient = np.full(3, (1 << config.ambient_bits) - 1)
@@ -74,11 +74,11 @@ def random_tables(rng, config=PAPER):
 
 
 def random_frame(rng, count, size, config=PAPER):
-    """Nonsense that stays in the image for a while: any bits, and small steps down."""
+    """Return a frame of random words that advance by few lines."""
     words = rng.integers(0, 1 << 64, count, dtype=np.uint64)
     fields = widths(config)
     x_lsb = 25 + fields["d"] + fields["s"] + fields["m"]
-    # Most words fall near the image, the others anywhere.
+    # Most words are near the image, the others anywhere.
     near = rng.random(count) < 0.8
     x = rng.integers(0, min(size[0] + 3, 1 << config.x_bits), count).astype(np.uint64)
     clear = np.uint64(~(((1 << config.x_bits) - 1) << x_lsb) & (2**64 - 1))
@@ -113,9 +113,9 @@ def is_control(word):
 
 
 def covers(word, row, column):
-    """Whether a code word's block has a pixel."""
+    """Return whether a code word's block has a pixel."""
     rows = rows_of(word)
-    up = right = 0  # by how much the lower half lies off
+    up = right = 0  # lines and columns by which the lower half is moved
     if bits(word, 0, 1) == 0:
         first, last = rows[3]
         if first >= 4 and last <= 3:
@@ -123,7 +123,7 @@ def covers(word, row, column):
             rows[3] = last, first
         elif rows[0][0] > rows[0][1]:
             right = rows[0][0] >> 1 & 1
-    if row >= 4:  # the half turn of the upper half, where there is one
+    if row >= 4:  # the half rotation of the upper half, if there is one
         row, column = 7 - up - row, 7 + right - column
         if bits(word, 0, 1) == 1 or row < 0 or (up and row == 3):
             return False
@@ -132,12 +132,12 @@ def covers(word, row, column):
 
 
 def shown(total, config):
-    """The level that a pixel shows of a channel's sum."""
+    """Return a pixel's level of a channel's sum."""
     return min(total >> config.colour_shift, (1 << config.channel_bits) - 1)
 
 
 def draw(frame, initial=None):
-    """What the contract says a frame looks like."""
+    """Return the picture of a frame by the contract."""
     config, tables = frame.config, frame.tables
     background = (1 << config.depth_bits) - 1
     if initial is None:

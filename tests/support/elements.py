@@ -1,4 +1,4 @@
-"""Elements for the benches of both tilers, and the window that their tiles or blocks go to."""
+"""Elements for the benches of both tilers, and a model of the window behind them."""
 
 import random
 from abc import ABC, abstractmethod
@@ -40,18 +40,19 @@ def random_rows(rng):
 
 
 class ElementSlide(ABC):
-    """A tiler whose window follows its ``top``, and elements that wait for the end of a frame.
+    """A bench of a tiler with a window that follows ``top``.
 
-    Each cycle it checks what comes beside the stream: ``moves``, ``top``, and that the colour that
-    moves with it would meet its tile; and that no tile comes before its lines (``in_window``). A
-    subclass says what a tile is, or a block: its ``layout``, and the stages on the way to it.
+    Elements of the next frame are sent once the end of a frame was taken. In each cycle the bench
+    checks ``moves`` and ``top``, that the colour which advances with ``moves`` belongs to the
+    offered tile, and that its lines are in the window (``in_window``). A subclass has the
+    ``layout`` of a tile or a block, and the tiler's stages.
 
     Parameters
     ----------
     cases
         Elements (rows, mode, x, top), or END.
     follow
-        Share of the cycles in which the window goes on, and lines that it then goes at most.
+        Share of the cycles in which the window moves, and the most lines that it moves by.
     """
 
     layout = None
@@ -67,17 +68,17 @@ class ElementSlide(ABC):
         self.source.payloads = Until(words, self.may_send)
         self.sink = bench.sink("o", rates[1])
         self.oldest = 0
-        self.shown = self.first_line(None)  # as ``top`` must be in this cycle
+        self.shown = self.first_line(None)  # expected ``top`` of this cycle
         self.seen = 0  # elements that were taken
-        self.hand = None  # the one that was taken last; none after the end of a frame
-        self.moved = None  # the one whose colour moved last
-        self.taken = self.waiting = False  # in the cycle before
+        self.hand = None  # the element taken last; none after the end of a frame
+        self.moved = None  # the element whose colour advanced last
+        self.taken = self.waiting = False  # a tile was taken, or waited, in the cycle before
         self.over = 0  # ends that were taken
-        self.at_once = []  # of each tile, whether the one before was taken in the cycle before
+        self.at_once = []  # for each tile: the tile before was taken in the cycle before
 
     @classmethod
     def begin(cls, dut, cases, width, height, rates=(1.0, 1.0), seed=1, follow=(1.0, LOWEST)):
-        """A bench that is not reset yet, and depths that tell its elements apart."""
+        """Return a bench before its reset. Its elements have different depths."""
         rng = random.Random(seed)
         first = rng.getrandbits(CONFIG.depth_bits)
         depths = [(first + 7 * n) % (1 << CONFIG.depth_bits) for n in range(len(cases))]
@@ -86,26 +87,26 @@ class ElementSlide(ABC):
         return cls(dut, StreamBench(dut, seed), cases, depths, rates, follow)
 
     def may_send(self):
-        """As many as there are before an end that was not taken, and that end itself."""
+        """Return how many elements may be sent: those up to the first end that was not taken."""
         return self.ends[self.over] + 1 if self.over < len(self.ends) else len(self.cases)
 
     @abstractmethod
     def in_window(self, bits, case):
-        """Whether all lines of what is offered of an element are in the window."""
+        """Return whether all lines of the offered tile are in the window."""
 
     def check_moves(self, valid, ready):
-        """Check what says that a colour moves on, by what is offered and taken in this cycle."""
+        """Check ``moves``, which says that a colour advances."""
         assert int(self.dut.moves.value) == (not valid or ready)
 
     def move_on(self, over):
-        """Let the stages hold what they do in the next cycle; ``over``: an end was taken."""
+        """Advance the model of the stages by a cycle; ``over``: an end was taken."""
         if over:
             self.shown, self.hand, self.moved = self.first_line(None), None, None
         elif not self.waiting and self.hand is not None:
             self.moved, self.shown = self.hand, self.first_line(self.hand)
 
     def first_line(self, number):
-        """Return an element's first line; the next frame's first possible one for none."""
+        """Return an element's first line; without an element the first line of a new frame."""
         return -4 if number is None else self.cases[number][3]
 
     def drive(self):
@@ -129,7 +130,7 @@ class ElementSlide(ABC):
                 assert self.in_window(int(bits), case), "a tile before its lines"
         self.taken = valid and ready
         self.waiting = valid and not ready
-        # As in the window: it follows what is shown, and starts again after the end.
+        # The window follows ``top``, and starts again after the end.
         if self.shown > self.oldest and self.bench.random.random() < self.follow[0]:
             self.oldest += min(self.shown - self.oldest, self.follow[1])
         over = self.taken and ends
@@ -157,7 +158,7 @@ class ElementSlide(ABC):
 
 
 class Until:
-    """Payloads of which no more may come than a function tells."""
+    """A list of payloads with a length that a function returns."""
 
     def __init__(self, payloads, most):
         self.payloads, self.most = payloads, most

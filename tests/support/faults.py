@@ -1,4 +1,4 @@
-"""Ways to break a circuit on purpose: in its Verilog, or in the source of a component."""
+"""Planted faults: in the Verilog, or in the source of a component."""
 
 import inspect
 import linecache
@@ -8,16 +8,16 @@ import textwrap
 __all__ = ["LANE_WRITES", "fault", "rewrite", "switched", "switched_source"]
 
 LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
-"""In place of a lane's comparison: it writes whatever it is asked to draw or to clear."""
+"""In place of a lane's comparison: every draw and every clear is written."""
 
 
 def fault(module, signal, value):
-    """An edit that fixes a signal of a module's Verilog at a value."""
+    """Return an edit of Verilog that assigns a value to a module's signal."""
     return lambda text: _assign(text, module, signal, lambda _: value)
 
 
 def _assign(text, module, signal, change):
-    """Change what a signal of a module is assigned; ``top.part`` is the module ``top__part``."""
+    """Change the assignment of a module's signal; ``top.part`` is the module ``top__part``."""
     module = module.replace(".", "__")
     begin = re.search(rf"^module \\?{re.escape(module)} ?\(", text, re.MULTILINE).start()
     end = text.index("endmodule", begin)
@@ -33,9 +33,9 @@ def _assign(text, module, signal, change):
 
 
 def rewrite(monkeypatch, part, method, pattern, replacement):
-    """Break a component where it is written, for what has no name in the Verilog.
+    """Rewrite a component's source, for faults in expressions without a name in the Verilog.
 
-    What is broken can be broken again in another place.
+    The pattern must match exactly once in the method. A rewritten component can be rewritten again.
     """
     source = textwrap.dedent(inspect.getsource(getattr(part, method)))
     broken, count = re.subn(pattern, replacement, source)
@@ -44,7 +44,7 @@ def rewrite(monkeypatch, part, method, pattern, replacement):
 
 
 def _replace(monkeypatch, part, method, source, what):
-    """Put a method with another source into a component; ``what`` is wrong with it."""
+    """Replace a component's method by other source; ``what``: name of the fault."""
     scope = dict(vars(inspect.getmodule(part)))
     name = f"<{part.__name__}.{method} with {what}>"
     linecache.cache[name] = len(source), None, source.splitlines(keepends=True), name
@@ -53,9 +53,9 @@ def _replace(monkeypatch, part, method, source, what):
 
 
 def switched(top, faults):
-    """An edit that plants faults, as arguments of :func:`fault`, and ``+fault=N`` chooses the Nth.
+    """Return an edit that plants several faults, each the arguments of :func:`fault`.
 
-    One build then serves them all, and with ``+fault=0`` none is there.
+    One build has them all: ``+fault=N`` selects the Nth, and ``+fault=0`` none.
     """
 
     def edit(text):
@@ -70,10 +70,10 @@ def switched(top, faults):
 
 
 def switched_source(monkeypatch, part, faults):
-    """Plant faults where a component is written; return an edit of its Verilog that is yet to do.
+    """Plant several faults in a component's source; return an edit that its Verilog needs.
 
-    Then ``+fault=N`` chooses the Nth, and with ``+fault=0`` none is there. Each is an expression of
-    ``elaborate``, or of another method that it names, as a pattern, and what it is instead.
+    Each fault is a pattern of an expression, the expression instead, and the method if it is not
+    ``elaborate``. ``+fault=N`` selects the Nth, and ``+fault=0`` none.
     """
     sources = {"elaborate": textwrap.dedent(inspect.getsource(part.elaborate))}
     for number, (pattern, value, *method) in enumerate(faults, 1):

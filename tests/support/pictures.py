@@ -25,12 +25,12 @@ PIXELS = CONFIG.raster_pixels
 
 
 def random_shade(rng):
-    """An element's colour."""
+    """Return a random colour of an element."""
     return rng.getrandbits(CONFIG.colour_bits)
 
 
 def random_spans(rng):
-    """Spans {row of a block: (first column, last column)} of a random element."""
+    """Return the spans {row of a block: (first column, last column)} of a random element."""
     rows = rng.choice([range(8), range(4), range(2, 6), [rng.randrange(8)], []])
     spans = {}
     for row in rows:
@@ -47,7 +47,7 @@ def draw(image, pixels, z, colour):
 
 
 def beats_of(image, width, height):
-    """Raster beats of an image {(line, column): (depth, colour)}, sparse."""
+    """Return the raster beats of an image {(line, column): (depth, colour)}."""
     places = sorted({(line, column // PIXELS) for line, column in image})
     beats = []
     for line, word in places:
@@ -59,7 +59,7 @@ def beats_of(image, width, height):
 
 
 def image_of(received, width, height):
-    """The image that beats describe; checks their order and places."""
+    """Return the image of raster beats; check their order and positions."""
     image, before = {}, (-1, -1)
     for bits in received:
         beat = unpack(RASTER, bits)
@@ -79,7 +79,7 @@ def image_of(received, width, height):
 
 
 def random_depth(rng):
-    """One of few depths, so that ties are common: the first to draw a pixel keeps it."""
+    """Return one of few depths, so that ties are common; the first element keeps the pixel."""
     return DEPTH // 8 * rng.randrange(8)
 
 

@@ -1,4 +1,4 @@
-"""Frames for the engine's tests: random, and made to hurt."""
+"""Random frames and corner cases for tests of the engine."""
 
 import dataclasses
 
@@ -15,7 +15,7 @@ __all__ = ["films", "frame_of", "nonsense", "random_raster", "random_tables", "s
 
 
 def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, config=PAPER):
-    """A code word with four rows of (first, last)."""
+    """Return a code word with four rows of (first, last)."""
     scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(rows))
     fields = (
         (mode, config.mode),
@@ -30,7 +30,7 @@ def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, config=PAPER)
 
 
 def random_tables(rng, config=PAPER):
-    """Tables of numbers of every length: small ones, so that not all colours are the brightest."""
+    """Return random tables. Small entries are common, so that not every colour saturates."""
 
     def numbers(bits, size):
         return rng.integers(0, 1 << bits, size) >> rng.integers(0, bits, size)
@@ -43,14 +43,14 @@ def random_tables(rng, config=PAPER):
 
 
 def frame_of(words, width=512, height=512, seed=0, config=PAPER):
-    """A frame of words and its end word."""
+    """Return a frame of words, with an end word."""
     stream = np.array([*map(int, words), end_word(config)], np.uint64)
     tables = random_tables(np.random.default_rng(seed), config)
     return Frame(stream, tables, width, height, config)
 
 
 def nonsense(rng, count, width, height, advance=0.05, config=PAPER):
-    """Any 64 bits at all, but with no end of the frame among them and steps to advance."""
+    """Return a frame of random 64-bit words, without end words, and with words that advance."""
     words = rng.integers(0, 1 << 64, count, np.uint64)
     stepping = rng.random(count) < advance
     words[stepping] = [advance_word(int(n), config) for n in rng.integers(0, 12, stepping.sum())]
@@ -60,7 +60,7 @@ def nonsense(rng, count, width, height, advance=0.05, config=PAPER):
 
 
 def shapes(rng, count, width, height, largest=8, config=PAPER):
-    """Elements like a host's: convex, mostly small, sorted by line, up to and over the borders."""
+    """Return a frame as of a host: convex elements, mostly small, sorted, also over the borders."""
     lines = np.sort(rng.integers(0, height + 4, count))
     step = config.background_depth // 15
     words, before = [], 0
@@ -92,7 +92,7 @@ def shapes(rng, count, width, height, largest=8, config=PAPER):
 
 
 def random_raster(rng, width, height, share, config=PAPER):
-    """A picture in which a share of the pixels is drawn."""
+    """Return a raster with a share of its pixels drawn."""
     raster = Raster.background(width, height, config)
     drawn = rng.random((height, width)) < share
     raster.depth[drawn] = config.background_depth // 15 * rng.integers(0, 15, drawn.sum())
@@ -101,12 +101,11 @@ def random_raster(rng, width, height, share, config=PAPER):
 
 
 def films(rng, every_rates, config=PAPER):
-    """Frames of one size and with the same tables, the next one's words right behind each.
+    """Yield jobs of several frames of one size and with the same tables, without gaps between.
 
-    Full ones, and such as have something at the top, at the bottom, here and there or nowhere, in
-    every order; of heights that are and are not whole turns of the window, and of lines with one
-    stretch of marks and with several; with and without an initial raster, under every pattern of
-    stalls.
+    Frames are full, empty, or have elements at the top, at the bottom or far apart, in random
+    order. Heights are whole laps of the window or not. Lines have one stretch of dirty bits or
+    several. There is an initial raster or none. Streams stall at the rates given.
     """
     for seed, rates in enumerate(every_rates):
         for width, height, share in (
@@ -136,9 +135,9 @@ def films(rng, every_rates, config=PAPER):
 
 
 def _on_a_late_line(config):
-    """An element as near as the initial raster's only pixel, which comes first, and so stays.
+    """Return a job with an element as near as the only pixel of the initial raster, which stays.
 
-    Before it a frame leaves whose last two lines lie far apart, the first of them a long one.
+    In the frame before, the last two lines are far apart, and the first of them is long.
     """
     initial = Raster.background(64, 40, config)
     initial.depth[7, 0], initial.colour[7, 0] = 200, (1, 2, 3)

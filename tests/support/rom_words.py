@@ -1,4 +1,4 @@
-"""Words for the shape ROM, and a player that brings them through its Verilog."""
+"""Words for the shape ROM, and a player that sends them through its Verilog."""
 
 import json
 from importlib import resources
@@ -18,7 +18,7 @@ PLAYER = Path(__file__).with_name("word_player.v")
 
 
 def compact_words(config, size, level_x, level_y, part=0, rest=0):
-    """Compact words by docs/contract.md, of arrays or numbers; ``rest`` has the other fields."""
+    """Return compact words of arrays or numbers; ``rest``: value of the other fields."""
     values = np.broadcast_arrays(size, level_x, level_y, part)
     fields = (
         config.compact_size,
@@ -34,26 +34,26 @@ def compact_words(config, size, level_x, level_y, part=0, rest=0):
 
 
 def config_mask(config):
-    """The bits of MODE and SCANS."""
+    """Return the mask of MODE and SCANS."""
     return config.scans.mask << config.scans.lsb | 1
 
 
 def every_entry(config, rng):
-    """Each size and pair of levels that a ROM holds, sizes over 8 with each of their four parts."""
+    """Return a word for each entry of a ROM: size, levels, and the four parts of sizes over 8."""
     largest = config.largest_shape
     grids = [np.indices((9, 64, 64, 1)).reshape(4, -1)]
     if largest > 8:
         size, x, y, part = np.indices((largest - 8, 64, 64, 4)).reshape(4, -1)
         grids.append(np.stack([size + 9, x, y, part]))
     size, x, y, part = np.concatenate(grids, axis=1)
-    # In the left half of the widest image, so that no fraction begins beyond it.
+    # In the left half of the widest image, so that no fraction begins outside it.
     rest = rng.integers(0, 1 << 64, len(size), np.uint64)
     rest &= np.uint64(~(1 << config.x.end - 1) & (1 << 64) - 1)
     return compact_words(config, size, x, y, part, rest)
 
 
 def mixed_words(config, rng, count):
-    """Any 64 bits, half of them made compact of any size, plain ones and control words between."""
+    """Return random words; half of them are compact words of any size."""
     words = rng.integers(0, 1 << 64, count, np.uint64)
     compact = rng.random(count) < 0.5
     words[compact] &= np.uint64(~(0b11111 << 20 | 1) & (1 << 64) - 1)
@@ -63,7 +63,7 @@ def mixed_words(config, rng, count):
 
 
 def build_rom(config, edit=None, simulator_name="verilator"):
-    """Build the player around the ROM's Verilog; ``edit`` breaks it first."""
+    """Build the player with the ROM's Verilog, after ``edit``."""
     text = convert(ShapeRom(config), "dut")
     if edit is not None:
         changed = edit(text)
@@ -78,9 +78,9 @@ def build_rom(config, edit=None, simulator_name="verilator"):
 
 
 def play_words(built, streams, config, folder):
-    """Bring streams of words, each (words, rate in, rate out), through a built ROM, in one run.
+    """Send streams of words, each (words, rate in, rate out), through a built ROM, in one run.
 
-    Returns the words that came out and the cycles, of each.
+    Return the words on its output and the cycles, for each stream.
     """
     end = np.array([end_word(config)], np.uint64)
     jobs = []

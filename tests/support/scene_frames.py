@@ -7,7 +7,7 @@ __all__ = ["scene_frame"]
 
 
 def scene_frame(name, scale=1.0, *, view=None, config=PAPER, **options):
-    """Return a scene's frame; ``scale``: of its splats, ``view``: what differs from its own."""
+    """Return a scene's frame; ``scale``: scale of splats; ``view``: changes of the scene's view."""
     scene = load_scene(name)
     seen = {"orbit": scene.orbit, "fov": scene.fov, "up": scene.up, **(view or {})}
     return make_frame(

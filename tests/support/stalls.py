@@ -1,4 +1,4 @@
-"""Random stalls inside a circuit, on links that no bench can reach."""
+"""Random stalls on streams inside a circuit, which a bench cannot reach."""
 
 from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import stream, wiring
@@ -8,10 +8,10 @@ __all__ = ["Stalled"]
 
 
 class Stalled(wiring.Component):
-    """A component whose streams all stall at random, each at times of its own.
+    """A component with random stalls on each of its streams.
 
-    Plain outputs are as they are. In two cycles of three a stream is cut; once a payload was let
-    through it stays until it is taken.
+    A stream is blocked in two cycles of three. A payload that is offered stays until it is taken.
+    Outputs that are not streams are connected unchanged.
     """
 
     def __init__(self, part, seed):

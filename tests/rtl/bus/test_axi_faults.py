@@ -53,7 +53,7 @@ PARTS = [
         *(r"~register\.accepted", "~register.writable", "an acknowledge is refused"),
     ),
     (
-        *(BUS, "nothing_passes_within_a_cycle", AxiTop, "elaborate"),
+        *(BUS, "nothing_passes_within_a_cycle", AxiTop, "_interrupt"),
         *(r"irq\.eq\(irq\)", "irq.eq(irq ^ self.s_axi_ctrl_awprot[0])", "a path across the chip"),
     ),
     (

@@ -288,12 +288,17 @@ def spoilt(**changes):
         (Raster.background(8, 8, cw.DEEP), "configuration"),
         (spoilt(depth=512), "no pixel holds"),
         (spoilt(colour=8), "no pixel holds"),
-        (spoilt(depth=511, colour=1), "background"),
     ],
 )
 def test_a_bad_initial_raster_is_refused(initial, message):
     with pytest.raises(ValueError, match=message):
         golden.render(cw.make_frame([cw.end()], (8, 8)), initial)
+
+
+def test_a_colour_at_background_depth_of_an_initial_raster_does_not_count():
+    picture = golden.render(cw.make_frame([cw.end()], (8, 8)), spoilt(depth=511, colour=1))
+    assert not picture.drawn[2, 3]
+    assert not picture.colour[2, 3].any()
 
 
 @pytest.mark.parametrize("size", [(0, 4), (4, 0), (513, 4), (4, 1025)])
