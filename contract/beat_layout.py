@@ -23,7 +23,7 @@ class BeatField(NamedTuple):
         Lowest bit of the first one in the beat.
     width
         Bits of each.
-    count
+    number
         How many there are, side by side: 1, or the pixels of a beat.
     meaning
         One phrase.
@@ -32,13 +32,13 @@ class BeatField(NamedTuple):
     name: str
     lsb: int
     width: int
-    count: int
+    number: int
     meaning: str
 
     @property
     def end(self) -> int:
         """The bit above the last one."""
-        return self.lsb + self.count * self.width
+        return self.lsb + self.number * self.width
 
 
 def raster_stream_bytes(config: EngineConfig) -> int:

@@ -208,7 +208,7 @@ def _beat_rows(config: EngineConfig) -> Iterator[str]:
     """Yield a row of the page's table for each field of a raster beat."""
     for field in beat_fields(config):
         bits = f"{field.lsb}..{field.end - 1}" if field.end - field.lsb > 1 else f"{field.lsb}"
-        each = f", {field.count} of {field.width} bits" if field.count > 1 else ""
+        each = f", {field.number} of {field.width} bits" if field.number > 1 else ""
         yield f"| {bits}{each} | {field.name} | {field.meaning} |"
 
 

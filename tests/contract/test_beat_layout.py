@@ -91,7 +91,7 @@ def test_the_fields_of_a_beat_fill_its_stream_without_a_gap(config):
     place = 0
     for field in beat["fields"]:
         assert field["lsb"] == place
-        place += field["count"] * field["width"]
+        place += field["number"] * field["width"]
     assert place == 8 * beat["stream_bytes"]
     assert json_map(register_map(config))["beat"] == beat
 

@@ -109,8 +109,8 @@ class AxiBench:
         self.engine_watch: Task[None] | None = None
         dut.aresetn.value = 0
         Clock(dut.aclk, PERIOD_NS, unit="ns").start()
-        for prefix, names in IDLE:
-            cocotb.start_soon(self._undefine(prefix, [f"{prefix}{name}" for name in names]))
+        for prefix, parts in IDLE:
+            cocotb.start_soon(self._undefine(prefix, [f"{prefix}{part}" for part in parts]))
         for prefix, names in CHANNELS:
             cocotb.start_soon(self._watch(prefix, [f"{prefix[:-1]}{name}" for name in names]))
 
