@@ -27,7 +27,7 @@ _FILE = click.Path(path_type=Path)
     "--tries",
     type=click.IntRange(1, 100),
     default=4,
-    help="Number of seeds to try; the fastest result is kept.",
+    help="Number of seeds to try. Prints the median, and keeps the fastest result.",
 )
 @click.option(
     "--freq", type=click.FloatRange(1, 1000), default=100.0, help="Target clock rate in MHz."
@@ -107,9 +107,11 @@ def _print(result: dict[str, Any]) -> None:
     from splatline.cli.report.tables import print_facts
 
     met = result["slack_ns"] >= 0.0
+    rates = result["rates_mhz"]
     facts: list[Any] = [
-        ("clock rate, routed", (f"{result['fmax_mhz']:.1f} MHz", "green" if met else "red")),
-        ("of the seeds tried", ", ".join(f"{n}: {r:.1f}" for n, r in result["rates_mhz"].items())),
+        ("clock rate, median", f"{result['median_mhz']:.1f} MHz of {len(rates)} seeds"),
+        ("clock rate, best", (f"{result['fmax_mhz']:.1f} MHz", "green" if met else "red")),
+        ("of each seed", ", ".join(f"{n}: {rate:.1f}" for n, rate in rates.items())),
         (f"slack at {result['target_mhz']:g} MHz", f"{result['slack_ns']:.2f} ns"),
         (
             "critical path",

@@ -28,6 +28,10 @@ def print_synthesis(report: Mapping[str, Any]) -> None:
 
     console = Console()
     console.print(_whole(report))
+    fitting = (
+        f"{name or 'none'} ({family})" for family, name in report["smallest_devices"].items()
+    )
+    console.print(f"Smallest devices: {', '.join(fitting)}", highlight=False)
     console.print(_modules(report["groups"]))
     path = report["longest_path"]
     parts = [(path["luts"], "LUTs"), (path["carries"], "carries")]

@@ -18,6 +18,7 @@ from splatline.flow.tops import TOPS
 from splatline.flow.verilog import convert
 
 from .budgets import budget_name, over_budget, read_budgets
+from .devices import FAMILIES, smallest_device
 
 __all__ = [
     "DEVICE",
@@ -85,7 +86,8 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
     -------
     dict
         ``preset``, ``top``; ``lut4``, ``ff``, ``bram``, ``mult``;
-        ``device``, ``fits``; ``paper``, ``difference`` from it (``absolute``, ``percent``);
+        ``device``, ``fits``; ``smallest_devices`` by family, None where none is large enough;
+        ``paper``, ``difference`` from it (``absolute``, ``percent``);
         ``budget``, None if none is recorded, and ``over_budget``; ``longest_path``, see
         :func:`splatline.flow.timing.logic_levels.longest_path`;
         ``modules``: the counts per instance, without what is below it, and ``groups`` of them;
@@ -112,6 +114,7 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
         **counts,
         "fits": all(counts[kind] <= DEVICE[kind] for kind in counts),
         "device": DEVICE,
+        "smallest_devices": {family: smallest_device(family, counts) for family in FAMILIES},
         "paper": PAPER_TABLE_1,
         "difference": _difference(counts),
         "budget": budget,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import statistics
 import tempfile
 from importlib import metadata, resources
 from pathlib import Path
@@ -99,7 +100,8 @@ def place_and_route(
     Returns
     -------
     dict
-        ``preset``, ``device``, ``seed``, ``rates_mhz`` of every seed tried; what
+        ``preset``, ``device``, ``seed``, ``rates_mhz`` of every seed tried and their
+        ``median_mhz``; what
         :func:`read_report` returns of the fastest; ``virtex2_estimate_mhz`` and
         ``virtex2_estimate``, see :func:`splatline.flow.timing.virtex2_delays.estimate_timing`;
         ``commands`` and ``tools``.
@@ -139,6 +141,7 @@ def place_and_route(
         "preset": config.name,
         "device": device.name,
         "seed": best,
+        "median_mhz": round(statistics.median(r["fmax_mhz"] for r in reports.values()), 2),
         "rates_mhz": {str(n): report["fmax_mhz"] for n, report in reports.items()},
         **reports[best],
         "virtex2_estimate_mhz": estimate["mhz"],

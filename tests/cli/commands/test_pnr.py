@@ -11,6 +11,7 @@ REPORT = {
     "preset": "paper",
     "device": "LFE5U-25F-6BG381",
     "seed": 1,
+    "median_mhz": 111.05,
     "rates_mhz": {"1": 123.4, "2": 98.7},
     "fmax_mhz": 123.4,
     "target_mhz": 100.0,
@@ -54,6 +55,7 @@ def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder
     assert json.loads((folder / "a.json").read_text()) == REPORT
     assert (folder / "a.bit").read_bytes() == b"bits"
     for text in (
+        "111.0 MHz of 2 seeds",
         "123.4 MHz",
         "2: 98.7",
         "1.90 ns",

@@ -21,6 +21,7 @@ REPORT = {
     "mult": 6,
     "paper": {"lut4": 2150, "ff": 960, "bram": 17},
     "device": {"name": "XC2V250", "lut4": 3072, "ff": 3072, "bram": 24, "mult": 24},
+    "smallest_devices": {"Virtex-II": "XC2V250", "Artix-7": None},
     "difference": {
         "lut4": {"absolute": -150, "percent": -7.0},
         "ff": {"absolute": -60, "percent": -6.2},
