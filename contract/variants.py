@@ -6,9 +6,9 @@ The tests simulate them, and ``splatline bench configurations`` compares them.
 from __future__ import annotations
 
 from .config import EngineConfig
-from .presets import PAPER, RGB24, SWIFT
+from .presets import PAPER, PRESETS, RGB24, SWIFT
 
-__all__ = ["NARROW_BLOCKS", "SHAPED", "VARIANTS"]
+__all__ = ["CONFIGS", "NARROW_BLOCKS", "SHAPED", "VARIANTS"]
 
 
 def _large(name: str, **changes: object) -> EngineConfig:
@@ -50,6 +50,9 @@ small as can be; 12 and 16 bits of depth in 24-bit colour, which intensities and
 SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
 """Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,
 ``paper-rom-full`` those up to 16."""
+
+CONFIGS = {**PRESETS, **{config.name: config for config in (*SHAPED, *VARIANTS)}}
+"""Every configuration with a name that a command takes: the presets first."""
 
 NARROW_BLOCKS = SWIFT.replace(name="narrow-blocks", window_lines=32, x_bits=5, depth_bits=13)
 """A window of blocks as narrow and as high as can be; for tests."""

@@ -14,8 +14,8 @@ import numpy.typing as npt
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
-from splatline.contract.presets import DEFAULT, PRESETS
-from splatline.contract.variants import VARIANTS
+from splatline.contract.presets import DEFAULT
+from splatline.contract.variants import CONFIGS
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, check_shapes
 from splatline.host.shading.lighting import Lighting
@@ -205,7 +205,7 @@ def check_size(width: int, height: int, config: EngineConfig) -> None:
     if width > config.max_width or height > config.max_height:
         larger = [
             other.name
-            for other in (*PRESETS.values(), *VARIANTS)
+            for other in CONFIGS.values()
             if width <= other.max_width and height <= other.max_height
         ]
         raise InputError(

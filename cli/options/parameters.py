@@ -10,7 +10,7 @@ import click
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PRESETS, REMOVED
-from splatline.contract.variants import SHAPED, VARIANTS
+from splatline.contract.variants import CONFIGS
 
 __all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
 
@@ -109,9 +109,7 @@ class _Preset(click.Choice):  # type: ignore[type-arg]
     """Name of an engine's configuration: a preset or a variant."""
 
     def __init__(self) -> None:
-        further = {config.name: config for config in (*SHAPED, *VARIANTS)}
-        self._configs = PRESETS | further
-        super().__init__([*sorted(PRESETS), *further])
+        super().__init__([*sorted(PRESETS), *(name for name in CONFIGS if name not in PRESETS)])
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -121,7 +119,7 @@ class _Preset(click.Choice):  # type: ignore[type-arg]
             return value
         if value in REMOVED:
             self.fail(f"preset {value!r} was removed; take {REMOVED[value]}", param, ctx)
-        return self._configs[super().convert(value, param, ctx)]
+        return CONFIGS[super().convert(value, param, ctx)]
 
 
 def _finite(text: str) -> float | None:

@@ -16,12 +16,12 @@ import numpy.typing as npt
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Tables, check_tables
-from splatline.contract.presets import PAPER, PRESETS
+from splatline.contract.presets import PAPER
 from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, VERSION, register_map
 from splatline.contract.register_types import RegisterMap
-from splatline.contract.variants import SHAPED, VARIANTS
+from splatline.contract.variants import CONFIGS
 
 from .device import Device, DeviceTimeoutError
 
@@ -80,7 +80,7 @@ def read_config(device: Device) -> EngineConfig:
         config = PAPER.replace(**values)
     except (ValueError, IndexError) as error:
         raise InputError(f"the engine's configuration makes no sense: {error}") from error
-    for known in (*PRESETS.values(), *VARIANTS, *SHAPED):
+    for known in CONFIGS.values():
         if known == config.replace(name=known.name):
             return known
     return config

@@ -136,7 +136,7 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
 def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
     """Draw and measure the picture of an engine."""
     from splatline.cli.options.drawing import Drawing
-    from splatline.contract.presets import PRESETS
+    from splatline.contract.variants import CONFIGS
     from splatline.host.pipeline import total_counts
     from splatline.sim.cycles.cycles import count_cycles
     from splatline.sim.golden.multisample import average
@@ -144,7 +144,7 @@ def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
     from splatline.sim.reference.error_budget import blurred_psnr
 
     assert run.preset is not None
-    config = PRESETS[run.preset]
+    config = CONFIGS[run.preset]
     frames = _make_frames(case, run, config, sweep.repeats)
     drawn = [_golden(frame, sweep.repeats) for frame in frames]
     picture, seconds = average([raster for raster, _ in drawn]), sum(each for _, each in drawn)

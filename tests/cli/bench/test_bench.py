@@ -6,10 +6,11 @@ from click.testing import CliRunner
 from PIL import Image
 
 from splatline.cli.bench.accuracy.measure import measure
-from splatline.cli.bench.accuracy.sweep import FLOAT, FLOAT_ONE_DEPTH, Sweep
+from splatline.cli.bench.accuracy.sweep import FLOAT, FLOAT_ONE_DEPTH, Sweep, plan
 from splatline.cli.bench.accuracy.targets import TARGETS, judge
 from splatline.cli.bench.accuracy.write import write_accuracy
 from splatline.cli.main import main
+from splatline.contract.variants import CONFIGS
 from splatline.host.encode.quality import QUALITIES
 from splatline.host.visibility.skips import SKIPS
 
@@ -110,6 +111,11 @@ def test_the_error_budget_has_every_step(quick):
 def test_the_number_of_runs_is_known_before(quick):
     said = [line for line in quick[1].stderr.splitlines() if " %  " in line]
     assert [int(line.split("%")[0]) for line in said] == list(range(0, 100, 10))
+
+
+def test_every_engine_of_the_sweep_has_a_name_that_is_known():
+    whole = Sweep((), ("terrain",), (None,), (24, 24))
+    assert {run.preset for run in plan(whole, None)} - {None} <= set(CONFIGS)
 
 
 def test_each_view_has_its_own_sheet(tmp_path):
