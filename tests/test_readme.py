@@ -9,6 +9,7 @@ import pytest
 
 from splatline.contract.presets import PRESETS
 from splatline.flow.area.budgets import read_budgets
+from splatline.flow.area.devices import smallest_device
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")
@@ -52,13 +53,21 @@ def test_what_the_driver_s_example_names_is_there():
 def test_what_the_presets_take_is_what_is_recorded():
     cell = r"[^|]*\|"
     rows = re.findall(
-        rf"^\| `([\w-]+)` \|{cell}{cell}([^|]*)\|([^|]*)\|([^|]*)\|", TEXT, re.MULTILINE
+        rf"^\| `([\w-]+)` \|{cell}{cell} ([\d,]+) \| ([\d,]+) \| ([\d,]+) \|", TEXT, re.MULTILINE
     )
     assert {name for name, *_ in rows} == {*PRESETS, "paper-rom"}
     budgets = read_budgets()
     for name, *told in rows:
         taken = [int(count.replace(",", "")) for count in told]
         assert taken == [budgets[name][kind] for kind in ("lut4", "ff", "bram")], name
+
+
+def test_the_devices_of_the_presets_are_the_smallest():
+    rows = re.findall(r"^\| `([\w-]+)` \| (XC2V\d+) \| (XC7A\w+) \|", TEXT, re.MULTILINE)
+    assert {name for name, *_ in rows} == set(PRESETS)
+    for name, *told in rows:
+        counts = read_budgets()[name]
+        assert told == [smallest_device(family, counts) for family in ("Virtex-II", "Artix-7")]
 
 
 def test_what_the_paper_s_engine_takes_is_what_is_recorded():

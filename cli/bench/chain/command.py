@@ -21,8 +21,8 @@ from .measure import Plan, measure
 
 __all__ = ["chain"]
 
-CLOCKS_MHZ = {"paper": 102.8, "swift": 94.5}
-"""Clock rate of one routed engine by preset, from ``splatline pnr``."""
+CLOCKS_MHZ = {"paper": 96.5, "rgb24": 89.0}
+"""Clock rate of one routed engine by preset: the median of ``splatline pnr``."""
 
 MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 
@@ -67,7 +67,7 @@ MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
 @click.option(
     "--clock",
     type=click.FloatRange(1, 1000),
-    help="Clock rate for the times, MHz; by default those of paper and swift as routed.",
+    help="Clock rate for the times, MHz; by default those of paper and rgb24 as routed.",
 )
 @folder_option("chain.json and chain.md")
 def chain(
