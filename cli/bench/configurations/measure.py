@@ -88,7 +88,7 @@ def configurations(
     Examples:
       splatline bench configurations
       splatline bench configurations --clock
-      splatline bench configurations --point paper --point word8 --scene knot --no-luts
+      splatline bench configurations --point paper --point lanes8 --scene knot --no-luts
       splatline bench configurations --point rgb24 --clock --keep
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from splatline.host.scenes.scenes import SCENES
