@@ -122,6 +122,8 @@ def render(
         "view": prepared.camera,
         "splat_size": request.splat_size or "auto",
         "dropped": prepared.cloud.dropped,
+        "far_away": prepared.far_away,
+        "notes": prepared.notes,
         **drawing_statistics(
             prepared.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
+from splatline.host.cloud.bulk import distance_beyond_bulk, far_points
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.normals import estimate_normals
 
@@ -20,10 +21,17 @@ FARTHEST = 1e100
 """Coordinates beyond this count as not finite: their squares would not be."""
 
 
+LOST = 1e9
+"""Points farther from the bulk than this many of its sizes are left out: a value such as 1e30 that
+stands for no return. Nearer ones may be strays, which a view can show."""
+
+
 def assemble_cloud(columns: Columns, name: str) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
 
-    Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``). Normals are
+    Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``), and so are
+    those beyond every scanner's reach (``["far_away"]``, see ``LOST``). Strays do not move the
+    centre. Normals are
     scaled to unit length; those that are missing, zero or not finite are estimated, and their
     points two-sided. Without colours every point is ``NEUTRAL``.
 
@@ -46,8 +54,9 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     kept: npt.NDArray[np.bool_] = np.all(np.abs(positions) <= FARTHEST, axis=1)  # false for NaN
     if not kept.any():
         raise InputError(f"none of its {count} points has a finite position")
-    positions = positions[kept]
-    low, high = positions.min(axis=0), positions.max(axis=0)
+    positions, kept, lost = _without_lost(positions, kept)
+    bulk = positions[~far_points(positions)]
+    low, high = bulk.min(axis=0), bulk.max(axis=0)
     origin = low + 0.5 * (high - low)
     positions -= origin
 
@@ -65,11 +74,26 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
         two_sided=two_sided,
         origin=origin,
         name=name,
-        dropped={"non_finite": int(count - np.count_nonzero(kept))},
+        dropped={
+            "non_finite": int(count - np.count_nonzero(kept)) - lost,
+            **({"far_away": lost} if lost else {}),
+        },
         used=columns.used,
         ignored=columns.ignored,
         notes=columns.notes,
     )
+
+
+def _without_lost(
+    positions: npt.NDArray[np.float64], kept: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_], int]:
+    """Return the positions that are kept without those that no scanner measures; count these."""
+    beyond = distance_beyond_bulk(positions[kept])
+    lost = np.zeros(len(positions), np.bool_)
+    if beyond is not None:
+        lost[kept] = beyond > LOST
+    kept = kept & ~lost
+    return positions[kept], kept, int(np.count_nonzero(lost))
 
 
 def _unit_normals(
