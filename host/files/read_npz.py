@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import math
 import zipfile
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,9 @@ from .numbered import by_number
 from .source import Source, unpacked_limit
 
 __all__ = ["read_npy", "read_npz"]
+
+LONGEST = 1 << 16
+"""Bytes of the longest header that is read."""
 
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """How numpy stores arrays. Others may take any memory to unpack."""
@@ -131,13 +135,15 @@ def _shape(
         return _promise(stream, info.file_size)
 
 
-def _promise(stream: Any | BinaryIO, size: int) -> tuple[tuple[int, ...], np.dtype[Any]]:
+def _promise(stream: IO[bytes], size: int) -> tuple[tuple[int, ...], np.dtype[Any]]:
     """Return the shape and type that an array's header promises; raise if ``size`` is too small."""
-    version = npy.read_magic(stream)
+    # From its first bytes, as a header may promise to be 4 GB long.
+    head = io.BytesIO(stream.read(LONGEST))
+    version = npy.read_magic(head)
     read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-    shape, _, kind = read(stream)
+    shape, _, kind = read(head)
     promised = math.prod(shape) * kind.itemsize
-    if min(shape, default=0) < 0 or promised > size - stream.tell():
+    if min(shape, default=0) < 0 or promised > size - head.tell():
         raise InputError(
             f"promises an array of shape {shape}, {promised:,} bytes, but has {size:,};"
             " is it damaged, or truncated?"

@@ -1,5 +1,6 @@
 """A sphere in three colours, and short ways to write it as people's programs do."""
 
+import lzf
 import numpy as np
 
 from splatline.host.files.readers import read_cloud
@@ -89,3 +90,18 @@ def pcd(fields, columns, *, form="binary", extra="", leave_out=()):
 XYZ_PLY = ["float x", "float y", "float z"]
 RGB_PLY = ["uchar red", "uchar green", "uchar blue"]
 XYZ_PCD = ["x F 4 1", "y F 4 1", "z F 4 1"]
+
+
+def compressed_pcd():
+    """The coloured sphere as binary_compressed: fields one behind the other, packed by LZF.
+
+    pypcd4 packs nothing that would not get shorter, so there is padding.
+    """
+    fields = [*XYZ_PCD, "rgb U 4 1", "_ F 4 4", "pair F 4 2"]
+    pairs = np.column_stack([np.arange(COUNT), -np.arange(COUNT)]).astype("<f4")
+    columns = [*SPHERE.T.astype("<f4"), PACKED.astype("<u4"), np.zeros((COUNT, 4), "<f4"), pairs]
+    data = b"".join(column.tobytes() for column in columns)
+    head = pcd(fields, columns).split(b"binary\n", 1)[0]
+    packed = lzf.compress(data)
+    sizes = np.array([len(packed), len(data)], "<u4").tobytes()
+    return head + b"binary_compressed\n" + sizes + packed

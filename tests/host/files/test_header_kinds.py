@@ -21,6 +21,7 @@ from tests.host.files.kinds import (
     XYZ_PLY,
     assert_coloured,
     assert_sphere,
+    compressed_pcd,
     pcd,
     ply,
     read,
@@ -89,6 +90,15 @@ class TestPcd:
         head, body = pcd(XYZ_PCD, SPHERE.T).split(b"binary\n", 1)
         content = head.replace(b"\n", b"\r\n") + b"binary\r\n" + body
         assert_sphere(read(tmp_path, "a.pcd", content))
+
+    def test_compressed_fields(self, tmp_path):
+        content = compressed_pcd()
+        cloud = read(tmp_path, "a.pcd", content)
+        assert_coloured(cloud)
+        assert cloud.ignored == ("pair",)
+        for damaged in (content[:-3], content.replace(b"POINTS 60", b"POINTS 61")):
+            with pytest.raises(InputError, match=r"is it damaged|is truncated"):
+                read(tmp_path, "a.pcd", damaged)
 
 
 class TestPly:
@@ -258,6 +268,7 @@ BOMBS = {
     "shape.npy": npy_of((10**11, 3)),
     "wide.npy": npy_of((3, 10**11)),
     "negative.npy": npy_of((-5, 3)),
+    "header.npy": b"\x93NUMPY\x02\x00\xff\xff\xff\xff" + bytes(200),
     "shape.npz": npz_of((10**11, 3)),
     "zeros.ply.gz": gzip.compress(bytes(1 << 27)),
     "count.pts": b"99999999999999\n1 2 3\n4 5 6\n",
