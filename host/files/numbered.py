@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
+from .colours import greys
 from .columns import Columns
 
 __all__ = ["by_number"]
@@ -20,7 +21,7 @@ def by_number(rows: _Rows, suffix: str, notes: tuple[str, ...] = ()) -> Columns:
     """Return the points of rows without names.
 
     - 3 columns: position;
-    - 4: position and a value that is ignored;
+    - 4: position and a value that is ignored; the intensity, drawn as grey, if it is ``.pts``;
     - 6: position, then a colour if the file is ``.xyzrgb``; a normal if it is ``.xyzn`` or (nearly)
       all these are unit vectors; else a colour;
     - 7: position, an intensity that is ignored, and a colour; or the intensity last, if only then
@@ -65,6 +66,9 @@ def by_number(rows: _Rows, suffix: str, notes: tuple[str, ...] = ()) -> Columns:
         if first:
             used |= {f"column {first + 1 + i}": meaning for i in range(3)}
     ignored: tuple[str, ...] = ()
+    if extra and count == 4 and suffix == ".pts":
+        used["column 4"] = "intensity, as grey"
+        return Columns(rows[:, :3], None, greys(rows[:, 3]), used, (), notes)
     if extra:
         ignored = (f"column {extra + 1}",)
         notes = (*notes, f"not used: column {extra + 1}, which may be an intensity")
@@ -90,6 +94,9 @@ def _are_unit(vectors: _Rows) -> bool:
     finite = vectors[np.isfinite(vectors).all(axis=1)].astype(np.float64)
     finite = finite[(np.abs(finite) <= 2.0).all(axis=1)]
     length = np.linalg.norm(finite, axis=1)
-    # Black is (0, 0, 0) and a missing normal too; pure red, green and blue in 0..1 are unit
-    # vectors as well, but a cloud of nothing else is rare.
-    return bool(np.count_nonzero(np.abs(length - 1.0) < 0.02) > 0.9 * len(vectors))
+    # Black is (0, 0, 0) and a missing normal too.
+    if not np.count_nonzero(np.abs(length - 1.0) < 0.02) > 0.9 * len(vectors):
+        return False
+    # Labels: corners of the colour cube. Normals along the axes point both ways, or all one way.
+    corners = bool(np.all((finite == 0.0) | (finite == 1.0)))
+    return not corners or bool((finite == finite[0]).all())

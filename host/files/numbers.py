@@ -8,14 +8,22 @@ from array import array
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing
 from itertools import islice
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-__all__ = ["COMMENTS", "lines_of", "load_rows", "split_line", "to_number", "without_comment"]
+__all__ = [
+    "COMMENTS",
+    "as_declared",
+    "lines_of",
+    "load_rows",
+    "split_line",
+    "to_number",
+    "without_comment",
+]
 
 COMMENTS = ("#", "//")
 
@@ -80,6 +88,17 @@ def to_number(text: str, decimal_comma: bool = True) -> float:
         if decimal_comma and text.count(",") == 1:
             return float(text.replace(",", "."))
         raise
+
+
+def as_declared(column: npt.NDArray[np.float64], kind: np.dtype[Any]) -> npt.NDArray[Any]:
+    """Return whole numbers in the integer type that a header declares, and others as they are.
+
+    Of colours up to 1 the type tells whether they are bytes. Values beyond the type are clipped.
+    """
+    if kind.kind not in "iu" or not np.all(np.trunc(column) == column):
+        return column
+    limits = np.iinfo(kind)
+    return np.clip(column, limits.min, limits.max).astype(kind)
 
 
 def load_rows(

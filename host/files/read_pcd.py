@@ -12,7 +12,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, find_meaning, gather
-from .numbers import lines_of, load_rows
+from .numbers import as_declared, lines_of, load_rows
 from .pcd_header import Header, read_header
 from .source import Source
 
@@ -68,6 +68,7 @@ def _from_text(source: Source, header: Header) -> _Table:
         column += field.count
         if field.kind == np.float32 and field.name.lower() in ("rgb", "rgba"):
             part = part.astype(np.float32)  # whose bits are the colour
+        part = as_declared(part, field.kind)
         table[field.name] = part[:, 0] if field.count == 1 else part
     return table
 

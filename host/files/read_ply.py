@@ -12,7 +12,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, find_meaning, gather
-from .numbers import lines_of, load_rows
+from .numbers import as_declared, lines_of, load_rows
 from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
 from .source import Source
@@ -99,7 +99,10 @@ def _from_text(source: Source, header: Header, chosen: Element) -> _Table:
             rows = used(skip=before, limit=element.count)
             if len(rows) < element.count:
                 raise _ends_early(element, len(rows))
-            table = {name: rows[:, i] for i, name in enumerate(element.scalars)}
+            table = {
+                item.name: as_declared(rows[:, i], np.dtype(item.kind))
+                for i, item in enumerate(element.properties)
+            }
         elif element is chosen:
             table = _ragged(list(islice(lines(), before, before + element.count)), element)
         before += element.count
@@ -126,7 +129,8 @@ def _ragged(lines: list[str], element: Element) -> _Table:
             raise InputError(
                 f"a {element.name} does not fit its properties; is it damaged? ({line[:40]!r})"
             ) from None
-    return {name: np.array(column) for name, column in values.items()}
+    kinds = {item.name: np.dtype(item.kind) for item in element.properties}
+    return {name: as_declared(np.array(column), kinds[name]) for name, column in values.items()}
 
 
 def _check_end(lines: Any, header: Header) -> None:

@@ -75,6 +75,41 @@ def test_label_colours_of_0_and_1_are_colours_if_the_suffix_says_so(tmp_path):
     assert cloud.two_sided.all()
 
 
+def test_labels_without_a_suffix_that_says_so_are_colours_too(tmp_path):
+    labels = np.eye(3)[np.arange(len(SPHERE)) % 3]
+    cloud = read(tmp_path, "a.xyz", text(SPHERE, labels))
+    assert_coloured(cloud, (255 * labels).astype(np.uint8))
+
+
+def test_a_plane_and_a_box_have_normals_along_the_axes(tmp_path):
+    up = np.tile([0.0, 0.0, 1.0], (len(SPHERE), 1))
+    for normals in (up, np.vstack([np.eye(3), -np.eye(3)])[np.arange(len(SPHERE)) % 6]):
+        cloud = read(tmp_path, "a.xyz", text(SPHERE, normals))
+        assert np.array_equal(cloud.normals, normals)
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary"])
+def test_bytes_of_0_and_1_are_bytes_if_the_header_says_so(tmp_path, form):
+    dark = (COLOURS > 100).astype(np.uint8)
+    columns = [*SPHERE.T, *dark.T]
+    kind = "ascii" if form == "ascii" else "binary_big_endian"
+    assert_coloured(read(tmp_path, "a.ply", ply([*XYZ_PLY, *RGB_PLY], columns, kind=kind)), dark)
+    fields = [*XYZ_PCD, "r U 1 1", "g U 1 1", "b U 1 1"]
+    assert_coloured(read(tmp_path, "a.pcd", pcd(fields, columns, form=form)), dark)
+
+
+def test_fractions_under_a_header_that_says_bytes_are_shares(tmp_path):
+    content = ply([*XYZ_PLY, *RGB_PLY], [*SPHERE.T, *(COLOURS / 255.0).T], kind="ascii")
+    assert_coloured(read(tmp_path, "a.ply", content))
+
+
+def test_the_fourth_column_of_pts_is_the_intensity(tmp_path):
+    cloud = read(tmp_path, "a.pts", text(SPHERE, np.arange(len(SPHERE)) - 2048))
+    assert cloud.used["column 4"] == "intensity, as grey"
+    assert cloud.colours[0].tolist() == [40, 40, 40]
+    assert cloud.colours[-1].tolist() == [235, 235, 235]
+
+
 @pytest.mark.parametrize(
     "names", ["Rf,Gf,Bf", "R,G,B", "Red,Green,Blue", "diffuse_red,diffuse_green,diffuse_blue"]
 )

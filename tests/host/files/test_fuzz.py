@@ -6,7 +6,7 @@ from splatline.host.files.readers import FORMATS, read_cloud
 from tests.host.files.corrupt import whole_files
 from tests.host.files.fuzz import limited_memory, run_seed
 
-PART = 1600
+PART = 960
 
 
 def test_the_whole_files_are_clouds_of_every_format(tmp_path):
