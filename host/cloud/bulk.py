@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .cloud import Cloud
 
-__all__ = ["distance_beyond_bulk", "far_points", "select"]
+__all__ = ["far_points", "lost_points", "select"]
 
 SHARE = 0.01
 """Share of the points at each end of an axis that the size of the bulk does not depend on."""
@@ -24,6 +24,12 @@ FAR = 3.0
 GAP = 2.0
 """A far point lies at least this many times as far from the bulk as the points before it, so that
 a scan that thins out with distance has none."""
+
+LOST = 1e9
+"""A lost point lies at least this many times as far from the middle as the nearest quarter does."""
+
+NO_SCANNER = 1e15
+"""Its least distance, whatever the unit."""
 
 SAMPLE = 100_000
 """Points from which the bulk is measured."""
@@ -44,7 +50,7 @@ def far_points(positions: _Floats) -> npt.NDArray[np.bool_]:
     ndarray
         Shape (n,), bool.
     """
-    beyond = distance_beyond_bulk(positions)
+    beyond = _beyond_bulk(positions)
     if beyond is None:
         return np.zeros(len(positions), np.bool_)
     outside = np.sort(beyond[beyond > 1.0])
@@ -55,7 +61,32 @@ def far_points(positions: _Floats) -> npt.NDArray[np.bool_]:
     return beyond >= outside[starts[0]]
 
 
-def distance_beyond_bulk(positions: _Floats) -> _Floats | None:
+def lost_points(positions: _Floats) -> npt.NDArray[np.bool_]:
+    """Return which points hold a value that stands for no return, such as 1e30.
+
+    They may be up to half of the points.
+
+    Parameters
+    ----------
+    positions
+        Shape (n, 3), float64, finite.
+
+    Returns
+    -------
+    ndarray
+        Shape (n,), bool.
+    """
+    lost = np.zeros(len(positions), np.bool_)
+    if float(np.abs(positions).max(initial=0.0)) < NO_SCANNER:
+        return lost
+    distance = np.abs(positions - np.median(positions, axis=0)).max(axis=1)
+    usual = float(np.quantile(distance, 0.25))
+    if usual > 0.0:
+        lost |= distance > max(NO_SCANNER, LOST * usual)
+    return lost
+
+
+def _beyond_bulk(positions: _Floats) -> _Floats | None:
     """Return how far each point lies outside the box of the bulk, in sizes of the bulk.
 
     The box holds 98 % of the points on each axis, and its size is its longest side. None: no point

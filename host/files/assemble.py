@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
-from splatline.host.cloud.bulk import distance_beyond_bulk, far_points
+from splatline.host.cloud.bulk import far_points, lost_points
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.normals import estimate_normals
 
@@ -21,19 +21,13 @@ FARTHEST = 1e100
 """Coordinates beyond this count as not finite: their squares would not be."""
 
 
-LOST = 1e9
-"""Points farther from the bulk than this many of its sizes are left out: a value such as 1e30 that
-stands for no return. Nearer ones may be strays, which a view can show."""
-
-
 def assemble_cloud(columns: Columns, name: str) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
 
     Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``), and so are
-    those beyond every scanner's reach (``["far_away"]``, see ``LOST``). Strays do not move the
-    centre. Normals are
-    scaled to unit length; those that are missing, zero or not finite are estimated, and their
-    points two-sided. Without colours every point is ``NEUTRAL``.
+    those beyond every scanner's reach (``["far_away"]``, see ``lost_points``). Strays do not move
+    the centre. Normals are scaled to unit length; those that are missing, zero or not finite are
+    estimated, and their points two-sided. Without colours every point is ``NEUTRAL``.
 
     Parameters
     ----------
@@ -54,7 +48,10 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     kept: npt.NDArray[np.bool_] = np.all(np.abs(positions) <= FARTHEST, axis=1)  # false for NaN
     if not kept.any():
         raise InputError(f"none of its {count} points has a finite position")
-    positions, kept, lost = _without_lost(positions, kept)
+    lost = lost_points(positions[kept])
+    finite = int(np.count_nonzero(kept))
+    kept[kept] = ~lost
+    positions = positions[kept]
     bulk = positions[~far_points(positions)]
     low, high = bulk.min(axis=0), bulk.max(axis=0)
     origin = low + 0.5 * (high - low)
@@ -75,25 +72,13 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
         origin=origin,
         name=name,
         dropped={
-            "non_finite": int(count - np.count_nonzero(kept)) - lost,
-            **({"far_away": lost} if lost else {}),
+            "non_finite": count - finite,
+            **({"far_away": int(np.count_nonzero(lost))} if lost.any() else {}),
         },
         used=columns.used,
         ignored=columns.ignored,
         notes=columns.notes,
     )
-
-
-def _without_lost(
-    positions: npt.NDArray[np.float64], kept: npt.NDArray[np.bool_]
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_], int]:
-    """Return the positions that are kept without those that no scanner measures; count these."""
-    beyond = distance_beyond_bulk(positions[kept])
-    lost = np.zeros(len(positions), np.bool_)
-    if beyond is not None:
-        lost[kept] = beyond > LOST
-    kept = kept & ~lost
-    return positions[kept], kept, int(np.count_nonzero(lost))
 
 
 def _unit_normals(

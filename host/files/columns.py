@@ -12,7 +12,15 @@ import numpy.typing as npt
 
 from .colours import greys, harmonics_to_bytes, unpack_colours
 
-__all__ = ["Columns", "Meaning", "find_meaning", "gather", "plain_name", "unique_names"]
+__all__ = [
+    "Columns",
+    "Meaning",
+    "bytes_left",
+    "find_meaning",
+    "gather",
+    "plain_name",
+    "unique_names",
+]
 
 Names = tuple[str, ...]
 
@@ -200,6 +208,13 @@ def gather(table: Mapping[str, Any], meaning: Meaning, notes: Sequence[str] = ()
     normals = _stack(table, meaning.normals)
     told = (*notes, *_remarks(meaning))
     return Columns(positions, normals, colours, used, meaning.ignored, told)
+
+
+def bytes_left(count: int) -> tuple[str, ...]:
+    """Return a line about bytes behind the last row; a line end or two need none."""
+    if count <= 2:
+        return ()
+    return (f"{count:,} bytes behind the last point are not read; the header may be wrong",)
 
 
 def _remarks(meaning: Meaning) -> list[str]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .columns import Columns, find_meaning, gather
+from .columns import Columns, bytes_left, find_meaning, gather
 from .numbers import as_declared, lines_of, load_rows
 from .pcd_header import Header, read_header
 from .source import Source
@@ -42,6 +42,7 @@ def read_pcd(source: Source) -> Columns:
         raise InputError(f"has no fields x, y and z; it has {', '.join(names)[:80] or 'none'}")
     source.stream.seek(header.size)
     table: _Table
+    left = 0
     if not header.points:
         raise InputError("has no points")
     if header.form == "ascii":
@@ -49,9 +50,10 @@ def read_pcd(source: Source) -> Columns:
     elif header.form == "binary":
         rows = np.frombuffer(source.stream.read(header.points * header.row), header.dtype)
         table = {name: rows[name] for name in names}
+        left = source.size - header.size - rows.nbytes
     else:
         table = _decompressed(source, header)
-    return gather(table, meaning)
+    return gather(table, meaning, bytes_left(left))
 
 
 def _from_text(source: Source, header: Header) -> _Table:

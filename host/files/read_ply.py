@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .columns import Columns, find_meaning, gather
+from .columns import Columns, bytes_left, find_meaning, gather
 from .numbers import as_declared, lines_of, load_rows
 from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
@@ -43,14 +43,15 @@ def read_ply(source: Source) -> Columns:
     )
     if chosen is None:
         raise InputError("has no vertices with properties x, y and z")
+    left = 0
     if header.order is None:
         table = _from_text(source, header, chosen)
     else:
-        table = _from_bytes(source, header, chosen)
+        table, left = _from_bytes(source, header, chosen)
     meaning = find_meaning(chosen.scalars)
     assert meaning is not None
     lists = [item.name for item in chosen.properties if item.length is not None]
-    columns = gather(table, meaning)
+    columns = gather(table, meaning, bytes_left(left))
     return Columns(
         columns.positions,
         columns.normals,
@@ -61,8 +62,11 @@ def read_ply(source: Source) -> Columns:
     )
 
 
-def _from_bytes(source: Source, header: Header, chosen: Element) -> _Table:
-    """Return the scalar properties of a binary element; check that the elements behind it end."""
+def _from_bytes(source: Source, header: Header, chosen: Element) -> tuple[_Table, int]:
+    """Return the scalar properties of a binary element, and the number of bytes that are left.
+
+    The other elements are checked to be whole.
+    """
     assert header.order is not None
     source.stream.seek(header.size)
     data = np.frombuffer(source.stream.read(), np.uint8)
@@ -80,7 +84,7 @@ def _from_bytes(source: Source, header: Header, chosen: Element) -> _Table:
             start = end
         if element is chosen:
             table = {name: rows[name] for name in element.scalars}
-    return table
+    return table, len(data) - start
 
 
 def _from_text(source: Source, header: Header, chosen: Element) -> _Table:

@@ -56,7 +56,7 @@ def test_select_keeps_rows_together():
     assert len(part.normals) == len(part.two_sided) == 25
 
 
-@pytest.mark.parametrize("value", [1e12, 1e30, 3.4e38, -1e30])
+@pytest.mark.parametrize("value", [1e16, 1e30, 3.4e38, -1e30, 9e99])
 def test_a_value_that_stands_for_no_return_is_left_out_and_the_rest_is_exact(value):
     points = ball(200)
     columns = Columns(np.vstack([points, [[value] * 3], [[value, 0.0, 0.0]]]))
@@ -64,6 +64,25 @@ def test_a_value_that_stands_for_no_return_is_left_out_and_the_rest_is_exact(val
     assert cloud.dropped == {"non_finite": 0, "far_away": 2}
     assert cloud.positions + cloud.origin == pytest.approx(points, abs=1e-12)
     assert np.abs(np.sum(cloud.normals * points, axis=1)).min() > 0.9
+
+
+def test_four_in_ten_points_may_stand_for_no_return():
+    points = ball(600)
+    columns = Columns(np.vstack([points, np.full((400, 3), 1e30)]))
+    cloud = assemble_cloud(columns, "ball")
+    assert cloud.dropped == {"non_finite": 0, "far_away": 400}
+    assert cloud.positions + cloud.origin == pytest.approx(points, abs=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e20, 1e40, 1e90])
+def test_nothing_of_a_cloud_in_an_odd_unit_is_lost(size):
+    cloud = assemble_cloud(Columns(ball(100) * size), "ball")
+    assert cloud.dropped == {"non_finite": 0}
+
+
+def test_points_at_nearly_one_position_lose_none():
+    points = np.vstack([1e-13 * ball(900), ball(100)])
+    assert assemble_cloud(Columns(points), "ball").dropped == {"non_finite": 0}
 
 
 def test_a_stray_does_not_move_the_origin():

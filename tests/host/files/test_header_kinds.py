@@ -294,6 +294,15 @@ def test_a_promise_that_the_file_does_not_hold_takes_no_memory(tmp_path, name):
     assert any(word in message for word in ("damaged", "truncated"))
 
 
+@pytest.mark.parametrize("name", ["a.ply", "a.pcd"])
+def test_bytes_behind_the_last_point_are_said(tmp_path, name):
+    content = ply(XYZ_PLY, SPHERE.T) if name == "a.ply" else pcd(XYZ_PCD, SPHERE.T)
+    assert read(tmp_path, name, content + b"\r\n").notes == ()
+    cloud = read(tmp_path, name, content + bytes(720))
+    assert_sphere(cloud)
+    assert cloud.notes == ("720 bytes behind the last point are not read; the header may be wrong",)
+
+
 def test_a_count_of_rows_is_checked_against_the_bytes(tmp_path):
     content = text(SPHERE).encode()
     head = ply_of(COUNT, XYZ).split(b"1 2 3\n")[0]
