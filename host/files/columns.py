@@ -34,12 +34,18 @@ POSITIONS: tuple[Names, ...] = (
     ("points",),
     ("vertices",),
     ("pos",),
+    ("px", "py", "pz"),
+    ("pos_x", "pos_y", "pos_z"),
+    ("points:0", "points:1", "points:2"),
+    ("easting", "northing", "elevation"),
+    ("easting", "northing", "height"),
 )
 NORMALS: tuple[Names, ...] = (
     ("nx", "ny", "nz"),
     ("normal_x", "normal_y", "normal_z"),
     ("normalx", "normaly", "normalz"),
     ("n_x", "n_y", "n_z"),
+    ("normals:0", "normals:1", "normals:2"),
     ("normal",),
     ("normals",),
 )

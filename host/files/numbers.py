@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import re
 from array import array
@@ -25,7 +26,7 @@ __all__ = [
     "without_comment",
 ]
 
-COMMENTS = ("#", "//")
+COMMENTS = ("#", "//", "%")
 
 Lines = Callable[[], Generator[str, None, None]]
 """Returns the lines of a text from its start; it is called once or twice."""
@@ -35,10 +36,8 @@ _NO_NUMBER = re.compile(
 )
 """What programs write where there is no value."""
 
-_COMMENT = re.compile(r"(?<!\.)#|//")
+_COMMENT = re.compile(r"(?<!\.)#|//|%")
 """Not the mark in ``1.#IND``."""
-
-_QUOTED = re.compile(r"\"([^\"]*)\"|'([^']*)'")
 
 _Rows = npt.NDArray[np.float64]
 
@@ -58,7 +57,7 @@ def lines_of(
 
 
 def without_comment(line: str) -> str:
-    """Return a line without what stands behind ``#`` or ``//``, and without blanks about it."""
+    """Return a line without its comment, and without blanks about it."""
     found = _COMMENT.search(line)
     return (line[: found.start()] if found else line).strip().lstrip("\ufeff")
 
@@ -67,13 +66,15 @@ def split_line(line: str, delimiter: str | None) -> list[str]:
     """Return a line's values without quotes; a delimiter inside quotes separates nothing."""
     if delimiter is None:
         return [value.strip("\"'") for value in line.split()]
-    if '"' in line or "'" in line:
-        line = _QUOTED.sub(lambda match: (match[1] or match[2] or "").replace(delimiter, " "), line)
-    return [value.strip() for value in line.split(delimiter)]
+    quote = next((mark for mark in "\"'" if mark in line), None)
+    if quote is None:
+        return [value.strip() for value in line.split(delimiter)]
+    reader = csv.reader([line], delimiter=delimiter, quotechar=quote, skipinitialspace=True)
+    return [value.strip() for value in next(reader)]
 
 
-def to_number(text: str, decimal_comma: bool = True) -> float:
-    """Return the number that a text writes; NaN where it says that there is none.
+def to_number(text: str) -> float:
+    """Return the number that a text writes, also with a decimal comma; NaN if it says "none".
 
     Raises
     ------
@@ -85,7 +86,7 @@ def to_number(text: str, decimal_comma: bool = True) -> float:
     except ValueError:
         if _NO_NUMBER.fullmatch(text):
             return float("nan")
-        if decimal_comma and text.count(",") == 1:
+        if text.count(",") == 1:
             return float(text.replace(",", "."))
         raise
 
@@ -179,7 +180,6 @@ def _repaired(
     """Return the numbers of lines that are not plain; see ``load_rows``."""
     found = array("d")
     rows = 0
-    decimal_comma = delimiter != ","
     for number, raw in enumerate(islice(text, skip, None), start=skip + 1):
         line = without_comment(raw)
         if not line:
@@ -196,7 +196,7 @@ def _repaired(
                 f"line {number} has {len(values)} of {width} columns; is it damaged? ({line[:40]})"
             )
         try:
-            found.extend([to_number(values[column], decimal_comma) for column in columns])
+            found.extend([to_number(values[column]) for column in columns])
         except ValueError:
             raise InputError(
                 f"line {number} holds no numbers; is it damaged? ({line[:40]!r})"

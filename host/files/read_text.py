@@ -58,10 +58,10 @@ class Layout:
 def read_text(source: Source) -> Columns:
     """Return the points of a text file.
 
-    The line before the first point may name the columns, also behind ``#`` or ``//``: x, y, z;
-    nx, ny, nz; r, g, b or red, green, blue; see ``columns``. Without names the number of columns
+    The line before the first point may name the columns, also behind ``#``, ``//`` or ``%``: x, y,
+    z; nx, ny, nz; r, g, b or red, green, blue; see ``columns``. Without names the number of columns
     tells their meaning; see ``by_number``. A line with the count of points, titles, empty lines and
-    comments (``#``, ``//``) do not count.
+    comments (``#``, ``//``, ``%``) do not count.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def _numbers(text: str, names: list[str] | None) -> tuple[str | None, int] | Non
         if meaning is not None and names is not None and len(names) == len(values):
             used = [values[names.index(name)] for name in meaning.names]
         try:
-            parsed = [to_number(value, decimal_comma=delimiter != ",") for value in used]
+            parsed = [to_number(value) for value in used]
         except ValueError:
             continue
         if meaning is None and len(values) < 3 and not any(map(isfinite, parsed)):

@@ -44,7 +44,7 @@ def check_format(path: Path) -> None:
         kinds = " ".join(FORMATS)
         raise InputError(
             f"unknown format {format_suffix(path)!r}; the name must end in one of {kinds}, or in"
-            " one of these and .gz"
+            " one of these and .gz; convert other formats first, with CloudCompare for example"
         )
 
 

@@ -3,6 +3,7 @@
 import gzip
 import json
 import os
+import random
 import subprocess
 import sys
 import threading
@@ -10,6 +11,7 @@ import threading
 import numpy as np
 import pytest
 
+from tests.host.files.corrupt import corrupt, whole_files
 from tests.host.files.kinds import COLOURS, RGB_PLY, SPHERE, XYZ_PLY, ply, text
 
 
@@ -143,3 +145,22 @@ def test_a_name_that_the_terminal_cannot_show_is_no_traceback(tmp_path):
         assert ran.returncode == (2 if b"absent" + name in arguments else 0), ran.stderr
         assert b"Traceback" not in ran.stderr
         assert b"Error" not in ran.stderr
+
+
+def test_corrupted_files_get_a_picture_or_one_line_and_code_2(run, folder, tmp_path):
+    samples = whole_files()
+    codes = []
+    for seed in range(120):
+        sample = samples[seed // 2 % len(samples)]
+        path = tmp_path / sample.name
+        path.write_bytes(corrupt(sample, random.Random(seed), in_header=seed % 2 == 0))
+        result = run("render", path, "--size", "16x16", "-o", "a.png")
+        assert result.exit_code in (0, 2), (seed, result.exception)
+        if result.exit_code == 2:
+            told = [line for line in result.stderr.splitlines() if not line.endswith("...")]
+            assert len(told) == 1
+            assert told[0].startswith(f"splatline: {path}: ")
+            assert not list(folder.iterdir())
+        (folder / "a.png").unlink(missing_ok=True)
+        codes.append(result.exit_code)
+    assert min(codes.count(0), codes.count(2)) > 20

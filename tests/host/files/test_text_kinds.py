@@ -84,7 +84,7 @@ def test_what_programs_write_where_there_is_no_number(tmp_path, word):
         assert_sphere(cloud, kept)
 
 
-@pytest.mark.parametrize("mark", ["# p", "// p", "#", "# 1 2 3"])
+@pytest.mark.parametrize("mark", ["# p", "// p", "#", "# 1 2 3", "% p"])
 def test_a_comment_behind_numbers(tmp_path, mark):
     assert_sphere(read(tmp_path, "a.xyz", text(SPHERE, end=f" {mark}\n")))
 
@@ -101,6 +101,28 @@ def test_decimal_commas(tmp_path, delimiter, names):
     content = text(SPHERE, delimiter=delimiter, form="%.5f").replace(".", ",")
     head = delimiter.join("XYZ") + "\n" if names else ""
     assert_sphere(read(tmp_path, "a.csv", head + content))
+
+
+def test_quoted_decimal_commas(tmp_path):
+    content = text(SPHERE, delimiter="@", form='"%.5f"').replace(".", ",").replace("@", ",")
+    assert_sphere(read(tmp_path, "a.csv", "x,y,z\n" + content))
+
+
+def test_a_delimiter_inside_quotes_separates_nothing(tmp_path):
+    rows = text(SPHERE, delimiter=",").splitlines()
+    content = "class,x,y,z\n" + "".join(f'"tall, green ""tree""",{row}\n' for row in rows)
+    assert_sphere(read(tmp_path, "a.csv", content))
+
+
+@pytest.mark.parametrize(
+    "names",
+    ["px,py,pz", "Points:0,Points:1,Points:2", "Easting,Northing,Elevation", "pos_x,pos_y,pos_z"],
+)
+def test_other_names_of_positions(tmp_path, names):
+    content = f"{names},red\n" + text(SPHERE, np.ones(COUNT), delimiter=",")
+    cloud = read(tmp_path, "a.csv", content)
+    assert_sphere(cloud)
+    assert cloud.notes == ("not used: red",)
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be", "utf-8-sig", "latin-1"])
