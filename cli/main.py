@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
@@ -50,6 +51,7 @@ class Program(click.Group):
         """Run a command and exit with its code; see ``click.Command.main``."""
         if not standalone_mode:
             return super().main(args, prog_name, standalone_mode=False, **extra)
+        _print_any_name()
         try:
             with _exits_on_sigterm():
                 code = super().main(args, prog_name, standalone_mode=False, **extra)
@@ -71,6 +73,13 @@ class Program(click.Group):
         except click.Abort:  # click raises it on Ctrl-C
             code = INTERRUPTED
         sys.exit(code)
+
+
+def _print_any_name() -> None:
+    """Let names that the terminal's encoding lacks be printed with escapes, not as an error."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 @contextmanager

@@ -206,7 +206,8 @@ def _fit(rgb: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 def _name(stats: Mapping[str, Any]) -> str:
     """Return the name of the scene or of the file."""
-    return PurePath(str(stats.get("cloud", "Splatline")).removeprefix("scene ")).name
+    name = PurePath(str(stats.get("cloud", "Splatline")).removeprefix("scene ")).name
+    return name.encode("utf-8", "backslashreplace").decode()  # a name may be no text
 
 
 def _subtitle(stats: Mapping[str, Any]) -> str:

@@ -59,6 +59,7 @@ def encode(request: RenderRequest, output: Path) -> None:
             ("elements", format_value(counts["elements"])),
             ("code words", format_value(counts["codewords"])),
             ("control words", format_value(counts["control_words"])),
+            *(("note", line) for line in prepared.notes),
             None,
             *((f"{stage}, s", f"{value:.3f}") for stage, value in stages.seconds.items()),
             None,
@@ -152,18 +153,37 @@ def info(path: Path, as_json: bool) -> None:
       splatline info scan.frame --json
     """  # noqa: D301
     from splatline.host.files.readers import FORMATS
+    from splatline.host.files.source import format_suffix
+    from splatline.host.frame_file import sidecar_path
 
-    is_cloud = path.suffix.lower() in FORMATS or not path.is_file()
-    facts = _cloud_facts(path) if is_cloud else _frame_facts(path)
+    # A frame may have any name, but its sidecar lies beside it.
+    is_frame = (
+        path.is_file()
+        and format_suffix(path) not in FORMATS
+        and (path.suffix.lower() == ".frame" or sidecar_path(path).is_file())
+    )
+    facts = _frame_facts(path) if is_frame else _cloud_facts(path)
     if as_json:
         click.echo(json.dumps(facts, indent=2, allow_nan=False))
         return
     from splatline.cli.report.tables import format_value, print_facts
 
+    if not is_frame:
+        facts["columns_used"] = _grouped(facts["columns_used"])
+        facts["columns_ignored"] = ", ".join(facts["columns_ignored"]) or "none"
+        facts["notes"] = "; ".join(facts["notes"]) or "none"
     print_facts(
         [(key.replace("_", " "), format_value(value)) for key, value in facts.items()],
         title=str(path),
     )
+
+
+def _grouped(used: dict[str, str]) -> str:
+    """Return columns by what they were taken for: ``x y z as position; red green blue ...``."""
+    groups: dict[str, list[str]] = {}
+    for name, meaning in used.items():
+        groups.setdefault(meaning, []).append(name)
+    return "; ".join(f"{' '.join(names)} as {meaning}" for meaning, names in groups.items())
 
 
 def _frame_facts(path: Path) -> dict[str, Any]:
@@ -179,6 +199,7 @@ def _cloud_facts(path: Path) -> dict[str, Any]:
     """Return the facts of a cloud, in the file's own coordinates."""
     import numpy as np
 
+    from splatline.host.cloud.bulk import far_points
     from splatline.host.cloud.spacing import splat_radii
     from splatline.host.files.readers import read_cloud
 
@@ -189,6 +210,10 @@ def _cloud_facts(path: Path) -> dict[str, Any]:
     return {
         "points": len(cloud),
         "dropped": cloud.dropped,
+        "columns_used": cloud.used,
+        "columns_ignored": list(cloud.ignored),
+        "notes": list(cloud.notes),
+        "far_from_the_rest": int(np.count_nonzero(far_points(cloud.positions))),
         "estimated_normals": int(np.count_nonzero(cloud.two_sided)),
         "colours": len(np.unique(cloud.colours, axis=0)),
         "low": (low + cloud.origin).tolist(),

@@ -82,7 +82,8 @@ def render(
 ) -> None:
     """Draw a point cloud, or a built-in scene if there is no CLOUD.
 
-    CLOUD is a PLY, PCD, XYZ, XYZN, CSV or NPZ file. The vertices of a mesh are taken as points.
+    CLOUD is a PLY, PCD, XYZ, XYZN, PTS, CSV, NPZ or NPY file, also compressed (.gz). The vertices
+    of a mesh are taken as points.
 
     \b
     Examples:
@@ -121,6 +122,8 @@ def render(
         "view": prepared.camera,
         "splat_size": request.splat_size or "auto",
         "dropped": prepared.cloud.dropped,
+        "far_away": prepared.far_away,
+        "notes": prepared.notes,
         **drawing_statistics(
             prepared.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),

@@ -57,6 +57,8 @@ class RenderRequest:
         Reasons to leave points out.
     shapes
         Source of the shapes of the quality ``paper``.
+    fit
+        Points that the view fits: ``bulk``, without those far from the rest, or ``all``.
     """
 
     path: Path | None
@@ -71,11 +73,15 @@ class RenderRequest:
     quality: str
     skips: frozenset[str]
     shapes: str = "table"
+    fit: str = "bulk"
 
     @property
     def name(self) -> str:
         """Name of the picture: the file's name without its suffix, or the scene's name."""
-        return self.scene if self.path is None else self.path.stem
+        if self.path is None:
+            return self.scene
+        # Not from host.files, which would load numpy for the help.
+        return (self.path.with_suffix("") if self.path.suffix.lower() == ".gz" else self.path).stem
 
 
 _ENCODING_OPTIONS = (
@@ -119,6 +125,13 @@ _ENCODING_OPTIONS = (
 """Options of the encoding, last one first."""
 
 _VIEW_OPTIONS = (
+    click.option(
+        "--fit",
+        type=click.Choice(["bulk", "all"]),
+        default="bulk",
+        help="bulk: points far from the rest are not drawn, and counted; all: the view fits every"
+        " point.",
+    ),
     click.option(
         "--zoom",
         type=float,
@@ -179,6 +192,7 @@ def request_options(command: _Command) -> _Command:
         skip: tuple[str, ...],
         keep: tuple[str, ...],
         shapes: str,
+        fit: str,
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
@@ -200,6 +214,7 @@ def request_options(command: _Command) -> _Command:
             quality,
             (DEFAULT_SKIPS | set(skip)) - set(keep),
             shapes,
+            fit,
         )
         return command(request=request, **rest)
 

@@ -37,6 +37,8 @@ class PreparedFrames:
         One frame for each sample of a pixel.
     camera
         Orbit, field of view, up axis and zoom that were used, for the statistics.
+    far_away
+        Points far from the rest that are not drawn.
     """
 
     cloud: Cloud
@@ -44,6 +46,16 @@ class PreparedFrames:
     radii: npt.NDArray[np.float64]
     frames: list[Frame]
     camera: dict[str, Any]
+    far_away: int = 0
+
+    @property
+    def notes(self) -> list[str]:
+        """What a person should know about the cloud, each in one line."""
+        lines = list(self.cloud.notes)
+        if self.far_away:
+            points = "1 point lies" if self.far_away == 1 else f"{self.far_away:,} points lie"
+            lines.append(f"{points} far from the rest, and not in the picture; see --fit all")
+        return lines
 
 
 def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedFrames:
@@ -71,13 +83,14 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         with stages.stage("read", f"Reading {request.path}"):
             cloud = read_cloud(request.path)
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
+    cloud, far_away = (cloud, 0) if request.fit == "all" else _bulk(cloud)
 
     from splatline.host.cloud.spacing import splat_radii
 
     with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points"):
         radii = splat_radii(cloud, request.splat_size)
     with stages.stage("view", "Fitting the view"):
-        view = fit_view(cloud, size=request.size, **camera)
+        view = fit_view(cloud, size=request.size, radii=radii, **camera)
     from splatline.host.pipeline import make_frames, total_counts
 
     options: dict[str, Any] = {
@@ -94,4 +107,13 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
             others = make_frames(cloud, view, samples, radii=radii, **options)
         for frame, other in zip(frames, others, strict=True):
             frame.counts["bits_sent"].update(other.counts["bits_sent"])
-    return PreparedFrames(cloud, view, radii, frames, camera)
+    return PreparedFrames(cloud, view, radii, frames, camera, far_away)
+
+
+def _bulk(cloud: Cloud) -> tuple[Cloud, int]:
+    """Return the cloud without the points far from the rest, and their number."""
+    from splatline.host.cloud.bulk import far_points, select
+
+    far = far_points(cloud.positions)
+    number = int(far.sum())
+    return (select(cloud, ~far), number) if number else (cloud, 0)

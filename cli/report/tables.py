@@ -54,6 +54,8 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
         for key, (label, template) in _QUALITY.items():
             value = stats.get(key)
             facts.append((label, "-" if value is None else template.format(value)))
+    if stats.get("notes"):
+        facts += [None, *(("note", line) for line in stats["notes"])]
     facts.append(None)
     facts += [(f"{stage}, s", f"{value:.3f}") for stage, value in stats["seconds"].items()]
     facts.append(None)

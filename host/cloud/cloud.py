@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,12 @@ class Cloud:
         Its name in reports.
     dropped
         Points left out when the cloud was read, by reason.
+    used
+        What each column of the file was taken for, by its name.
+    ignored
+        Columns of the file that are not used.
+    notes
+        What a person should know about how the file was read; each is one line.
     """
 
     positions: npt.NDArray[np.float64]
@@ -41,6 +47,9 @@ class Cloud:
     origin: npt.NDArray[np.float64]
     name: str
     dropped: dict[str, int]
+    used: dict[str, str] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of points."""

@@ -2,52 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
+from splatline.host.cloud.bulk import far_points, lost_points
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.normals import estimate_normals
 
-__all__ = ["NEUTRAL", "Columns", "assemble_cloud", "colours_to_bytes"]
+from .colours import NEUTRAL, colours_to_bytes
+from .columns import Columns
 
-NEUTRAL = (214, 164, 124)
-"""Colour of points that have none: clay. With three bits a channel its channels change level one
-after the other, so it shows finer shades than a grey does. All of its shades are warm; a paler tint
-would show bands of several hues."""
+__all__ = ["Columns", "assemble_cloud"]
 
 FARTHEST = 1e100
 """Coordinates beyond this count as not finite: their squares would not be."""
 
 
-@dataclass(frozen=True)
-class Columns:
-    """Columns of a file before they are checked; one row a point.
-
-    Parameters
-    ----------
-    positions
-        Shape (n, 3), any real type.
-    normals
-        Shape (n, 3), any real type and length, or None.
-    colours
-        Shape (n, 3), in any of the scales of ``colours_to_bytes``, or None.
-    """
-
-    positions: npt.NDArray[Any]
-    normals: npt.NDArray[Any] | None = None
-    colours: npt.NDArray[Any] | None = None
-
-
 def assemble_cloud(columns: Columns, name: str) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
 
-    Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``). Normals are
-    scaled to unit length; those that are missing, zero or not finite are estimated, and their
-    points two-sided. Without colours every point is ``NEUTRAL``.
+    Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``), and so are
+    those beyond every scanner's reach (``["far_away"]``, see ``lost_points``). Strays do not move
+    the centre. Normals are scaled to unit length; those that are missing, zero or not finite are
+    estimated, and their points two-sided. Without colours every point is ``NEUTRAL``.
 
     Parameters
     ----------
@@ -68,8 +48,12 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     kept: npt.NDArray[np.bool_] = np.all(np.abs(positions) <= FARTHEST, axis=1)  # false for NaN
     if not kept.any():
         raise InputError(f"none of its {count} points has a finite position")
+    lost = lost_points(positions[kept])
+    finite = int(np.count_nonzero(kept))
+    kept[kept] = ~lost
     positions = positions[kept]
-    low, high = positions.min(axis=0), positions.max(axis=0)
+    bulk = positions[~far_points(positions)]
+    low, high = bulk.min(axis=0), bulk.max(axis=0)
     origin = low + 0.5 * (high - low)
     positions -= origin
 
@@ -87,7 +71,13 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
         two_sided=two_sided,
         origin=origin,
         name=name,
-        dropped={"non_finite": int(count - np.count_nonzero(kept))},
+        dropped={
+            "non_finite": count - finite,
+            **({"far_away": int(np.count_nonzero(lost))} if lost.any() else {}),
+        },
+        used=columns.used,
+        ignored=columns.ignored,
+        notes=columns.notes,
     )
 
 
@@ -108,36 +98,3 @@ def _unit_normals(
     missing |= length[:, 0] == 0.0
     rows /= np.where(length > 0.0, length, 1.0)
     return rows.astype(np.float32), missing
-
-
-def colours_to_bytes(colours: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    """Return colours of any usual scale as bytes.
-
-    The array's type and its largest finite value tell the scale:
-
-    - floating point: up to 1 is 0..1, up to 255 is bytes, above is 0..65535;
-    - integers: up to 255 is bytes (also in a wider type), above is 0..65535.
-
-    Values outside the scale are clipped to it; colours that are not finite become ``NEUTRAL``.
-
-    Parameters
-    ----------
-    colours
-        Shape (n, 3), any real type.
-
-    Returns
-    -------
-    ndarray
-        Shape (n, 3), uint8.
-    """
-    if colours.dtype == np.uint8:
-        return np.ascontiguousarray(colours)
-    values = colours.astype(np.float64)
-    finite: npt.NDArray[np.bool_] = np.all(np.isfinite(values), axis=1)
-    largest = float(values[finite].max()) if finite.any() else 0.0
-    if largest <= 1.0 and not np.issubdtype(colours.dtype, np.integer):
-        scale = 255.0
-    else:
-        scale = 1.0 if largest <= 255.0 else 255.0 / 65535.0
-    values = np.where(finite[:, np.newaxis], values * scale, NEUTRAL)
-    return np.rint(np.clip(values, 0.0, 255.0)).astype(np.uint8)

@@ -1,66 +1,249 @@
-"""The meaning of a cloud file's columns, by their names."""
+"""The meaning of a cloud file's columns, by their names: the same for every format."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Fields", "find_fields", "stack"]
+from .colours import greys, harmonics_to_bytes, unpack_colours
 
-Names = tuple[str, str, str]
+__all__ = [
+    "Columns",
+    "Meaning",
+    "bytes_left",
+    "find_meaning",
+    "gather",
+    "plain_name",
+    "unique_names",
+]
 
-POSITIONS: tuple[Names, ...] = (("x", "y", "z"),)
+Names = tuple[str, ...]
+
+AGAIN = " (again)"
+
+POSITIONS: tuple[Names, ...] = (
+    ("x", "y", "z"),
+    ("xyz",),
+    ("position",),
+    ("positions",),
+    ("points",),
+    ("vertices",),
+    ("pos",),
+    ("px", "py", "pz"),
+    ("pos_x", "pos_y", "pos_z"),
+    ("points:0", "points:1", "points:2"),
+    ("easting", "northing", "elevation"),
+    ("easting", "northing", "height"),
+)
 NORMALS: tuple[Names, ...] = (
     ("nx", "ny", "nz"),
     ("normal_x", "normal_y", "normal_z"),
     ("normalx", "normaly", "normalz"),
+    ("n_x", "n_y", "n_z"),
+    ("normals:0", "normals:1", "normals:2"),
+    ("normal",),
+    ("normals",),
 )
 COLOURS: tuple[Names, ...] = (
     ("red", "green", "blue"),
     ("r", "g", "b"),
+    ("rf", "gf", "bf"),
     ("diffuse_red", "diffuse_green", "diffuse_blue"),
+    ("colours",),
+    ("colors",),
+    ("rgb",),
+    ("rgba",),
+    ("colour",),
+    ("color",),
 )
+PACKED: tuple[Names, ...] = (("rgb",), ("rgba",))
+HARMONICS: tuple[Names, ...] = (("f_dc_0", "f_dc_1", "f_dc_2"),)
+INTENSITY: tuple[Names, ...] = (
+    ("intensity",),
+    ("scalar_intensity",),
+    ("intensities",),
+    ("reflectance",),
+    ("scalar_reflectance",),
+    ("reflectivity",),
+    ("remission",),
+)
+
+HINTS = re.compile(r"rgb|colou?r|red$|green$|blue$|norm|^n[xyz]$|intens|reflec|remis|^scalar|f_dc")
+"""Names of columns that a person may expect to see in the picture."""
+
+_UNIT = re.compile(r"\s*[\[(][^\[\]()]*[\])]$")
 
 
 @dataclass(frozen=True)
-class Fields:
-    """Names of the columns that hold positions, normals and colours, as the file spells them."""
+class Columns:
+    """Columns of a file before they are checked; one row a point.
+
+    Parameters
+    ----------
+    positions
+        Shape (n, 3), any real type.
+    normals
+        Shape (n, 3), any real type and length, or None.
+    colours
+        Shape (n, 3), in any of the scales of ``colours_to_bytes``, or None.
+    used
+        What a column of the file was taken for, by its name.
+    ignored
+        Names of the other columns.
+    notes
+        What a person should know about how the file was read; each is one line.
+    """
+
+    positions: npt.NDArray[Any]
+    normals: npt.NDArray[Any] | None = None
+    colours: npt.NDArray[Any] | None = None
+    used: dict[str, str] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """The columns that are used, as the file spells them; a group is empty if there is none.
+
+    Parameters
+    ----------
+    positions, normals
+        Three columns, or one column of three values.
+    colours
+        The same, or one column of packed colours or of intensities.
+    kind
+        What ``colours`` hold: colour, packed colour, spherical harmonics or intensity.
+    ignored
+        The other columns.
+    """
 
     positions: Names
-    normals: Names | None
-    colours: Names | None
+    normals: Names
+    colours: Names
+    kind: str
+    ignored: Names
 
     @property
-    def groups(self) -> tuple[Names, ...]:
-        """The groups that the file has."""
-        return tuple(
-            group for group in (self.positions, self.normals, self.colours) if group is not None
-        )
+    def names(self) -> Names:
+        """All columns that are used."""
+        return (*self.positions, *self.normals, *self.colours)
 
 
-def find_fields(names: Sequence[str]) -> Fields | None:
+def plain_name(name: str) -> str:
+    """Return a column's name without its unit, in lower case: ``x`` of ``X [m]``."""
+    return _UNIT.sub("", name.strip().lower()).replace(" ", "_")
+
+
+def unique_names(names: Sequence[str]) -> list[str]:
+    """Return names of which those that come again are marked, so that each is a column."""
+    seen: set[str] = set()
+    found = []
+    for name in names:
+        other = name
+        while other in seen:
+            other += AGAIN
+        seen.add(other)
+        found.append(other)
+    return found
+
+
+def find_meaning(names: Sequence[str], widths: Mapping[str, int] | None = None) -> Meaning | None:
     """Return the columns of positions, normals and colours, or None without x, y and z.
 
-    Case does not matter. Other columns are ignored.
-    """
-    spelled = {name.strip().lower(): name for name in reversed(names)}
+    Case and units do not matter. Of two columns of one name the first counts.
 
-    def first_of(kinds: tuple[Names, ...]) -> Names | None:
-        for a, b, c in kinds:
-            if a in spelled and b in spelled and c in spelled:
-                return spelled[a], spelled[b], spelled[c]
-        return None
+    Parameters
+    ----------
+    names
+        The columns; none comes twice.
+    widths
+        Values of a column in one row, if it is not 1.
+    """
+    widths = widths or {}
+    spelled = {plain_name(name): name for name in reversed(names)}
+    spelled |= {plain_name(name): name for name in reversed(names) if not name.endswith(AGAIN)}
+
+    def first_of(groups: tuple[Names, ...], alone: tuple[int, ...] = (3,)) -> Names:
+        for group in groups:
+            found = tuple(spelled[name] for name in group if name in spelled)
+            wanted = (1,) if len(group) == 3 else alone
+            if len(found) == len(group) and all(widths.get(name, 1) in wanted for name in found):
+                return found
+        return ()
 
     positions = first_of(POSITIONS)
-    if positions is None:
+    if not positions:
         return None
-    return Fields(positions, first_of(NORMALS), first_of(COLOURS))
+    kinds = (
+        ("packed colour", PACKED, (1,)),
+        ("colour", COLOURS, (3, 4)),
+        ("colour, spherical harmonics", HARMONICS, ()),
+        ("intensity, as grey", INTENSITY, (1,)),
+    )
+    found = [(kind, first_of(groups, alone)) for kind, groups, alone in kinds]
+    kind, colours = next((pair for pair in found if pair[1]), ("", ()))
+    normals = first_of(NORMALS)
+    taken = {*positions, *normals, *colours}
+    ignored = tuple(name for name in names if name not in taken)
+    return Meaning(positions, normals, colours, kind, ignored)
 
 
-def stack(columns: Mapping[str, Any] | Any, names: Names) -> npt.NDArray[Any]:
-    """Return three columns side by side, in the machine's own byte order: shape (n, 3)."""
-    return np.stack([np.asarray(columns[name]) for name in names], axis=-1)
+def gather(table: Mapping[str, Any], meaning: Meaning, notes: Sequence[str] = ()) -> Columns:
+    """Return the columns that a meaning names, taken from a table of arrays."""
+    colours = _stack(table, meaning.colours)
+    if colours is not None:
+        if meaning.kind.startswith("packed"):
+            colours = unpack_colours(colours[:, 0])
+        elif meaning.kind.startswith("intensity"):
+            colours = greys(colours[:, 0])
+        elif meaning.kind != "colour":
+            colours = harmonics_to_bytes(colours)
+        else:
+            colours = colours[:, :3]
+    positions = _stack(table, meaning.positions)
+    assert positions is not None
+    used = dict.fromkeys(meaning.positions, "position")
+    used |= dict.fromkeys(meaning.normals, "normal")
+    used |= dict.fromkeys(meaning.colours, meaning.kind)
+    normals = _stack(table, meaning.normals)
+    told = (*notes, *_remarks(meaning))
+    return Columns(positions, normals, colours, used, meaning.ignored, told)
+
+
+def bytes_left(count: int) -> tuple[str, ...]:
+    """Return a line about bytes behind the last row; a line end or two need none."""
+    if count <= 2:
+        return ()
+    return (f"{count:,} bytes behind the last point are not read; the header may be wrong",)
+
+
+def _remarks(meaning: Meaning) -> list[str]:
+    """Return a line about columns that come twice, and one about those that may be missed."""
+    again = [name.removesuffix(AGAIN) for name in meaning.ignored if name.endswith(AGAIN)]
+    lines = [f"{name} comes twice; the first counts" for name in dict.fromkeys(again)]
+    missed = [
+        name
+        for name in meaning.ignored
+        if HINTS.search(plain_name(name)) and not name.endswith(AGAIN)
+    ]
+    if missed:
+        shown = ", ".join(missed[:4]) + (f" and {len(missed) - 4} more" if missed[4:] else "")
+        lines.append(f"not used: {shown}")
+    return lines
+
+
+def _stack(table: Mapping[str, Any], names: Names) -> npt.NDArray[Any] | None:
+    """Return columns side by side, in the machine's own byte order: shape (n, columns)."""
+    if not names:
+        return None
+    if len(names) > 1:
+        return np.stack([np.asarray(table[name]) for name in names], axis=-1)
+    column = np.asarray(table[names[0]])
+    column = column.astype(column.dtype.newbyteorder("="))
+    return column if column.ndim == 2 else column[:, np.newaxis]

@@ -1,30 +1,47 @@
-"""NPZ files: arrays by name."""
+"""NPZ and NPY files: arrays by name, or one array."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+import io
+import math
+import zipfile
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib import format as npy
 
 from splatline.contract.errors import InputError
 
-from .assemble import Columns
+from .columns import Columns, find_meaning, gather, plain_name
+from .numbered import by_number
+from .source import Source, unpacked_limit
 
-__all__ = ["read_npz"]
+__all__ = ["read_npy", "read_npz"]
 
-POSITIONS = ("positions", "points", "xyz", "vertices", "pos")
-NORMALS = ("normals", "normal")
-COLOURS = ("colours", "colors", "rgb", "colour", "color")
+LONGEST = 1 << 16
+"""Bytes of the longest header that is read."""
+
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""How numpy stores arrays. Others may take any memory to unpack."""
+
+VECTORS = {
+    **dict.fromkeys(("positions", "points", "xyz", "vertices", "pos", "position"), (3,)),
+    **dict.fromkeys(("normals", "normal"), (3,)),
+    **dict.fromkeys(("colours", "colors", "rgb", "rgba", "colour", "color"), (3, 4)),
+}
+"""Columns that arrays of these names may have."""
+
+_Array = npt.NDArray[Any]
 
 
-def read_npz(path: Path) -> Columns:
+def read_npz(source: Source) -> Columns:
     """Return the points of an NPZ file.
 
-    Positions are the first array that is named as in ``POSITIONS``, normals as in ``NORMALS``,
-    colours as in ``COLOURS``, in any case: shape (n, 3). A fourth column of colours is ignored,
-    and so are arrays with other names.
+    Positions are the array ``positions``, ``points``, ``xyz``, ``vertices`` or ``pos``, normals
+    ``normals``, colours ``colours``, ``colors`` or ``rgb``, in any case and in the singular too:
+    shape (n, 3). A fourth column of colours is ignored. Arrays of one value a point have the names
+    of columns in other formats: x, y, z and so on.
 
     Raises
     ------
@@ -33,33 +50,102 @@ def read_npz(path: Path) -> Columns:
     Exception
         Of several types, from numpy and zipfile, if the file is damaged.
     """
-    # Opened here: numpy would leave the file of a damaged archive open.
-    with path.open("rb") as stream:
-        arrays = np.load(stream, allow_pickle=False)
-        if not hasattr(arrays, "files"):
-            raise InputError("is one array, not an archive of arrays")
-        names = {name.lower(): name for name in reversed(arrays.files)}
+    if source.stream.read(6) == npy.MAGIC_PREFIX:
+        raise InputError("is one array, not an archive of arrays; let its name end in .npy")
+    with zipfile.ZipFile(source.stream) as archive:
+        members = {
+            info.filename.removesuffix(".npy"): info
+            for info in reversed(archive.infolist())
+            if info.filename.endswith(".npy")
+        }
+        members = dict(reversed(members.items()))
+        shapes = {name: _shape(archive, info, source.size) for name, info in members.items()}
+        widths = {}
+        for name, (shape, kind) in shapes.items():
+            wanted = VECTORS.get(plain_name(name))
+            packed = len(shape) == 1 and plain_name(name) in ("rgb", "rgba")
+            good = kind.kind in "iuf" and (
+                packed or (len(shape) == 2 and shape[1] in (wanted or ()))
+            )
+            if wanted and not good:
+                raise InputError(
+                    f"its array {name} has shape {shape} and type {kind}; "
+                    "it must have numbers in shape (n, 3)"
+                )
+            scalar = len(shape) == 1 and kind.kind in "iuf"
+            widths[name] = 1 if scalar else shape[1] if wanted and len(shape) == 2 else 0
+        meaning = find_meaning(list(members), widths)
+        if meaning is None:
+            raise InputError("has no array named positions, points, xyz, vertices or pos")
+        lengths = {name: shapes[name][0][0] for name in meaning.names}
+        count = lengths[meaning.positions[0]]
+        for kind_of, group in (("normals", meaning.normals), ("colours", meaning.colours)):
+            for name in group:
+                if lengths[name] != count:
+                    raise InputError(f"has {count} positions but {lengths[name]} {kind_of}")
+        if any(lengths[name] != count for name in meaning.positions):
+            raise InputError("has arrays x, y and z of different lengths")
+        table = {}
+        for name in meaning.names:
+            with archive.open(members[name]) as stream:
+                table[name] = npy.read_array(stream, allow_pickle=False)
+    return gather(table, meaning)
 
-        def first_of(kinds: tuple[str, ...], columns: tuple[int, ...] = (3,)) -> Any:
-            name = next((names[kind] for kind in kinds if kind in names), None)
-            return None if name is None else _checked(name, arrays[name], columns)
 
-        positions = first_of(POSITIONS)
-        if positions is None:
-            raise InputError(f"has no array named {', '.join(POSITIONS[:-1])} or {POSITIONS[-1]}")
-        normals = first_of(NORMALS)
-        colours = first_of(COLOURS, (3, 4))
-    for kind, array in (("normals", normals), ("colours", colours)):
-        if array is not None and len(array) != len(positions):
-            raise InputError(f"has {len(positions)} positions but {len(array)} {kind}")
-    return Columns(positions, normals, None if colours is None else colours[:, :3])
+def read_npy(source: Source) -> Columns:
+    """Return the points of an NPY file: rows as in a text without names, or a structured array.
 
-
-def _checked(name: str, array: npt.NDArray[Any], columns: tuple[int, ...]) -> npt.NDArray[Any]:
-    """Return an array if it has one row of numbers a point."""
-    if array.ndim != 2 or array.shape[1] not in columns or array.dtype.kind not in "iuf":
+    Raises
+    ------
+    InputError
+        If it has no rows of numbers, or promises more than the file holds.
+    Exception
+        Of several types, from numpy, if the file is damaged.
+    """
+    shape, kind = _promise(source.stream, source.size)
+    source.stream.seek(0)
+    if kind.names is None and (len(shape) != 2 or kind.kind not in "iuf"):
         raise InputError(
-            f"its array {name} has shape {array.shape} and type {array.dtype}; "
-            "it must have numbers in shape (n, 3)"
+            f"is an array of shape {shape} and type {kind}; it must have numbers in shape (n, 3)"
         )
-    return array
+    array = npy.read_array(source.stream, allow_pickle=False)
+    if kind.names is None:
+        return by_number(array, source.suffix)
+    rows = array.reshape(-1)
+    parts = {name: rows[name] for name in kind.names if kind[name].base.kind in "iuf"}
+    widths = {name: math.prod(part.shape[1:]) for name, part in parts.items()}
+    meaning = find_meaning(list(kind.names), {**dict.fromkeys(kind.names, 0), **widths})
+    if meaning is None:
+        raise InputError(f"has no fields x, y and z; it has {', '.join(kind.names)[:80]}")
+    return gather(parts, meaning)
+
+
+def _shape(
+    archive: zipfile.ZipFile, info: zipfile.ZipInfo, size: int
+) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Return an array's shape and type; the archive is large enough for it."""
+    if info.compress_type not in METHODS:
+        raise InputError(f"its array {info.filename} is compressed by a method that numpy lacks")
+    if info.compress_size > size or info.file_size > unpacked_limit(size):
+        raise InputError(
+            f"promises {info.file_size:,} bytes of {info.filename}, but has {size:,};"
+            " is it damaged?"
+        )
+    with archive.open(info) as stream:
+        return _promise(stream, info.file_size)
+
+
+def _promise(stream: IO[bytes], size: int) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Return the shape and type that an array's header promises; raise if ``size`` is too small."""
+    # From its first bytes, as a header may promise to be 4 GB long.
+    head = io.BytesIO(stream.read(LONGEST))
+    version = npy.read_magic(head)
+    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+    shape, _, kind = read(head)
+    promised = math.prod(shape) * kind.itemsize
+    if min(shape, default=0) < 0 or promised > size - head.tell():
+        raise InputError(
+            f"promises an array of shape {shape}, {promised:,} bytes, but has {size:,};"
+            " is it damaged, or truncated?"
+        )
+    return shape, kind

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
+from itertools import islice
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .assemble import Columns
-from .columns import find_fields, stack
+from .columns import Columns, bytes_left, find_meaning, gather
+from .numbers import as_declared, lines_of, load_rows
+from .ply_header import Element, Header, read_header
+from .ply_lists import list_rows
+from .source import Source
 
 __all__ = ["read_ply"]
 
-# Lists of a known length are mapped into memory instead of read face by face.
-_TRIANGLES = {"face": {"vertex_indices": 3, "vertex_index": 3}}
+_Table = dict[str, npt.NDArray[Any]]
 
 
-def read_ply(path: Path) -> Columns:
+def read_ply(source: Source) -> Columns:
     """Return the points of a PLY file: the element ``vertex``, or else the first with x, y, z.
 
     Other elements, such as faces, are ignored, but a file that ends inside them is refused.
@@ -23,29 +30,130 @@ def read_ply(path: Path) -> Columns:
     Raises
     ------
     InputError
-        If there is no such element.
-    plyfile.PlyParseError, ValueError
-        If the file is damaged.
+        If there is no such element, or the file is damaged.
     """
-    from plyfile import PlyData, PlyElementParseError
-
-    try:
-        data = PlyData.read(str(path), known_list_len=_TRIANGLES)
-    except PlyElementParseError as error:
-        if error.message != "unexpected list length":
-            raise
-        data = PlyData.read(str(path))  # faces of other shapes
-    for element in sorted(data.elements, key=lambda element: element.name != "vertex"):
-        # A list property has no single value for each point.
-        rows = element.data
-        names = [name for name in rows.dtype.names or () if rows.dtype[name].kind in "iuf"]
-        fields = find_fields(names)
-        if fields is not None:
-            break
-    else:
+    header = read_header(source)
+    chosen = next(
+        (
+            element
+            for element in sorted(header.elements, key=lambda element: element.name != "vertex")
+            if find_meaning(element.scalars) is not None
+        ),
+        None,
+    )
+    if chosen is None:
         raise InputError("has no vertices with properties x, y and z")
+    left = 0
+    if header.order is None:
+        table = _from_text(source, header, chosen)
+    else:
+        table, left = _from_bytes(source, header, chosen)
+    meaning = find_meaning(chosen.scalars)
+    assert meaning is not None
+    lists = [item.name for item in chosen.properties if item.length is not None]
+    columns = gather(table, meaning, bytes_left(left))
     return Columns(
-        stack(rows, fields.positions),
-        stack(rows, fields.normals) if fields.normals else None,
-        stack(rows, fields.colours) if fields.colours else None,
+        columns.positions,
+        columns.normals,
+        columns.colours,
+        columns.used,
+        (*columns.ignored, *lists),
+        columns.notes,
+    )
+
+
+def _from_bytes(source: Source, header: Header, chosen: Element) -> tuple[_Table, int]:
+    """Return the scalar properties of a binary element, and the number of bytes that are left.
+
+    The other elements are checked to be whole.
+    """
+    assert header.order is not None
+    source.stream.seek(header.size)
+    data = np.frombuffer(source.stream.read(), np.uint8)
+    start = 0
+    table: _Table = {}
+    for element in header.elements:
+        if element.has_lists:
+            rows, start = list_rows(data, start, element, header.order, element is chosen)
+        else:
+            kind = element.dtype(header.order)
+            end = start + element.count * kind.itemsize
+            if end > len(data):
+                raise _ends_early(element, max(0, len(data) - start) // kind.itemsize)
+            rows = data[start:end].view(kind)
+            start = end
+        if element is chosen:
+            table = {name: rows[name] for name in element.scalars}
+    return table, len(data) - start
+
+
+def _from_text(source: Source, header: Header, chosen: Element) -> _Table:
+    """Return the scalar properties of an element in ASCII; check that the others are there."""
+
+    def lines() -> Any:
+        text = lines_of(source.stream, header.size)
+        return (line.lstrip("\ufeff") for line in text if line.strip("\ufeff \t\r\n"))
+
+    before = 0
+    table: _Table = {}
+    for element in header.elements:
+        if element is chosen and not element.has_lists:
+            width = len(element.properties)
+            used = partial(load_rows, lines, range(width), width=width, exact=False)
+            rows = used(skip=before, limit=element.count)
+            if len(rows) < element.count:
+                raise _ends_early(element, len(rows))
+            table = {
+                item.name: as_declared(rows[:, i], np.dtype(item.kind))
+                for i, item in enumerate(element.properties)
+            }
+        elif element is chosen:
+            table = _ragged(list(islice(lines(), before, before + element.count)), element)
+        before += element.count
+    _check_end(lines(), header)
+    return table
+
+
+def _ragged(lines: list[str], element: Element) -> _Table:
+    """Return the scalars of rows that have lists too."""
+    if len(lines) < element.count:
+        raise _ends_early(element, len(lines))
+    values: dict[str, list[float]] = {name: [] for name in element.scalars}
+    for line in lines:
+        words = iter(line.split())
+        try:
+            for item in element.properties:
+                if item.length is None:
+                    values[item.name].append(float(next(words)))
+                else:
+                    length = int(next(words))
+                    if len(list(islice(words, length))) < length:
+                        raise StopIteration
+        except (StopIteration, ValueError):
+            raise InputError(
+                f"a {element.name} does not fit its properties; is it damaged? ({line[:40]!r})"
+            ) from None
+    kinds = {item.name: np.dtype(item.kind) for item in element.properties}
+    return {name: as_declared(np.array(column), kinds[name]) for name, column in values.items()}
+
+
+def _check_end(lines: Any, header: Header) -> None:
+    """Raise ``InputError`` if the last row of a text is missing or cut."""
+    last = next((item for item in reversed(header.elements) if item.count), None)
+    if last is None:
+        return
+    wanted = sum(element.count for element in header.elements)
+    row, number = "", 0
+    for number, row in enumerate(islice(lines, wanted), start=1):  # noqa: B007
+        pass
+    if number < wanted:
+        raise _ends_early(last, max(0, last.count - (wanted - number)))
+    if last.has_lists:
+        _ragged([row], Element(last.name, 1, last.properties))
+
+
+def _ends_early(element: Element, rows: int) -> InputError:
+    return InputError(
+        f"ends after {rows} of its {element.count} rows of element {element.name};"
+        " is it damaged, or truncated?"
     )

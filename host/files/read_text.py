@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import codecs
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
-from pathlib import Path
-
-import numpy as np
-import numpy.typing as npt
+from functools import partial
+from math import isfinite
 
 from splatline.contract.errors import InputError
 
-from .assemble import Columns
-from .columns import Fields, find_fields, stack
+from .columns import Columns, find_meaning, gather, unique_names
+from .numbered import by_number
+from .numbers import COMMENTS, lines_of, load_rows, split_line, to_number, without_comment
+from .source import Source
 
 __all__ = ["read_text"]
 
-COMMENTS = ("#", "//")
+DELIMITERS = (";", "\t", ",", "|", None)
+"""In this order, as commas may be those of decimals. None: blanks."""
 
-ENCODING = "utf-8-sig"
-"""UTF-8, and the mark that some spreadsheets put at its start."""
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
 
-_Rows = npt.NDArray[np.float64]
+SAMPLE = 4096
+"""Bytes by which an encoding is told."""
 
 
 @dataclass(frozen=True)
@@ -38,138 +44,149 @@ class Layout:
         Separates columns; None for blanks.
     columns
         Number of columns.
+    promised
+        Number of points by a line of its own, if there is one.
     """
 
     names: list[str] | None
     skip: int
     delimiter: str | None
     columns: int
+    promised: int | None
 
 
-def read_text(path: Path) -> Columns:
+def read_text(source: Source) -> Columns:
     """Return the points of a text file.
 
-    The line before the first point may name the columns, also behind ``#`` or ``//``: x, y, z;
-    nx, ny, nz; r, g, b or red, green, blue. Other columns are ignored. Without names the number of
-    columns tells their meaning:
-
-    - 3: position;
-    - 4: position and a value that is ignored;
-    - 6: position, then a normal if the file is ``.xyzn`` or (nearly) all these are unit vectors,
-      else a colour;
-    - 9: position, normal and colour, or position, colour and normal if it is the last that
-      are unit vectors.
-
-    Empty lines and comments (``#``, ``//``) do not count.
+    The line before the first point may name the columns, also behind ``#``, ``//`` or ``%``: x, y,
+    z; nx, ny, nz; r, g, b or red, green, blue; see ``columns``. Without names the number of columns
+    tells their meaning; see ``by_number``. A line with the count of points, titles, empty lines and
+    comments (``#``, ``//``, ``%``) do not count.
 
     Raises
     ------
     InputError
-        If there is no point, or it is not clear what the columns are.
-    ValueError
-        If a line has another number of columns, or something that is no number.
+        If there is no point, it is not clear what the columns are, or a line does not fit.
     """
-    layout = _find_layout(path)
-    fields = None if layout.names is None else find_fields(layout.names)
-    if layout.names is not None and fields is None:
-        shown = ", ".join(layout.names)[:80]
-        raise InputError(f"names its columns {shown}: there is no x, y and z")
-    if fields is not None and layout.names is not None:
-        return _read_named(path, layout, fields, layout.names)
-    return _by_number(_load(path, layout, None), path.suffix.lower())
+    encoding = _encoding(source)
+    lines = partial(lines_of, source.stream, 0, encoding)
+    layout = _find_layout(lines())
+    names = layout.names
+    meaning = None if names is None else find_meaning(names)
+    if names is not None and meaning is None:
+        raise InputError(f"names its columns {', '.join(names)[:80]}: there is no x, y and z")
+    if names is not None and len(names) != layout.columns:
+        raise InputError(f"names {len(names)} columns, but has {layout.columns}")
+    used = range(layout.columns)
+    if names is not None and meaning is not None:
+        columns = [names.index(name) for name in meaning.names]
+    else:
+        columns = list(used)
+    rows = load_rows(
+        lines,
+        columns,
+        width=layout.columns,
+        delimiter=layout.delimiter,
+        skip=layout.skip,
+        exact=names is None,
+        counts=True,
+    )
+    if layout.promised is not None and len(rows) < layout.promised:
+        raise InputError(f"ends after {len(rows)} of its {layout.promised} points; it is truncated")
+    if meaning is None:
+        return by_number(rows, source.suffix)
+    return gather({name: rows[:, i] for i, name in enumerate(meaning.names)}, meaning)
 
 
-def _find_layout(path: Path) -> Layout:
+def _encoding(source: Source) -> str:
+    """Return the text's encoding, by its mark or its zeros; raise if it is no text."""
+    head = source.stream.read(SAMPLE)
+    for mark, encoding in MARKS:
+        if head.startswith(mark):
+            return encoding
+    zeros = head.count(0)
+    if not zeros:
+        return "utf-8"
+    for first, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
+        if head[first::2].count(0) == zeros > 0.45 * len(head):
+            return encoding
+    raise InputError(f"cannot be read as {source.suffix[1:].upper()}: it is not text")
+
+
+def _find_layout(lines: Iterator[str]) -> Layout:
     """Return the layout, from the lines up to the first point."""
     names: list[str] | None = None
-    with path.open(encoding=ENCODING) as stream:
-        for number, line in enumerate(stream):
-            text = line.strip()
-            comment = next((mark for mark in COMMENTS if text.startswith(mark)), "")
-            text = text.removeprefix(comment).strip()
-            if not text:
+    counts: list[int] = []
+    for number, line in enumerate(lines):
+        text = line.strip().lstrip("\ufeff")
+        comment = next((mark for mark in COMMENTS if text.startswith(mark)), "")
+        bare = text.removeprefix(comment).strip() if comment else without_comment(text)
+        if not bare:
+            continue
+        found = None if comment else _numbers(bare, names)
+        if found is not None:
+            delimiter, columns = found
+            if columns == 1 and bare.isdecimal() and not counts:
+                counts.append(int(bare))  # of points, unless the file has one column
                 continue
-            delimiter = next((mark for mark in ",;\t" if mark in text), None)
-            values = [value.strip().strip("\"'") for value in text.split(delimiter)]
-            if not comment and all(map(_is_number, _used(values, names))):
-                # A tab is a blank like others, unless words between tabs may hold blanks.
-                delimiter = None if delimiter == "\t" and names is None else delimiter
-                return Layout(names, number, delimiter, len(values))
-            if comment and find_fields(values) is None:
-                continue  # prose has no columns called x, y and z
-            if names is not None:
-                raise InputError(f"line {number + 1} holds no numbers: {text[:40]!r}")
+            if names is not None and len(names) != columns and find_meaning(names) is None:
+                names = None  # a title
+            return Layout(names, number, delimiter, columns, counts[0] if counts else None)
+        values = _names(bare)
+        if find_meaning(values) is not None:
             names = values
+        elif comment:
+            continue  # prose has no columns called x, y and z
+        elif names is not None and find_meaning(names) is not None:
+            raise InputError(f"line {number + 1} holds no numbers: {bare[:40]!r}")
+        elif len(values) > 2 and not any(map(_is_number, values)):
+            names = values
+    if names is None:
+        raise InputError("has no points: no line of it holds numbers alone")
     raise InputError("has no points")
-
-
-def _used(values: list[str], names: list[str] | None) -> list[str]:
-    """Return the values of a line that must be numbers: all, or those of columns that are used."""
-    fields = find_fields(names) if names is not None and len(names) == len(values) else None
-    if fields is None or names is None:
-        return values
-    return [values[names.index(name)] for group in fields.groups for name in group]
 
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        return isfinite(to_number(text))
     except ValueError:
         return False
-    return True
 
 
-def _load(path: Path, layout: Layout, columns: list[int] | None) -> _Rows:
-    """Read the numbers of some columns, or of all: shape (n, columns)."""
-    with path.open(encoding=ENCODING) as stream:
-        return np.loadtxt(
-            islice(stream, layout.skip, None),
-            np.float64,
-            comments=COMMENTS,
-            delimiter=layout.delimiter,
-            usecols=columns,
-            ndmin=2,
-        )
+def _names(text: str) -> list[str]:
+    """Return the names in a line; a unit in brackets belongs to the name before it."""
+    delimiter = next((mark for mark in DELIMITERS if mark is None or mark in text), None)
+    values = [value.strip("\"'") for value in split_line(text, delimiter)]
+    if delimiter is None:
+        values = [value for value in values if value[0] not in "[(" or value[-1] not in ")]"]
+    while len(values) > 1 and not values[-1]:
+        values.pop()
+    return unique_names(values)
 
 
-def _read_named(path: Path, layout: Layout, fields: Fields, names: list[str]) -> Columns:
-    """Return the points of a file whose columns have names."""
-    if len(names) != layout.columns:
-        raise InputError(f"names {len(names)} columns, but has {layout.columns}")
-    used = [names.index(name) for group in fields.groups for name in group]
-    rows = _load(path, layout, used)
-    columns = {names[column]: rows[:, i] for i, column in enumerate(used)}
-    return Columns(
-        stack(columns, fields.positions),
-        stack(columns, fields.normals) if fields.normals else None,
-        stack(columns, fields.colours) if fields.colours else None,
-    )
+def _numbers(text: str, names: list[str] | None) -> tuple[str | None, int] | None:
+    """Return the delimiter and the number of columns of a line of numbers; None if it is none.
 
-
-def _by_number(rows: _Rows, suffix: str) -> Columns:
-    """Return the points of a file whose columns have no names."""
-    count = rows.shape[1]
-    positions = rows[:, :3]
-    if count in (3, 4):
-        return Columns(positions)
-    if count == 6:
-        if suffix == ".xyzn" or _are_unit(rows[:, 3:6]):
-            return Columns(positions, normals=rows[:, 3:6])
-        return Columns(positions, colours=rows[:, 3:6])
-    if count == 9:
-        if suffix != ".xyzn" and _are_unit(rows[:, 6:9]) and not _are_unit(rows[:, 3:6]):
-            return Columns(positions, normals=rows[:, 6:9], colours=rows[:, 3:6])
-        return Columns(positions, normals=rows[:, 3:6], colours=rows[:, 6:9])
-    raise InputError(
-        f"has {count} columns without names; start it with a line such as 'x y z r g b'"
-    )
-
-
-def _are_unit(vectors: _Rows) -> bool:
-    """Return whether nearly all vectors are of length 1, as far as a few digits tell."""
-    finite = vectors[np.isfinite(vectors).all(axis=1)]
-    finite = finite[(np.abs(finite) <= 2.0).all(axis=1)]
-    length = np.linalg.norm(finite, axis=1)
-    # Black is (0, 0, 0) and a missing normal too; pure red, green and blue in 0..1 are unit
-    # vectors as well, but a cloud of nothing else is rare.
-    return bool(np.count_nonzero(np.abs(length - 1.0) < 0.02) > 0.9 * len(vectors))
+    Columns that are not used may hold words. A tab is a blank like others, unless words between
+    tabs may hold blanks.
+    """
+    meaning = None if names is None else find_meaning(names)
+    for delimiter in DELIMITERS:
+        if delimiter is not None and delimiter not in text:
+            continue
+        values = split_line(text, delimiter)
+        while len(values) > (len(names) if meaning and names else 1) and not values[-1]:
+            values.pop()
+        used = values
+        if meaning is not None and names is not None and len(names) == len(values):
+            used = [values[names.index(name)] for name in meaning.names]
+        try:
+            parsed = [to_number(value) for value in used]
+        except ValueError:
+            continue
+        if meaning is None and len(values) < 3 and not any(map(isfinite, parsed)):
+            continue  # a word such as none, or nothing between delimiters
+        if delimiter == "\t" and names is None and len(text.split()) == len(values):
+            delimiter = None
+        return delimiter, len(values)
+    return None

@@ -7,18 +7,22 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
 
-from .assemble import Columns, assemble_cloud
-from .read_npz import read_npz
+from .assemble import assemble_cloud
+from .columns import Columns
+from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
 from .read_ply import read_ply
 from .read_text import read_text
+from .source import Source, cloud_name, format_suffix, open_source
 
-__all__ = ["FORMATS", "read_cloud"]
+__all__ = ["FORMATS", "check_format", "read_cloud"]
 
-FORMATS: dict[str, Callable[[Path], Columns]] = {
+FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".ply": read_ply,
     ".pcd": read_pcd,
     ".xyz": read_text,
@@ -27,9 +31,21 @@ FORMATS: dict[str, Callable[[Path], Columns]] = {
     ".txt": read_text,
     ".asc": read_text,
     ".csv": read_text,
+    ".pts": read_text,
     ".npz": read_npz,
+    ".npy": read_npy,
 }
-"""Reader of each format, by the file name's suffix in lower case."""
+"""Reader of each format, by the file name's suffix in lower case. Each may be followed by .gz."""
+
+
+def check_format(path: Path) -> None:
+    """Raise ``InputError`` if a file's name has no suffix of a format that is read."""
+    if format_suffix(path) not in FORMATS:
+        kinds = " ".join(FORMATS)
+        raise InputError(
+            f"unknown format {format_suffix(path)!r}; the name must end in one of {kinds}, or in"
+            " one of these and .gz; convert other formats first, with CloudCompare for example"
+        )
 
 
 def read_cloud(path: str | os.PathLike[str]) -> Cloud:
@@ -42,7 +58,8 @@ def read_cloud(path: str | os.PathLike[str]) -> Cloud:
     Parameters
     ----------
     path
-        PLY, PCD, NPZ, or text: XYZ, XYZN, XYZRGB, TXT, ASC or CSV.
+        PLY, PCD, NPZ, NPY, or text: XYZ, XYZN, XYZRGB, PTS, TXT, ASC or CSV; also compressed by
+        gzip. A pipe is read to its end.
 
     Raises
     ------
@@ -54,35 +71,27 @@ def read_cloud(path: str | os.PathLike[str]) -> Cloud:
     try:
         if place.is_dir():
             raise InputError("is a folder; give the name of a file")
-        read = FORMATS.get(place.suffix.lower())
-        size = place.stat().st_size
-        if read is None:
-            kinds = " ".join(FORMATS)
-            raise InputError(
-                f"unknown format {place.suffix!r}; the name must end in one of {kinds}"
-            )
-        if not size:
-            raise InputError("the file is empty")
-        return assemble_cloud(_read(read, place), place.stem)
+        place.stat()
+        check_format(place)
+        with np.errstate(all="ignore"), open_source(place) as source:
+            return assemble_cloud(_read(FORMATS[source.suffix], source), cloud_name(place))
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror or error}") from None
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 
 
-def _read(read: Callable[[Path], Columns], place: Path) -> Columns:
+def _read(read: Callable[[Source], Columns], source: Source) -> Columns:
     """Return a reader's columns; its failures become ``InputError``."""
-    kind = place.suffix[1:].upper()
+    kind = source.suffix[1:].upper()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # a warning of a parser is about the file
-            return read(place)
+            return read(source)
     except (OSError, InputError):
         raise
     except MemoryError:
         raise InputError("does not fit the memory, or is damaged and claims to be huge") from None
-    except UnicodeDecodeError:
-        raise InputError(f"cannot be read as {kind}: it is not text") from None
     except Exception as error:
         # Parsers raise errors of many types for damaged files; a traceback would not help. Their
         # text may have several lines.

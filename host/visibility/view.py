@@ -16,6 +16,20 @@ __all__ = ["LARGEST", "View", "fit_view"]
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
 
+MARGIN = 1.06
+"""The image is this many times as large as the points need."""
+
+DEEPEST = 0.1
+"""The eye stays away from a cloud by at least this share of its depth, divided by the width of the
+image at distance 1: by a sixth of its depth for a field of view of 35 degrees. Else a line that
+points at the eye would be seen as its nearest point."""
+
+DEEPEST_WITH_DISCS = 0.3
+"""The same at most, to keep discs narrower than ``WIDEST`` of the image."""
+
+WIDEST = 0.25
+"""Share of the image's shorter side."""
+
 UP_AXES = {
     "x": (1.0, 0.0, 0.0),
     "y": (0.0, 1.0, 0.0),
@@ -72,8 +86,12 @@ def fit_view(
     size: tuple[int, int] = (512, 512),
     up: str = "y",
     zoom: float = 1.0,
+    radii: npt.NDArray[np.float64] | None = None,
 ) -> View:
     """Return the view from a direction in which a cloud just fits the image.
+
+    The points keep a small margin, which holds the discs of a dense cloud; if the discs are larger,
+    they touch the border. The eye keeps away from a cloud that is long in its direction.
 
     Parameters
     ----------
@@ -89,6 +107,8 @@ def fit_view(
         The cloud's axis that points up: x, y, z, or one of these with a minus.
     zoom
         Magnification about the middle of the image; 1 fits the cloud.
+    radii
+        Radius of each point's disc: shape (n,). None: only the points are fitted.
 
     Raises
     ------
@@ -109,7 +129,7 @@ def fit_view(
 
     axes = _orbit_axes(orbit, np.asarray(UP_AXES[up], np.float64))
     focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
-    eye, near = _fit_eye(cloud.positions @ axes.T, axes, width / focal, height / focal)
+    eye, near = _fit_eye(cloud.positions @ axes.T, axes, (width / focal, height / focal), radii)
     return View(eye, axes, focal * zoom, width, height, near)
 
 
@@ -129,29 +149,60 @@ def _orbit_axes(orbit: tuple[float, float], up: npt.NDArray[np.float64]) -> npt.
 def _fit_eye(
     rotated: npt.NDArray[np.float64],
     axes: npt.NDArray[np.float64],
-    wide: float,
-    high: float,
+    spans: tuple[float, float],
+    radii: npt.NDArray[np.float64] | None,
 ) -> tuple[npt.NDArray[np.float64], float]:
     """Return the nearest eye that sees every point with a small margin, and a near distance.
 
     Each side of the image is a plane through the eye, which the furthest point in the plane's
     direction touches. The two planes of an axis meet at the nearest possible eye. This is exact for
-    a perspective view, unlike fitting a bounding sphere.
+    a perspective view, unlike fitting a bounding sphere. Discs are taken as spheres, which have no
+    margin.
     """
-    margin = 1.06
     eye = np.zeros(3)
     distances = []
-    for axis, span in ((0, wide), (1, high)):
-        slope = 0.5 * span / margin
-        # Points obey |p - e| <= slope * (z - e_z) on both sides of the axis.
-        upper = np.max(rotated[:, axis] - slope * rotated[:, 2])
-        lower = np.max(-rotated[:, axis] - slope * rotated[:, 2])
-        eye[axis] = 0.5 * (upper - lower)
-        distances.append(-(upper + lower) / (2.0 * slope))
+    sides = [_sides(rotated, axis, span, radii) for axis, span in enumerate(spans)]
+    for pairs in sides:
+        distances += [
+            -(upper + lower) / (slope + other)
+            for slope, upper, _ in pairs
+            for other, _, lower in pairs
+        ]
     extent = float(np.max(np.ptp(rotated, axis=0)))
     nearest = float(np.min(rotated[:, 2]))
-    eye[2] = min(*distances, nearest - 1e-3 * extent)
+    depth = float(np.ptp(rotated[:, 2]))
+    room = max(1e-3 * extent, DEEPEST * depth / min(spans))
+    if radii is not None:
+        narrow = nearest - float(np.min(rotated[:, 2] - 2.0 * radii / (WIDEST * min(spans))))
+        room = max(room, min(narrow, DEEPEST_WITH_DISCS * depth / min(spans)))
+    eye[2] = min(*distances, nearest - room)
     if extent == 0.0:  # a single position, seen from a distance of one unit
-        eye[2] = nearest - 1.0
+        eye[2] = nearest - 1.0 if radii is None else min(eye[2], nearest - 1.0)
+    for axis, pairs in enumerate(sides):
+        least = max(upper + slope * eye[2] for slope, upper, _ in pairs)
+        most = min(-(lower + slope * eye[2]) for slope, _, lower in pairs)
+        middle = 0.5 * (pairs[0][1] - pairs[0][2])
+        eye[axis] = min(max(middle, least), most)
     near = max((nearest - eye[2]) * 1e-3, float(np.finfo(np.float64).smallest_subnormal))
     return eye @ axes, near
+
+
+def _sides(
+    rotated: npt.NDArray[np.float64],
+    axis: int,
+    span: float,
+    radii: npt.NDArray[np.float64] | None,
+) -> list[tuple[float, float, float]]:
+    """Return the slopes of an axis's two planes, and how far the points reach beyond each.
+
+    Points p obey |p - e| <= slope * (z - e_z) on both sides of the axis, for an eye e. There is one
+    entry for the points, and one for their discs if there are any.
+    """
+    slope = 0.5 * span / MARGIN
+    across, along = rotated[:, axis], rotated[:, 2]
+    pairs = [(slope, float(np.max(across - slope * along)), float(np.max(-across - slope * along)))]
+    if radii is not None:
+        slope *= MARGIN
+        inward = radii * math.hypot(1.0, slope) - slope * along
+        pairs.append((slope, float(np.max(across + inward)), float(np.max(-across + inward))))
+    return pairs

@@ -93,7 +93,7 @@ class TestErrors:
         (tmp_path / "a.csv").write_text("x,y,height\n1,2,3\n")
         self.fails(tmp_path / "a.csv", "x, y, height: there is no x, y and z")
 
-    @pytest.mark.parametrize("columns", [1, 2, 5, 7, 8, 10])
+    @pytest.mark.parametrize("columns", [1, 2, 5, 8, 10])
     def test_a_number_of_columns_that_means_nothing(self, tmp_path, columns):
         write_text(tmp_path / "a.xyz", np.ones((4, columns)))
         self.fails(tmp_path / "a.xyz", f"has {columns} columns without names")
@@ -136,7 +136,7 @@ class TestErrors:
 
     def test_an_npz_with_objects_is_not_executed(self, tmp_path):
         np.savez(tmp_path / "a.npz", points=np.array([{}, {}], object))
-        self.fails(tmp_path / "a.npz", "cannot be read as NPZ")
+        self.fails(tmp_path / "a.npz", "its array points has shape .* type object")
 
     def test_one_array_under_the_name_of_an_archive(self, tmp_path):
         with (tmp_path / "a.npz").open("wb") as stream:

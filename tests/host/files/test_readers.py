@@ -6,7 +6,7 @@ from plyfile import PlyData, PlyElement
 from pypcd4 import Encoding, PointCloud
 
 from splatline.contract.errors import InputError
-from splatline.host.files.assemble import NEUTRAL, colours_to_bytes
+from splatline.host.files.colours import NEUTRAL, colours_to_bytes
 from splatline.host.files.readers import read_cloud
 from tests.host.files.cloud_files import (
     COLOURS,

@@ -63,3 +63,42 @@ def test_a_single_place_can_be_looked_at():
 def test_bad_parameters_are_named(options, message):
     with pytest.raises(InputError, match=message):
         fit_view(sphere(10), **options)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 10])
+@pytest.mark.parametrize("radius", [0.01, 1.0, 30.0])
+@pytest.mark.parametrize("size", [(512, 512), (300, 100)])
+def test_discs_of_a_few_points_are_in_view(count, radius, size):
+    rng = np.random.default_rng(count)
+    points = rng.normal(size=(count, 3))
+    cloud = cloud_of(points, points)
+    radii = rng.uniform(0.5, 1.0, count) * radius
+    view = fit_view(cloud, size=size, radii=radii)
+    for direction in rng.normal(size=(200, 3)):
+        edge = radii[:, None] * direction / np.linalg.norm(direction)
+        column, line = on_image(cloud_of(points + edge, points), view)
+        assert -1e-6 <= column.min() <= column.max() <= size[0] + 1e-6
+        assert -1e-6 <= line.min() <= line.max() <= size[1] + 1e-6
+
+
+def test_small_discs_do_not_move_the_view():
+    cloud = sphere(500)
+    one, other = fit_view(cloud), fit_view(cloud, radii=np.full(500, 0.02))
+    assert np.array_equal(one.eye, other.eye)
+
+
+@pytest.mark.parametrize("orbit", [(30, 20), (-100, 40)])
+@pytest.mark.parametrize("thickness", [0.0, 0.02])
+def test_a_line_that_points_at_the_eye_is_seen_whole(orbit, thickness):
+    forward = fit_view(sphere(10), orbit=orbit).axes[2]
+    rng = np.random.default_rng(1)
+    points = np.linspace(0, 100, 101)[:, None] * forward + thickness * rng.normal(size=(101, 3))
+    cloud = cloud_of(points, points)
+    radii = np.full(101, 2.5)
+    view = fit_view(cloud, orbit=orbit, radii=radii)
+    distance = (points - view.eye) @ view.axes[2]
+    widest = 2 * 2.5 * view.focal / distance.min()
+    assert widest <= 0.25 * 512 * 1.001
+    assert distance.max() < 10 * distance.min()
+    column, line = on_image(cloud, view)
+    assert 0 <= min(column.min(), line.min()) <= max(column.max(), line.max()) <= 512

@@ -1,0 +1,119 @@
+"""The bytes of a cloud file: unpacked if they are compressed, and with a known size."""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+import stat
+import tempfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from splatline.contract.errors import InputError
+
+__all__ = ["Source", "cloud_name", "format_suffix", "open_source", "unpacked_limit"]
+
+GZIP = b"\x1f\x8b"
+
+EXPANSION = 250
+"""Most bytes that one compressed byte of a cloud stands for. Deflate can reach 1,032, but a file
+that does so holds one value over and over."""
+
+ALWAYS_ALLOWED = 1 << 26
+"""Bytes that any compressed file may hold: 64 MB."""
+
+PIECE = 1 << 20
+
+
+@dataclass(frozen=True)
+class Source:
+    """An open cloud file.
+
+    Parameters
+    ----------
+    stream
+        The bytes, at their start; can be positioned.
+    size
+        Number of bytes.
+    suffix
+        The name's suffix that tells the format, in lower case.
+    """
+
+    stream: BinaryIO
+    size: int
+    suffix: str
+
+
+def format_suffix(path: Path) -> str:
+    """Return the suffix that tells a file's format, in lower case: ``.ply`` of ``a.PLY.gz``."""
+    return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).suffix.lower()
+
+
+def cloud_name(path: Path) -> str:
+    """Return a file's name without the suffixes of format and compression."""
+    return path.with_suffix("").stem if path.suffix.lower() == ".gz" else path.stem
+
+
+def unpacked_limit(size: int) -> int:
+    """Return the most bytes that ``size`` compressed bytes may become."""
+    return max(ALWAYS_ALLOWED, EXPANSION * size)
+
+
+@contextmanager
+def open_source(path: Path) -> Iterator[Source]:
+    """Open a cloud file. A pipe is read to its end first; a gzip file is unpacked.
+
+    Raises
+    ------
+    InputError
+        If it is a device, empty, or compressed and damaged.
+    OSError
+        If it cannot be read.
+    """
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode)):
+        raise InputError("is a device, not a file; give the name of a file")
+    with path.open("rb") as opened, tempfile.TemporaryFile() as scratch:
+        stream = cast(BinaryIO, opened)
+        if stat.S_ISFIFO(mode):
+            shutil.copyfileobj(opened, scratch, PIECE)
+            stream = cast(BinaryIO, scratch)
+        size = stream.seek(0, 2)
+        stream.seek(0)
+        if not size:
+            what = "pipe" if stat.S_ISFIFO(mode) else "file"
+            raise InputError(f"the {what} is empty")
+        compressed = stream.read(2) == GZIP
+        stream.seek(0)
+        if not compressed:
+            if path.suffix.lower() == ".gz":
+                raise InputError("is not compressed, although its name ends in .gz; rename it")
+            yield Source(stream, size, format_suffix(path))
+            return
+        with tempfile.TemporaryFile() as unpacked:
+            _unpack(stream, cast(BinaryIO, unpacked), unpacked_limit(size))
+            size = unpacked.seek(0, 2)
+            unpacked.seek(0)
+            if not size:
+                raise InputError("the file is empty")
+            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path))
+
+
+def _unpack(packed: BinaryIO, to: BinaryIO, limit: int) -> None:
+    """Write what a gzip file holds, and no more than ``limit`` bytes of it."""
+    written = 0
+    try:
+        with gzip.GzipFile(fileobj=packed) as stream:
+            while piece := stream.read(PIECE):
+                written += len(piece)
+                if written > limit:
+                    raise InputError(
+                        f"unpacks to more than {limit:,} bytes; it is damaged, or no cloud"
+                    )
+                to.write(piece)
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise InputError(f"cannot be decompressed; is it damaged? ({error})") from None
