@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .cloud import Cloud
 
-__all__ = ["far_points", "lost_points", "select"]
+__all__ = ["bounds", "far_points", "lost_points", "select"]
 
 SHARE = 0.01
 """Share of the points at each end of an axis that the size of the bulk does not depend on."""
@@ -35,6 +35,17 @@ SAMPLE = 100_000
 """Points from which the bulk is measured."""
 
 _Floats = npt.NDArray[np.float64]
+
+
+def bounds(positions: _Floats) -> tuple[_Floats, _Floats]:
+    """Return the lowest and the highest coordinates: shape (3,) each.
+
+    Column by column, in which numpy is several times as fast as along the first axis.
+    """
+    return (
+        np.array([column.min() for column in positions.T]),
+        np.array([column.max() for column in positions.T]),
+    )
 
 
 def far_points(positions: _Floats) -> npt.NDArray[np.bool_]:
@@ -77,7 +88,7 @@ def lost_points(positions: _Floats) -> npt.NDArray[np.bool_]:
         Shape (n,), bool.
     """
     lost = np.zeros(len(positions), np.bool_)
-    if float(np.abs(positions).max(initial=0.0)) < NO_SCANNER:
+    if max(float(positions.max()), -float(positions.min())) < NO_SCANNER:
         return lost
     distance = np.abs(positions - np.median(positions, axis=0)).max(axis=1)
     usual = float(np.quantile(distance, 0.25))
@@ -102,10 +113,8 @@ def _beyond_bulk(positions: _Floats) -> _Floats | None:
     size = float((high - low).max())
     if size == 0.0 or not np.isfinite(size):
         return None
-    reach = max(
-        float(((low - positions.min(axis=0)) / size).max()),
-        float(((positions.max(axis=0) - high) / size).max()),
-    )
+    lowest, highest = bounds(positions)
+    reach = max(float(((low - lowest) / size).max()), float(((highest - high) / size).max()))
     if reach <= FAR:
         return None
     outside = np.maximum(low - positions, positions - high) / size

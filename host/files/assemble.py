@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
-from splatline.host.cloud.bulk import far_points, lost_points
+from splatline.host.cloud.bulk import bounds, far_points, lost_points
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.normals import estimate_normals
 
@@ -45,15 +45,15 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     if not count:
         raise InputError("has no points")
     positions = columns.positions.astype(np.float64)
-    kept: npt.NDArray[np.bool_] = np.all(np.abs(positions) <= FARTHEST, axis=1)  # false for NaN
+    kept = _are_finite(positions)
     if not kept.any():
         raise InputError(f"none of its {count} points has a finite position")
-    lost = lost_points(positions[kept])
     finite = int(np.count_nonzero(kept))
+    positions = _rows(positions, kept)
+    lost = lost_points(positions)
+    positions = _rows(positions, ~lost)
     kept[kept] = ~lost
-    positions = positions[kept]
-    bulk = positions[~far_points(positions)]
-    low, high = bulk.min(axis=0), bulk.max(axis=0)
+    low, high = bounds(_rows(positions, ~far_points(positions)))
     origin = low + 0.5 * (high - low)
     positions -= origin
 
@@ -63,7 +63,7 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     if columns.colours is None:
         colours = np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1))
     else:
-        colours = colours_to_bytes(columns.colours[kept])
+        colours = colours_to_bytes(_rows(columns.colours, kept))
     return Cloud(
         positions=positions,
         normals=normals,
@@ -81,6 +81,19 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
     )
 
 
+def _are_finite(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    """Return which positions can be used; most clouds need no look at each row."""
+    if max(float(positions.max()), -float(positions.min())) <= FARTHEST:  # false for NaN
+        return np.ones(len(positions), np.bool_)
+    usable: npt.NDArray[np.bool_] = np.all(np.abs(positions) <= FARTHEST, axis=1)
+    return usable
+
+
+def _rows(array: npt.NDArray[Any], kept: npt.NDArray[np.bool_]) -> npt.NDArray[Any]:
+    """Return some rows, or the array itself if these are all."""
+    return array if kept.all() else array[kept]
+
+
 def _unit_normals(
     normals: npt.NDArray[Any] | None, kept: npt.NDArray[np.bool_]
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.bool_]]:
@@ -88,7 +101,11 @@ def _unit_normals(
     if normals is None:
         count = int(np.count_nonzero(kept))
         return np.zeros((count, 3), np.float32), np.ones(count, np.bool_)
-    rows = normals[kept].astype(np.float64)
+    rows = _rows(normals, kept).astype(np.float64)
+    squares = np.einsum("ij,ij->i", rows, rows)
+    if squares.min() > 1e-200 and squares.max() < 1e200:  # false for NaN
+        rows /= np.sqrt(squares)[:, np.newaxis]
+        return rows.astype(np.float32), np.zeros(len(rows), np.bool_)
     missing = ~np.isfinite(rows).all(axis=1)
     rows[missing] = 0.0
     # The largest component first, so that no square over- or underflows.
