@@ -7,7 +7,7 @@ import io
 import re
 from array import array
 from collections.abc import Callable, Generator, Iterable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from itertools import islice
 from typing import Any, BinaryIO
 
@@ -115,7 +115,8 @@ def load_rows(
 ) -> _Rows:
     """Return the numbers of some columns.
 
-    Empty lines and comments do not count. A row without a value is NaN.
+    Empty lines and comments do not count. A row without a value is NaN. Three ways are tried: numpy
+    on the lines as they are, numpy on lines without comments, and value by value with repairs.
 
     Parameters
     ----------
@@ -148,10 +149,11 @@ def load_rows(
     """
     if limit == 0:
         return np.empty((0, len(columns)))
-    try:
-        with closing(lines()) as text:
+    for clean in (None, without_comment):
+        with suppress(ValueError, UserWarning), closing(lines()) as text:
+            part = islice(text, skip, None)
             rows = np.loadtxt(
-                islice(text, skip, None),
+                part if clean is None else map(clean, part),
                 np.float64,
                 comments=None,
                 delimiter=delimiter,
@@ -159,10 +161,8 @@ def load_rows(
                 ndmin=2,
                 max_rows=limit,
             )
-        if rows.shape[1] == (width if exact else len(columns)):
-            return rows[:, list(columns)] if exact else rows
-    except (ValueError, UserWarning):
-        pass  # also a text without rows
+            if rows.shape[1] == (width if exact else len(columns)):
+                return rows[:, list(columns)] if exact else rows
     with closing(lines()) as text:
         return _repaired(text, columns, width, delimiter, skip, limit, exact, counts)
 
