@@ -46,6 +46,8 @@ $(READY): pyproject.toml requirements.txt | tools
 	  version=$$($(VENV)/bin/python -c 'import sys; print("%d.%d" % sys.version_info[:2])'); \
 	  echo "splatline: Python's shared library is missing, which cocotb needs;" \
 	    "install it: apt-get install libpython$$version" >&2; exit 1; }
+	@echo 'Compiling what draws a picture, once (half a minute) ...'
+	@$(VENV)/bin/splatline render --scene knot -o $(VENV)/first.png >/dev/null
 	@touch $@
 	@echo '$(VENV) is ready.'
 
@@ -73,6 +75,7 @@ bench: setup
 	@$(VENV)/bin/splatline bench chain
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
+	@$(VENV)/bin/splatline bench surface $(SCANS)
 
 # What is WebAssembly is compiled when it first runs: here, lest every process of the tests does so.
 test: setup

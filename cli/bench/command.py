@@ -11,6 +11,7 @@ from splatline.cli.bench.configurations.measure import configurations
 from splatline.cli.bench.engine.command import engine
 from splatline.cli.bench.host.measure import host
 from splatline.cli.bench.stability.measure import stability
+from splatline.cli.bench.surface.command import surface
 from splatline.cli.options.outputs import check_folder
 from splatline.cli.options.parameters import ORBIT, SIZE
 from splatline.cli.report.progress import Counter
@@ -33,6 +34,7 @@ def bench() -> None:
       splatline bench engine                    clock cycles of frames, beside the lower bound
       splatline bench host                      rates of the host's stages, beside other renderers
       splatline bench stability                 the stress suite
+      splatline bench surface                   holes and errors against the true surface
     """  # noqa: D301  (click reads the backspace as "do not wrap")
 
 
@@ -113,5 +115,5 @@ def accuracy(
     click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
 
 
-for _command in (chain, configurations, engine, host, stability):
+for _command in (chain, configurations, engine, host, stability, surface):
     bench.add_command(_command)

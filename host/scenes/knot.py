@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from splatline.host.cloud.cloud import Cloud
 
-__all__ = ["POINTS", "knot_cloud"]
+from .patches import Patch, sample
+
+__all__ = ["POINTS", "knot_cloud", "knot_patches"]
 
 POINTS = 200_000
 """Points of all surfaces together."""
-
-GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 _Floats = npt.NDArray[np.float64]
 _Curve = Callable[[_Floats], tuple[_Floats, _Floats, _Floats]]
@@ -44,34 +44,25 @@ BALL = 0.48
 def knot_cloud() -> Cloud:
     """Return a striped trefoil knot with three rings hung on it, around a sphere.
 
-    The points are spread evenly: each surface has its share by area, and on it they follow a
-    golden-ratio lattice in coordinates that keep area, so that all neighbours are about equally
-    far apart.
+    The points are spread evenly; see :func:`splatline.host.scenes.patches.sample`.
     """
-    length = _arc(_trefoil)[1][-1]
+    return sample(knot_patches(), POINTS, "knot")
+
+
+def knot_patches() -> list[Patch]:
+    """Return the surfaces: knot, three rings and sphere."""
+    length = float(_arc(_trefoil)[1][-1])
     ring_area = 4.0 * math.pi**2 * RING * RING_TUBE
-    areas = [2.0 * math.pi * TUBE * length, *[ring_area] * 3, 4.0 * math.pi * BALL**2]
-    bounds = np.rint(np.cumsum([0.0, *areas]) / sum(areas) * POINTS).astype(int)
-    knot, *rings, ball = (int(count) for count in np.diff(bounds))
-
-    parts = [_knot(knot), _ball(ball)]
-    parts += [_ring(count, 2.0 * math.pi * k / 3.0) for k, count in enumerate(rings)]
-    positions, normals, colours = (np.concatenate(column) for column in zip(*parts, strict=True))
-    middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
-    return Cloud(
-        positions=positions - middle,
-        normals=normals.astype(np.float32),
-        colours=colours,
-        two_sided=np.zeros(len(positions), np.bool_),
-        origin=middle,
-        name="knot",
-        dropped={},
-    )
+    return [
+        Patch(2.0 * math.pi * TUBE * length, _knot),
+        *[Patch(ring_area, _ring_at(2.0 * math.pi * k / 3.0)) for k in range(3)],
+        Patch(4.0 * math.pi * BALL**2, _ball),
+    ]
 
 
-def _knot(count: int) -> _Part:
-    """Return the knot, in two colours that wind round it."""
-    positions, normals, along, around = _tube(_trefoil, TUBE, count)
+def _knot(along: _Floats, share: _Floats) -> _Part:
+    """Return points of the knot, in two colours that wind round it."""
+    positions, normals, around = _tube(_trefoil, TUBE, along, share)
     # The Frenet frame rotates about the curve, fast where the curve is nearly straight. Evenly
     # wound stripes must not rotate with it, and must meet themselves after the whole length.
     lengths, twist = _frame_twist(_trefoil)
@@ -96,23 +87,26 @@ def _frame_twist(curve: _Curve) -> tuple[_Floats, _Floats]:
     return arc / arc[-1], np.concatenate([[0.0], np.cumsum(steps)]) / (2.0 * math.pi)
 
 
-def _ring(count: int, t: float) -> _Part:
-    """Return a ring about the trefoil's curve at ``t``."""
-    positions, normals, _, _ = _tube(_circle, RING_TUBE, count)
+def _ring_at(t: float) -> Callable[[_Floats, _Floats], _Part]:
+    """Return the surface of a ring about the trefoil's curve at ``t``."""
     centre, tangent, _ = (value[0] for value in _trefoil(np.array([t])))
     tangent = tangent / np.linalg.norm(tangent)
     outward = centre / np.linalg.norm(centre)
     side = np.cross(tangent, outward)  # at the lobes the curve runs across its radius
     axes = np.stack([outward, side, tangent])
     middle = centre + HANG * outward
-    return positions @ axes + middle, normals @ axes, _plain(GOLD, count)
+
+    def ring(along: _Floats, share: _Floats) -> _Part:
+        positions, normals, _ = _tube(_circle, RING_TUBE, along, share)
+        return positions @ axes + middle, normals @ axes, _plain(GOLD, len(along))
+
+    return ring
 
 
-def _ball(count: int) -> _Part:
-    """Return the sphere, as a Fibonacci lattice, in two colours by octant."""
-    index = np.arange(count)
-    height = 1.0 - (2.0 * index + 1.0) / count
-    angle = 2.0 * math.pi * (index * GOLDEN % 1.0)
+def _ball(along: _Floats, share: _Floats) -> _Part:
+    """Return points of the sphere, in two colours by octant."""
+    height = 1.0 - 2.0 * along
+    angle = 2.0 * math.pi * share
     wide = np.sqrt(1.0 - height**2)
     normals = np.stack([wide * np.cos(angle), wide * np.sin(angle), height], axis=-1)
     odd = np.prod(np.sign(normals), axis=1) > 0.0
@@ -155,23 +149,30 @@ def _arc(curve: _Curve) -> tuple[_Floats, _Floats]:
     return t, np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def _tube(curve: _Curve, radius: float, count: int) -> tuple[_Floats, _Floats, _Floats, _Floats]:
-    """Return points spread evenly over a tube about a closed curve.
+def _tube(
+    curve: _Curve, radius: float, along: _Floats, share: _Floats
+) -> tuple[_Floats, _Floats, _Floats]:
+    """Return points of a tube about a closed curve.
 
     With the curve's Frenet frame and its curvature k, the tube's point at arc length s and angle
     a, c(s) + radius (cos a N + sin a B), has the area element radius (1 - k radius cos a) ds da.
     Its integral over a full turn does not depend on s, so even arc lengths are even in area, and
     the share of a turn up to a is (a - k radius sin a) / 2 pi: Kepler's equation.
 
+    Parameters
+    ----------
+    along
+        Shares in 0..1 of the tube's length.
+    share
+        Shares in 0..1 of the area about the curve there.
+
     Returns
     -------
     positions, normals
         Shape (count, 3).
-    along, around
-        Position on the tube as shares in 0..1 of its length and of its circumference.
+    around
+        Shares in 0..1 of the circumference.
     """
-    index = np.arange(count, dtype=np.float64)
-    along = (index + 0.5) / count
     t, arc = _arc(curve)
     centre, first, second = curve(np.interp(along * arc[-1], arc, t))
     speed = np.linalg.norm(first, axis=-1, keepdims=True)
@@ -182,11 +183,11 @@ def _tube(curve: _Curve, radius: float, count: int) -> tuple[_Floats, _Floats, _
     binormal = np.cross(tangent, normal)
 
     pinch = (size / speed**2)[:, 0] * radius  # k radius, below 1: the tube does not fold
-    mean = 2.0 * math.pi * (index * GOLDEN % 1.0)
+    mean = 2.0 * math.pi * share
     angle = mean
     for _ in range(20):  # Newton; k radius stays below 0.6 here, so it converges at once
         excess = angle - pinch * np.sin(angle) - mean
         angle = angle - excess / (1.0 - pinch * np.cos(angle))
     out: _Floats = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * binormal
     positions: _Floats = centre + radius * out
-    return positions, out, along, angle / (2.0 * math.pi)
+    return positions, out, angle / (2.0 * math.pi)

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
+from splatline.host.cloud.cells import limits
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.shading.materials import Materials, find_materials
 
@@ -147,25 +148,13 @@ def _curve_order(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.int32]:
     """Return the order of points along Morton's curve through the cloud's own cube."""
     if not len(positions):
         return np.zeros(0, np.int32)
-    low, high = _limits(positions)
+    low, high = limits(positions)
     extent = float((high - low).max())
     keys = np.empty(len(positions), np.uint64)
     _curve_keys(positions, low, extent if extent > 0.0 else 1.0, keys)
     # Each key ends in its point's number, so any sort gives the same order.
     keys.sort()
     return (keys & np.uint64(0xFFFFFFFF)).astype(np.int32)
-
-
-@nb.njit(cache=True)
-def _limits(positions: Any) -> tuple[Any, Any]:
-    """Return the least and greatest coordinates (numpy takes four times as long by columns)."""
-    low, high = positions[0].copy(), positions[0].copy()
-    for i in range(len(positions)):
-        for axis in range(3):
-            value = positions[i, axis]
-            low[axis] = value if value < low[axis] else low[axis]
-            high[axis] = value if value > high[axis] else high[axis]
-    return low, high
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")

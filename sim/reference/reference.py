@@ -96,11 +96,16 @@ def render(
         raise ValueError(f"samples must be in 1..{MOST_SAMPLES}, not {samples}")
 
     centres = (cloud.positions - view.eye) @ view.axes.T
+    # In a power of two of the cloud's unit, which changes no digit: fourth powers of lengths must
+    # not under- or overflow.
+    exponent = int(np.frexp(np.abs(centres).max())[1]) if centres.size else 0
+    centres, radii = np.ldexp(centres, -exponent), np.ldexp(radii, -exponent)
+    near = float(np.ldexp(view.near, -exponent))
     normals, facing = face_eye(cloud, view, centres)
     colours = shade(cloud.colours, normals, centres, lighting)
 
     size = (view.width * samples, view.height * samples)
-    optics = (view.focal * samples, view.middle[0] * samples, view.middle[1] * samples, view.near)
+    optics = (view.focal * samples, view.middle[0] * samples, view.middle[1] * samples, near)
     boxes = np.empty((len(cloud), 4), np.int64)
     bound_discs(centres, normals, facing, radii, optics, size, boxes)
     band = BAND * samples
@@ -124,7 +129,7 @@ def render(
         depth,
         coverage,
     )
-    return Reference(rgb, depth, coverage)
+    return Reference(rgb, np.ldexp(depth, exponent), coverage)
 
 
 def face_eye(cloud: Cloud, view: View, centres: _Floats) -> tuple[_Floats, npt.NDArray[np.bool_]]:

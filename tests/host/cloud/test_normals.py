@@ -1,9 +1,11 @@
 """Normals estimated from the neighbourhood of each point."""
 
+import numba
 import numpy as np
 import pytest
 
 from splatline.host.cloud.normals import estimate_normals
+from splatline.host.cloud.thinnest import thinnest
 
 
 def degrees_between(estimated, exact):
@@ -88,8 +90,43 @@ def test_all_points_at_one_place_still_get_unit_vectors():
     assert np.linalg.norm(estimated, axis=1) == pytest.approx(1.0, abs=1e-6)
 
 
-def test_chunks_do_not_show(monkeypatch):
+def test_threads_do_not_show():
     points = sphere(700, 8)
     whole = estimate_normals(points)
-    monkeypatch.setattr("splatline.host.cloud.normals.CHUNK", 64)
-    assert np.array_equal(estimate_normals(points), whole)
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        assert np.array_equal(estimate_normals(points), whole)
+    finally:
+        numba.set_num_threads(threads)
+
+
+def test_more_points_average_noise_but_not_relief():
+    rng = np.random.default_rng(9)
+    plane = np.column_stack([rng.random((4000, 2)), np.zeros(4000)])
+    plane[:, 2] = rng.normal(scale=1.0 / np.sqrt(4000), size=4000)
+    inside = np.abs(plane[:, :2] - 0.5).max(axis=1) < 0.4
+    angles = degrees_between(estimate_normals(plane), np.array([0.0, 0.0, 1.0]))
+    assert np.median(angles[inside]) < 10.0
+    # Waves of 20 spacings, at a slope of up to 45 degrees.
+    wave = np.column_stack([rng.random((4000, 2)), np.zeros(4000)])
+    phase = wave[:, 0] * 2.0 * np.pi / (20.0 / np.sqrt(4000))
+    wave[:, 2] = np.sin(phase) / (2.0 * np.pi) * (20.0 / np.sqrt(4000))
+    exact = np.column_stack([-np.cos(phase), 0.0 * phase, np.ones_like(phase)])
+    exact /= np.linalg.norm(exact, axis=1, keepdims=True)
+    assert np.median(degrees_between(estimate_normals(wave), exact)) < 8.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_thinnest_direction_is_the_eigenvector_of_the_least_eigenvalue(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(40):
+        extents = 10.0 ** rng.uniform(-3.0, 1.0, 3)
+        around = rng.normal(size=(20, 3)) * extents @ np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        matrix = around.T @ around
+        values, vectors = np.linalg.eigh(matrix)
+        vector = np.empty(3)
+        found = thinnest(matrix[np.triu_indices(3)], vector)
+        assert found == pytest.approx(values, rel=1e-6, abs=1e-9 * values[2])
+        if values[0] < 0.5 * values[1]:
+            assert abs(vector @ vectors[:, 0]) == pytest.approx(1.0, abs=1e-6)

@@ -1,0 +1,1 @@
+"""``splatline bench surface``: pictures of sampled scenes against their true surfaces."""

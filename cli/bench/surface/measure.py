@@ -1,0 +1,223 @@
+"""Samples of the built-in scenes, drawn and compared with their true surfaces."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from splatline.contract.config import EngineConfig
+    from splatline.contract.raster import Raster
+    from splatline.host.cloud.cloud import Cloud
+    from splatline.host.scenes.patches import Patch
+    from splatline.host.visibility.view import View
+    from splatline.sim.reference.reference import Reference
+
+__all__ = ["Sweep", "measure_clouds", "measure_scenes"]
+
+SCENES = ("knot", "terrain")
+
+SEED = 1
+"""Of points and of noise."""
+
+TRIAL = 100_000
+"""Points at random that tell how many of a scene's points face the eye."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is measured of the scenes.
+
+    Parameters
+    ----------
+    size, preset
+        The image, and the engine to draw for.
+    densities
+        Points that face the eye, a pixel of the true surface.
+    noises
+        Noise along the normal, in spacings of the points.
+    """
+
+    size: tuple[int, int]
+    preset: EngineConfig
+    densities: Sequence[float]
+    noises: Sequence[float]
+
+    def total(self) -> int:
+        """Return the number of runs."""
+        return 2 * 2 * len(SCENES) * len(self.densities) * len(self.noises)
+
+
+@dataclass(frozen=True)
+class _Subject:
+    """A scene's surface, view and truth.
+
+    Parameters
+    ----------
+    patches, view, truth
+        The surface, the view, and the surface as the view sees it.
+    middle
+        What the view's coordinates are relative to.
+    points
+        Points of a density of 1.
+    """
+
+    name: str
+    patches: list[Patch]
+    view: View
+    truth: Reference
+    middle: Any
+    points: float
+
+
+def measure_scenes(
+    sweep: Sweep, advance: Callable[[str], None]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return the truths' own pinholes and see-through pixels, and every run's measures."""
+    truths, runs = [], []
+    for name in SCENES:
+        subject = _subject(name, sweep.size)
+        truths.append({"scene": name, **_of_truth(subject.truth)})
+        cases = itertools.product(("even", "random"), sweep.noises, (True, False), sweep.densities)
+        for spread, noise, has_normals, density in cases:
+            advance(f"{name}, {density:g} a pixel")
+            cloud = _sample(subject, density, spread, noise, has_normals)
+            found = _measure(cloud, subject, sweep.preset)
+            case = {"spread": spread, "noise": noise, "normals": has_normals, "density": density}
+            runs.append({"scene": name, **case, "points": len(cloud), **found})
+    return truths, runs
+
+
+def measure_clouds(
+    clouds: Sequence[Path], preset: EngineConfig, advance: Callable[[str], None]
+) -> list[dict[str, Any]]:
+    """Return pinholes and see-through pixels of clouds, in the default view."""
+    from splatline.host.files.readers import read_cloud
+    from splatline.host.visibility.view import fit_view
+    from splatline.sim.reference.wholeness import wholeness
+
+    runs = []
+    for path in clouds:
+        advance(path.stem)
+        cloud = read_cloud(path)
+        raster, counts, splat = _draw(cloud, fit_view(cloud), preset)
+        runs.append(
+            {"cloud": path.stem, "points": len(cloud), "splat_pixels": splat, **wholeness(raster),
+             "elements": counts["elements"], "codewords": counts["codewords"]}
+        )  # fmt: skip
+    return runs
+
+
+def _subject(name: str, size: tuple[int, int]) -> _Subject:
+    """Return a scene's surface, view and truth."""
+    import numpy as np
+
+    from splatline.host.scenes.knot import knot_patches
+    from splatline.host.scenes.patches import sample
+    from splatline.host.scenes.scenes import load_scene
+    from splatline.host.scenes.terrain import terrain_patches
+    from splatline.host.shading.lighting import Lighting
+    from splatline.host.visibility.view import fit_view
+    from splatline.sim.reference.true_surface import render_surface
+
+    scene = load_scene(name)
+    camera = {key: getattr(scene, key) for key in ("orbit", "fov", "up", "zoom")}
+    view = fit_view(scene.cloud, size=size, **camera)
+    patches = {"knot": knot_patches, "terrain": terrain_patches}[name]()
+    middle = scene.cloud.origin
+    truth = render_surface(patches, middle, view, Lighting())
+    trial = sample(patches, TRIAL, name, SEED)
+    away = np.einsum("ij,ij->i", trial.normals, trial.positions + trial.origin - middle - view.eye)
+    seen = np.count_nonzero(truth.coverage > 0.5)
+    return _Subject(name, patches, view, truth, middle, TRIAL * seen / np.count_nonzero(away < 0.0))
+
+
+def _sample(
+    subject: _Subject, density: float, spread: str, noise: float, has_normals: bool
+) -> Cloud:
+    """Return a cloud of points on a scene's surface, in its view's coordinates."""
+    import numpy as np
+
+    from splatline.host.cloud.normals import estimate_normals
+    from splatline.host.scenes.patches import sample
+
+    count = max(round(density * subject.points), 2)
+    seed = None if spread == "even" else SEED
+    cloud = sample(subject.patches, count, subject.name, seed)
+    positions = cloud.positions + cloud.origin - subject.middle
+    if noise:
+        # The side of the square that a point has of the surface.
+        spacing = _side(subject) / np.sqrt(count)
+        heights = np.random.default_rng(SEED + 1).normal(scale=noise * spacing, size=count)
+        positions += cloud.normals * heights[:, np.newaxis]
+    cloud = dataclasses.replace(cloud, positions=positions, origin=subject.middle)
+    if has_normals:
+        return cloud
+    normals, unknown = estimate_normals(positions), np.ones(count, np.bool_)
+    return dataclasses.replace(cloud, normals=normals, two_sided=unknown)
+
+
+def _side(subject: _Subject) -> float:
+    """Return the side of a square with a surface's area, as far as its points are even by area."""
+    import numpy as np
+
+    from splatline.host.cloud.spacing import closing_radii
+    from splatline.host.scenes.patches import sample
+
+    count = 20_000
+    even = sample(subject.patches, count, subject.name)
+    # A square grid's closing radius is half of its diagonal.
+    radii = closing_radii(even.positions, even.normals)
+    return float(np.median(radii) * np.sqrt(2.0 * count))
+
+
+def _draw(cloud: Cloud, view: View, preset: EngineConfig) -> tuple[Raster, dict[str, Any], float]:
+    """Return a cloud's picture, the frame's counts, and the median splat in pixels."""
+    import numpy as np
+
+    from splatline.host.cloud.spacing import splat_radii
+    from splatline.host.pipeline import make_frame
+    from splatline.sim import golden
+
+    radii = splat_radii(cloud)
+    frame = make_frame(cloud, view, radii=radii, config=preset)
+    depth = (cloud.positions - view.eye) @ view.axes[2]
+    return golden.render(frame), frame.counts, float(np.median(2.0 * radii * view.focal / depth))
+
+
+def _measure(cloud: Cloud, subject: _Subject, preset: EngineConfig) -> dict[str, Any]:
+    """Draw a cloud and compare it with the truth."""
+    from splatline.sim.reference import metrics
+    from splatline.sim.reference.wholeness import behind_truth, wholeness
+
+    raster, counts, splat = _draw(cloud, subject.view, preset)
+    limits = counts["depth_range"]
+    found = metrics.compare(raster, subject.truth, depth_range=limits)
+    return {
+        "splat_pixels": splat,
+        **{key: found[key] for key in ("psnr_db", "hole_fraction", "silhouette_iou")},
+        **wholeness(raster),
+        "behind_truth": behind_truth(raster, subject.truth, limits),
+        "elements": counts["elements"],
+        "codewords": counts["codewords"],
+    }
+
+
+def _of_truth(truth: Reference) -> dict[str, float]:
+    """Return the pinholes and see-through pixels that the true surface has itself."""
+    import numpy as np
+
+    from splatline.sim.reference.wholeness import pinholes, see_through
+
+    drawn = truth.coverage > 0.5
+    low, high = np.nanmin(truth.depth), np.nanmax(truth.depth)
+    share = np.where(drawn, (truth.depth - low) / (high - low), np.nan)
+    total = np.count_nonzero(drawn)
+    return {
+        "pinholes": float(np.count_nonzero(pinholes(drawn)) / total),
+        "see_through": float(np.count_nonzero(see_through(share, drawn)) / total),
+    }

@@ -1,0 +1,228 @@
+"""Cells of a cloud: cubes of an octree that hold a few points each, for searches of neighbours.
+
+Points are sorted along Morton's curve, on which every cube of the octree is one stretch. A cell is
+the largest cube with at most ``CELL_POINTS`` points, so cells are small where points are dense. The
+neighbourhood of a cell are the 27 cubes of its size about it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from .curve import common_levels, spread_bits
+
+__all__ = ["CELL_POINTS", "Cells", "build_cells", "chunks_of", "limits", "search_of"]
+
+CELL_POINTS = 16
+"""Most points of a cell. Its parent has more, so some of the 27 cubes hold at least as many."""
+
+MOST_LEVELS = 20
+"""Levels of the octree: its smallest cube is a millionth of the cloud."""
+
+TABLE_LEVELS = 6
+"""Levels whose cubes are looked up in a table; within them a binary search goes on."""
+
+SAMPLED = 4096
+"""Points that tell where the bulk of a cloud lies."""
+
+TAIL = 50
+"""One in so many points on either side may lie outside the bulk."""
+
+CHUNKS = 256
+"""Parts of the work."""
+
+_Floats = npt.NDArray[np.float64]
+
+
+class Cells(NamedTuple):
+    """The cells of a cloud. Points in one smallest cube count once, as the first of them.
+
+    Parameters
+    ----------
+    number
+        Of each point among the distinct ones: shape (n,), int32.
+    first
+        The point that each distinct one is: shape (m,), int32.
+    positions
+        Of the distinct points, in units of the bulk's extent: shape (m, 3).
+    unit
+        That extent in the cloud's unit.
+    keys
+        Positions along the curve, ascending, and -1: shape (m + 1,), int64.
+    levels
+        Levels of the octree.
+    table
+        First distinct point of each cube of a coarser level, and the end.
+    table_levels
+        The level of the table.
+    starts
+        First distinct point of each cell, and the end: shape (cells + 1,).
+    depths
+        The level of each cell.
+    """
+
+    number: npt.NDArray[np.int32]
+    first: npt.NDArray[np.int32]
+    positions: _Floats
+    unit: float
+    keys: npt.NDArray[np.int64]
+    levels: int
+    table: npt.NDArray[np.int32]
+    table_levels: int
+    starts: npt.NDArray[np.int32]
+    depths: npt.NDArray[np.int32]
+
+
+def build_cells(positions: _Floats) -> Cells:
+    """Return the cells of a cloud.
+
+    Parameters
+    ----------
+    positions
+        Shape (n, 3), float64, finite; n at least 1.
+    """
+    positions = np.ascontiguousarray(positions, np.float64)
+    count = len(positions)
+    low, unit = _bulk(positions)
+    number_bits = max((count - 1).bit_length(), 1)
+    levels = min((63 - number_bits) // 3, MOST_LEVELS)
+    sorted_keys = np.empty(count, np.int64)
+    _sort_keys(positions, low, unit, levels, number_bits, sorted_keys)
+    # Each key ends in its point's number, so any sort gives the same order.
+    sorted_keys.sort()
+    number = np.empty(count, np.int32)
+    first = np.empty(count, np.int32)
+    keys = np.empty(count + 1, np.int64)
+    distinct = _find_distinct(sorted_keys, number_bits, number, first, keys)
+    keys[distinct] = -1  # ends every search
+    first, keys = first[:distinct].copy(), keys[: distinct + 1].copy()
+    scaled = np.empty((distinct, 3))
+    _take_positions(positions, first, low, unit, scaled)
+    table_levels = min(TABLE_LEVELS, levels)
+    cubes = np.arange((1 << 3 * table_levels) + 1, dtype=np.int64)
+    table = np.searchsorted(keys[:-1] >> 3 * (levels - table_levels), cubes).astype(np.int32)
+    starts = np.empty(distinct + 1, np.int32)
+    depths = np.empty(distinct, np.int32)
+    cells = _cut_cells(keys, levels, starts, depths)
+    return Cells(
+        number,
+        first,
+        scaled,
+        unit,
+        keys,
+        levels,
+        table,
+        table_levels,
+        starts[: cells + 1].copy(),
+        depths[:cells].copy(),
+    )
+
+
+def chunks_of(cells: Cells) -> npt.NDArray[np.int64]:
+    """Return where each part of the work begins among the cells, and the end.
+
+    The parts are the same on every machine, so that results do not depend on it.
+    """
+    return np.linspace(0, len(cells.depths), CHUNKS + 1).astype(np.int64)
+
+
+def search_of(cells: Cells) -> tuple[Any, ...]:
+    """Return what compiled code needs to find neighbourhoods, without the positions."""
+    return (
+        cells.keys, cells.levels, cells.table, cells.table_levels, cells.starts, cells.depths,
+    )  # fmt: skip
+
+
+def _bulk(positions: _Floats) -> tuple[_Floats, float]:
+    """Return the low corner and the extent of a cube about nearly all points.
+
+    A few points far away must not make all others share a cube. They count in the cube's outermost
+    cells.
+    """
+    sampled = np.sort(positions[:: -(-len(positions) // SAMPLED)], axis=0)
+    tail = len(sampled) // TAIL
+    low, high = sampled[tail], sampled[len(sampled) - 1 - tail]
+    # Half of the range again, as the tails of the bulk belong to it.
+    margin = 0.5 * (high - low).max()
+    least, most = limits(positions)
+    if margin > 0.0:
+        least, most = np.maximum(least, low - margin), np.minimum(most, high + margin)
+    extent = float((most - least).max())
+    return least, extent if extent > 0.0 else 1.0
+
+
+@nb.njit(cache=True)
+def limits(positions: Any) -> tuple[Any, Any]:
+    """Return the least and greatest coordinates (numpy takes four times as long by columns)."""
+    low, high = positions[0].copy(), positions[0].copy()
+    for i in range(len(positions)):
+        for axis in range(3):
+            value = positions[i, axis]
+            low[axis] = value if value < low[axis] else low[axis]
+            high[axis] = value if value > high[axis] else high[axis]
+    return low, high
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def _sort_keys(
+    positions: Any, low: Any, unit: float, levels: int, number_bits: int, keys: Any
+) -> None:
+    """Set each point's position along the curve, with its number in the lower bits."""
+    most = float((1 << levels) - 1)
+    for i in nb.prange(len(positions)):
+        key = 0
+        for axis in range(3):
+            share = (positions[i, axis] - low[axis]) / unit * (most + 1.0)
+            key |= spread_bits(int(min(max(share, 0.0), most))) << axis
+        keys[i] = key << number_bits | i
+
+
+@nb.njit(cache=True)
+def _find_distinct(sorted_keys: Any, number_bits: int, number: Any, first: Any, keys: Any) -> int:
+    """Number the points by distinct keys; return how many there are."""
+    mask = (1 << number_bits) - 1
+    distinct, last = 0, -1
+    for i in range(len(sorted_keys)):
+        point, key = sorted_keys[i] & mask, sorted_keys[i] >> number_bits
+        if key != last:
+            first[distinct], keys[distinct] = point, key
+            distinct += 1
+            last = key
+        number[point] = distinct - 1
+    return distinct
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def _take_positions(positions: Any, first: Any, low: Any, unit: float, scaled: Any) -> None:
+    """Copy the distinct points' positions, in units of the bulk's extent."""
+    for i in nb.prange(len(first)):
+        for axis in range(3):
+            scaled[i, axis] = (positions[first[i], axis] - low[axis]) / unit
+
+
+@nb.njit(cache=True)
+def _cut_cells(keys: Any, levels: int, starts: Any, depths: Any) -> int:
+    """Set the cells' starts and levels; return how many there are.
+
+    The cell that starts at a point has the lowest level at which the point before lies in another
+    cube, and the one ``CELL_POINTS`` further as well.
+    """
+    cells, at = 0, 0
+    while at < (len(keys) - 1):
+        level = 0
+        if at > 0:
+            level = common_levels(keys[at - 1] ^ keys[at], levels) + 1
+        if at + CELL_POINTS < (len(keys) - 1):
+            level = max(level, common_levels(keys[at] ^ keys[at + CELL_POINTS], levels) + 1)
+        starts[cells], depths[cells] = at, level
+        cells += 1
+        shift = 3 * (levels - level)
+        cube = keys[at] >> shift
+        while at < (len(keys) - 1) and keys[at] >> shift == cube:
+            at += 1
+    starts[cells] = len(keys) - 1
+    return cells

@@ -1,0 +1,205 @@
+"""The closing radius of a point: how far its disc must reach to close the gaps about it.
+
+In the tangent plane, with the point at the origin, a neighbour q takes what lies beyond the line
+x . u = 1 with u = 2 q / |q|^2: its *pull*. The point's Voronoi region is where no pull exceeds 1.
+So in the direction w the region ends at 1 over the largest u . w, and the corner of two neighbours
+lies at |u - u'| / (u x u') from the point.
+
+A corner is the middle of a gap only if the triangle of the three points has no obtuse angle. Else
+the gap goes on beyond the triangle, and either has its middle further on, which other points reach,
+or is the open side of a border, which stays open.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba as nb
+import numpy as np
+from llvmlite import ir
+from numba.extending import intrinsic
+
+__all__ = ["COSINES", "DIRECTIONS", "SINES", "closing_radius", "pull_neighbours", "strongest"]
+
+DIRECTIONS = 16
+"""Directions in which the nearest side of the Voronoi region is found."""
+
+_ANGLES = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+COSINES = np.cos(_ANGLES).astype(np.float32)
+SINES = np.sin(_ANGLES).astype(np.float32)
+
+STEEP = 2.0
+"""Square of a neighbour's distance within the plane, over that of its height, below which it lies
+off the surface: noise, or another layer."""
+
+OFF = 1.7
+"""Such a neighbour counts as this many times as far away. It cannot be relied on to close a gap
+when it is seen aslant; left out altogether, noise would make discs as large as itself."""
+
+OBTUSE = 0.3
+"""Minus the cosine of the largest angle of a triangle that is not obtuse. Above 0, as a square
+grid has right angles."""
+
+LEAST = math.sqrt(0.5)
+"""Closing radius of a point without a gap, for a nearest neighbour at the distance 1: as large as
+that of a point of a square grid."""
+
+NEAREST = 1e-12
+"""Square of a distance, in cells, up to which a neighbour is the point itself."""
+
+INDEX_BITS = 11
+"""Low bits of a float32 that hold a neighbour's number."""
+
+
+@nb.njit(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def pull_neighbours(away: Any, count: int, position: Any, normal: Any, pull: Any) -> None:
+    """Set the pull of each neighbour in a point's tangent plane.
+
+    Parameters
+    ----------
+    away
+        Positions of the neighbours, the point among them: shape (3, most), float32.
+    count
+        How many there are.
+    position, normal
+        The point's: three float32 each.
+    pull
+        Set: shape (2, most), float32.
+    """
+    x, y, z = position
+    nx, ny, nz = normal
+    # Axes of the plane: Duff et al., "Building an orthonormal basis, revisited", JCGT 6 (2017).
+    one, two = np.float32(1.0), np.float32(2.0)
+    off, steep, nearest = np.float32(2.0 / OFF), np.float32(STEEP), np.float32(NEAREST)
+    sign = one if nz >= 0.0 else -one
+    a = -one / (sign + nz)
+    b = nx * ny * a
+    ux, uy, uz = one + sign * nx * nx * a, sign * b, -sign * nx
+    vx, vy, vz = b, sign + ny * ny * a, -ny
+    for c in range(count):
+        dx, dy, dz = away[0, c] - x, away[1, c] - y, away[2, c] - z
+        right = ux * dx + uy * dy + uz * dz
+        up = vx * dx + vy * dy + vz * dz
+        height = nx * dx + ny * dy + nz * dz
+        square = right * right + up * up
+        strength = (two if square > steep * height * height else off) / square
+        strength = strength if square > nearest else np.float32(0.0)
+        pull[0, c] = right * strength
+        pull[1, c] = up * strength
+
+
+@intrinsic
+def _larger(_: Any, best: Any, value: Any, number: Any) -> Any:
+    """Return the larger of ``best`` and a float32's bits with a number in the low ones.
+
+    Positive floats are ordered as their bits are, so LLVM makes a vector maximum of this. It makes
+    none of a float and an index that are chosen together.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        whole = ir.IntType(32)
+        bits = builder.bitcast(arguments[1], whole)
+        mask = ir.Constant(whole, -(1 << INDEX_BITS))
+        tagged = builder.or_(builder.and_(bits, mask), builder.trunc(arguments[2], whole))
+        is_larger = builder.icmp_signed(">", tagged, arguments[0])
+        return builder.select(is_larger, tagged, arguments[0])
+
+    return nb.int32(nb.int32, nb.float32, nb.int64), code
+
+
+@intrinsic
+def _as_float(_: Any, bits: Any) -> Any:
+    """Return the float32 that has these bits."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.bitcast(arguments[0], ir.FloatType())
+
+    return nb.float32(nb.int32), code
+
+
+@intrinsic
+def _number(_: Any, value: Any) -> Any:
+    """Return the number in a float32's low bits."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        whole = ir.IntType(32)
+        bits = builder.bitcast(arguments[0], whole)
+        low = builder.and_(bits, ir.Constant(whole, (1 << INDEX_BITS) - 1))
+        return builder.zext(low, ir.IntType(64))
+
+    return nb.int64(nb.float32), code
+
+
+@nb.njit(error_model="numpy", fastmath=True)
+def strongest(right: Any, up: Any, count: int, cosines: Any, sines: Any, most: Any) -> None:
+    """Set the strongest pull in each direction, with its neighbour's number in the low bits.
+
+    Parameters
+    ----------
+    right, up
+        The pulls.
+    count
+        How many there are.
+    cosines, sines
+        ``COSINES`` and ``SINES``.
+    most
+        Set: shape (``DIRECTIONS``,), float32; tiny where no neighbour pulls that way.
+    """
+    for j in range(DIRECTIONS):
+        cosine, sine = cosines[j], sines[j]
+        best = np.int32(0)
+        for c in range(count):
+            best = _larger(best, right[c] * cosine + up[c] * sine, c)
+        most[j] = _as_float(best)
+
+
+@nb.njit(error_model="numpy")
+def closing_radius(pull: Any, most: Any) -> float:
+    """Return the distance of the furthest gap; infinite if there is no neighbour.
+
+    Parameters
+    ----------
+    pull
+        Of each neighbour: shape (2, most).
+    most
+        See :func:`strongest`.
+    """
+    nearest = 0.0
+    for j in range(DIRECTIONS):
+        if most[j] > NEAREST:
+            one = _number(most[j])
+            nearest = max(nearest, pull[0, one] * pull[0, one] + pull[1, one] * pull[1, one])
+    if not nearest > 0.0:
+        return np.inf
+    radius = LEAST * 2.0 / math.sqrt(nearest)
+    before = DIRECTIONS - 1
+    one = _number(most[before])
+    for j in range(DIRECTIONS):
+        other = _number(most[j])
+        if one != other and most[j] > NEAREST and most[before] > NEAREST:
+            gap = _gap(pull[0, one], pull[1, one], pull[0, other], pull[1, other])
+            radius = max(radius, gap)
+        one, before = other, j
+    return radius
+
+
+@nb.njit(inline="always")
+def _gap(ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the distance of the corner of two neighbours, or 0 if it is no middle of a gap.
+
+    With u = 2 q / |q|^2, the triangle of the point and the neighbours has the same angles as that
+    of the origin, u and u', but those at u and u' are exchanged.
+    """
+    cross = ax * by - ay * bx
+    if not cross > 0.0:
+        return 0.0
+    aa, bb, ab = ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
+    across = aa + bb - 2.0 * ab
+    if (
+        ab < -OBTUSE * math.sqrt(aa * bb)
+        or bb - ab < -OBTUSE * math.sqrt(bb * across)
+        or aa - ab < -OBTUSE * math.sqrt(aa * across)
+    ):
+        return 0.0
+    return math.sqrt(across) / cross
