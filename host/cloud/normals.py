@@ -116,7 +116,11 @@ def _estimate(search: Any, cuts: Any, positions: Any, needed: Any, normals: Any)
                     x = (positions[i, 0] - positions[start, 0]) * float(1 << depth)
                     y = (positions[i, 1] - positions[start, 1]) * float(1 << depth)
                     z = (positions[i, 2] - positions[start, 2]) * float(1 << depth)
-                    reach = _reach(around, count, x, y, z, nearest) if growth == 0 else np.inf
+                    # Two cubes along each axis. A point far from the bulk, which counts in an
+                    # outermost cube, lies beyond.
+                    reach = 12.0 * 4.0**wider
+                    if growth == 0:
+                        reach = _reach(around, count, x, y, z, nearest)
                     _moments(around, count, x, y, z, reach, moments)
                     least, middle, most = thinnest(moments, vector)
                     todo[at] = False

@@ -37,7 +37,7 @@ def over_an_initial_raster(rng, config):
         for width, height, share in ((40, 30, 0.5), (37, 60, 0.02), (130, 10, 1.0)):
             start = random_raster(rng, width, height, share, config)
             # A colour at background depth does not count.
-            start.colour[~start.drawn] = rng.integers(0, config.channel_max + 1)
+            start.colour[~start.drawn] = config.channel_max
             yield Job(
                 frame=shapes(rng, 200, width, height, config=config),
                 initial=start,

@@ -130,3 +130,14 @@ def test_the_thinnest_direction_is_the_eigenvector_of_the_least_eigenvalue(seed)
         assert found == pytest.approx(values, rel=1e-6, abs=1e-9 * values[2])
         if values[0] < 0.5 * values[1]:
             assert abs(vector @ vectors[:, 0]) == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("stray", [(1e6, 0.0, 0.0), (-30.0, 40.0, 0.0)])
+def test_a_stray_point_turns_no_normal(stray):
+    rng = np.random.default_rng(8)
+    sphere = rng.normal(size=(60, 3))
+    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
+    alone = estimate_normals(sphere)
+    beside = estimate_normals(np.vstack([sphere, stray]))[:-1]
+    right = np.abs(np.sum(alone * sphere, axis=1)), np.abs(np.sum(beside * sphere, axis=1))
+    assert np.median(right[1]) > np.median(right[0]) - 0.01
