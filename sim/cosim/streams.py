@@ -36,6 +36,7 @@ class Source:
     rate: float
     sent: int = 0
     offering: bool = False
+    idle: bool = False
 
 
 @dataclass
@@ -162,14 +163,18 @@ class StreamBench:
         return getattr(self.dut, f"{stream}__{part}")
 
     def _offer(self, source: Source) -> None:
-        if not source.offering:
-            offers = source.sent < len(source.payloads) and self.random.random() < source.rate
-            source.offering = offers
-            self._port(source.name, "valid").value = offers
-            payload = self._port(source.name, "payload")
-            payload.value = (
-                source.payloads[source.sent] if offers else undefined(payload, self.random)
-            )
+        if source.offering:
+            return
+        offers = source.sent < len(source.payloads) and self.random.random() < source.rate
+        source.offering = offers
+        self._port(source.name, "valid").value = offers
+        payload = self._port(source.name, "payload")
+        if offers:
+            payload.value = source.payloads[source.sent]
+            source.idle = False
+        elif not source.idle:  # an idle payload stays what it is
+            payload.value = undefined(payload, self.random)
+            source.idle = True
 
     def _take(self, sink: Sink) -> None:
         valid = int(self._port(sink.name, "valid").value)

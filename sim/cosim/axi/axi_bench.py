@@ -234,10 +234,13 @@ class AxiBench:
     async def _undefine(self, prefix: str, names: list[str]) -> None:
         """Drive no defined payload while a channel's valid is low."""
         valid, payload = getattr(self.dut, f"{prefix}valid"), [getattr(self.dut, n) for n in names]
+        idle = False  # and undefined already
         while True:
-            if valid.value != 1:
+            offers = valid.value == 1
+            if not offers and not idle:
                 for part in payload:
                     part.value = undefined(part, self.random)
+            idle = not offers
             await FallingEdge(self.dut.aclk)
 
     async def _watch(self, prefix: str, names: list[str]) -> None:

@@ -102,7 +102,7 @@ IN_THE_WINDOW = {
     "another is said to be cleared": (
         r"flush_scan\.flush\.payload\.line\[: config\.slot_bits\]",
         "flush_scan.line",
-        FEW,
+        DOWN,
         "_arbitrate",
     ),
     "not clipped": (BEYOND, "0", OVER, "_outside"),
