@@ -60,8 +60,8 @@ def page(report: dict[str, Any]) -> str:
     ]
     if clocked:
         parts[2] += (
-            " The clock rate is the median of four seeds, routed on the smallest Lattice ECP5 of the"
-            " slowest grade that has enough block RAMs."
+            " The clock rate is the median of four seeds, routed on the smallest Lattice ECP5 of"
+            " the slowest grade that has enough block RAMs."
         )
     return "\n\n".join(parts) + "\n"
 
