@@ -132,6 +132,18 @@ def what_was_read_can_be_written_back(device):
 
 
 @case(BUS)
+def one_write_with_two_errors(device):
+    """The highest byte of a register alone, with a bit that the register does not have."""
+    engine = Driver(device)
+    engine.set("CONTROL")  # not quiet
+    offset = engine.registers["LAST_LINE"].offset
+    assert device.command("write", offset + 3, b"\x80") == SLVERR
+    assert sorted(engine.errors()) == ["BUS_STROBE", "BUS_VALUE"]
+    engine.set("ERROR", BUS_STROBE=1, BUS_VALUE=1)
+    right(device)
+
+
+@case(BUS)
 def tables_written_in_mid_frame(device):
     """Refused, and changing nothing: neither of this frame nor of the next with the same tables."""
     engine, frame = setup(device, 20)

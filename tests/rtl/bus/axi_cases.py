@@ -144,7 +144,7 @@ def steps_past_the_frame(device):
     engine, frame = setup(device, 3)
     element = block(engine.config, 9)
     words = [*frame.codewords[:-1]]
-    words += [advance_word(HEIGHT + 5, engine.config), element, frame.codewords[-1]]
+    words += [advance_word(HEIGHT + 4, engine.config), element, frame.codewords[-1]]
     expect(device, frame, words, ["LINE_PAST"], drawn=words)
     # A step to the last line that an element can touch from is none.
     setup(device, 3)
@@ -182,6 +182,18 @@ def partial_words(device):
     keep[3:-1:6, 7], keep[5:-1:6, 0], keep[7:-1:6] = 0, 0, 0
     drawn = [each for each, kept in zip(words, keep, strict=True) if kept.all()]
     expect(device, frame, words, ["PARTIAL_WORD"], drawn=drawn, keep=keep.tobytes())
+
+
+@case(STREAMS)
+def nothing_but_partial_words(device):
+    """An empty frame, and two bits of ERROR."""
+    engine, frame = setup(device, 8)
+    keep = np.zeros((3, 8), np.uint8)
+    names = ["FRAME_ENDED_EARLY", "PARTIAL_WORD"]
+    expect(
+        device, frame, frame.codewords[:3], names,
+        drawn=[end_word(engine.config)], keep=keep.tobytes(),
+    )  # fmt: skip
 
 
 @case(STREAMS)
