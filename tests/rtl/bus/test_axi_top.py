@@ -8,6 +8,7 @@ from splatline.contract.presets import PAPER, RGB24, SWIFT
 from splatline.contract.raster_beats import from_beats
 from splatline.contract.register_map import VERSION, register_map
 from splatline.host.device.driver import Engine
+from splatline.host.encode.sort_by_line import end_word
 from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
@@ -15,7 +16,17 @@ from splatline.sim.cosim.axi.axi_device import SimulatedDevice, build_axi
 from splatline.sim.cosim.axi.axi_frames import simulate_on_buses
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.bus import axi_abort_cases, axi_bus_cases, axi_cases
-from tests.rtl.bus.axi_cases import HEIGHT, WIDTH, clean, draw_scene, fresh, right, setup
+from tests.rtl.bus.axi_cases import (
+    HEIGHT,
+    WIDTH,
+    block,
+    clean,
+    draw_scene,
+    fresh,
+    right,
+    send,
+    setup,
+)
 from tests.support.random_frames import random_raster
 
 
@@ -144,6 +155,23 @@ def test_a_reset_in_mid_frame(device):
         device.command("reset")
         right(device)
         fresh(device)
+
+
+def test_the_first_frame_after_a_reset_counts_the_clearing(simulation):
+    """The engine opens the frame at once, and its elements wait until the window is cleared."""
+    simulation.command("stall", 0.0, 0)
+    simulation.command("reset")
+    engine = Engine(simulation)
+    words = [block(PAPER, 9)] * 9 + [end_word(PAPER)]
+    counts = []
+    for _ in range(2):
+        send(simulation, "codewords", words)
+        simulation.receive()
+        counts.append([engine.get(name) for name in ("CYCLES", "INPUT_STALLS")])
+    first, both = np.array(counts)
+    longer = first - (both - first)
+    assert (longer > 300).all()
+    assert (longer < PAPER.clear_cycles).all()
 
 
 def test_registers_read_as_their_description_says_after_reset(simulation):
