@@ -331,4 +331,4 @@ async def reset_in_the_middle(dut):
 
 
 def test_block_tiler_lays_out_the_pixels_of_the_contract():
-    run_bench(SWIFT, BlockTiler, __file__)
+    run_bench(SWIFT, BlockTiler, __file__, simulator_name="verilator")

@@ -143,4 +143,4 @@ def test_the_merger_draws_one_picture_over_the_other(block_simulator):
 
 
 def test_the_merger_takes_beats_of_sixteen_pixels():
-    run_bench(PRESETS["swift"], Merger, __file__)
+    run_bench(PRESETS["swift"], Merger, __file__, simulator_name="verilator")
