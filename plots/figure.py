@@ -152,7 +152,7 @@ def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
     from PIL import Image
 
     data = io.BytesIO()
-    Image.fromarray(pixels).save(data, "PNG", optimize=True)
+    Image.fromarray(pixels).save(data, "PNG")
     atomic_write(path, data.getvalue())
 
 

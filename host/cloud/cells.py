@@ -7,6 +7,7 @@ neighbourhood of a cell are the 27 cubes of its size about it.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numba as nb
@@ -15,7 +16,7 @@ import numpy.typing as npt
 
 from .curve import common_levels, spread_bits
 
-__all__ = ["CELL_POINTS", "Cells", "build_cells", "chunks_of", "limits", "search_of"]
+__all__ = ["CELL_POINTS", "Cells", "build_cells", "limits", "parts_of", "search_of"]
 
 CELL_POINTS = 16
 """Most points of a cell. Its parent has more, so some of the 27 cubes hold at least as many."""
@@ -32,8 +33,14 @@ SAMPLED = 4096
 TAIL = 50
 """One in so many points on either side may lie outside the bulk."""
 
-CHUNKS = 256
-"""Parts of the work."""
+CHUNKS = 1024
+"""Pieces of the work, each for one thread."""
+
+PARTS = 16
+"""Steps of the work whose progress is told."""
+
+AT_ONCE = 200_000
+"""Most points whose work is one step: it takes less than a second."""
 
 _Floats = npt.NDArray[np.float64]
 
@@ -122,12 +129,28 @@ def build_cells(positions: _Floats) -> Cells:
     )
 
 
-def chunks_of(cells: Cells) -> npt.NDArray[np.int64]:
-    """Return where each part of the work begins among the cells, and the end.
+def parts_of(
+    cells: Cells, progress: Callable[[float], None] | None = None
+) -> Iterator[npt.NDArray[np.int64]]:
+    """Yield the parts of the work: where each of a part's chunks begins among the cells.
 
-    The parts are the same on every machine, so that results do not depend on it.
+    A part is done in parallel, a chunk by one thread. Chunks are the same on every machine, so that
+    results do not depend on it.
+
+    Parameters
+    ----------
+    cells
+        The cells.
+    progress
+        Called after each part with the share of the work that is done. None: there is one part.
     """
-    return np.linspace(0, len(cells.depths), CHUNKS + 1).astype(np.int64)
+    edges = np.linspace(0, len(cells.depths), CHUNKS + 1).astype(np.int64)
+    parts = PARTS if progress is not None and len(cells.first) > AT_ONCE else 1
+    size = CHUNKS // parts
+    for part in range(parts):
+        yield edges[part * size : (part + 1) * size + 1]
+        if progress is not None:
+            progress((part + 1) / parts)
 
 
 def search_of(cells: Cells) -> tuple[Any, ...]:

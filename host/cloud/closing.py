@@ -154,9 +154,12 @@ def strongest(right: Any, up: Any, count: int, cosines: Any, sines: Any, most: A
         most[j] = _as_float(best)
 
 
-@nb.njit(error_model="numpy")
-def closing_radius(pull: Any, most: Any) -> float:
+@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def closing_radius(pull: Any, most: Any, sides: Any) -> float:
     """Return the distance of the furthest gap; infinite if there is no neighbour.
+
+    With u = 2 q / |q|^2, the triangle of the point and two neighbours has the same angles as that
+    of the origin, u and u', but those at u and u' are exchanged.
 
     Parameters
     ----------
@@ -164,42 +167,33 @@ def closing_radius(pull: Any, most: Any) -> float:
         Of each neighbour: shape (2, most).
     most
         See :func:`strongest`.
+    sides
+        Overwritten: shape (2, ``DIRECTIONS`` + 1), float32.
     """
-    nearest = 0.0
+    zero = np.float32(0.0)
     for j in range(DIRECTIONS):
-        if most[j] > NEAREST:
-            one = _number(most[j])
-            nearest = max(nearest, pull[0, one] * pull[0, one] + pull[1, one] * pull[1, one])
-    if not nearest > 0.0:
+        one = _number(most[j])
+        exists = most[j] > NEAREST
+        sides[0, j + 1] = pull[0, one] if exists else zero
+        sides[1, j + 1] = pull[1, one] if exists else zero
+    sides[0, 0], sides[1, 0] = sides[0, DIRECTIONS], sides[1, DIRECTIONS]
+    nearest, furthest = zero, zero
+    obtuse = np.float32(OBTUSE * OBTUSE)
+    for j in range(DIRECTIONS):  # choices instead of branches, so that LLVM makes vectors of it
+        ax, ay, bx, by = sides[0, j], sides[1, j], sides[0, j + 1], sides[1, j + 1]
+        cross = ax * by - ay * bx
+        aa, bb, ab = ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
+        across = aa + bb - ab - ab
+        nearest = max(nearest, aa)
+        is_middle = (
+            ((ax != bx) | (ay != by))
+            & (cross > zero)
+            & ((ab >= zero) | (ab * ab <= obtuse * aa * bb))
+            & ((bb >= ab) | ((bb - ab) * (bb - ab) <= obtuse * bb * across))
+            & ((aa >= ab) | ((aa - ab) * (aa - ab) <= obtuse * aa * across))
+        )
+        gap = across / (cross * cross) if is_middle else zero
+        furthest = max(furthest, gap)
+    if not nearest > zero:
         return np.inf
-    radius = LEAST * 2.0 / math.sqrt(nearest)
-    before = DIRECTIONS - 1
-    one = _number(most[before])
-    for j in range(DIRECTIONS):
-        other = _number(most[j])
-        if one != other and most[j] > NEAREST and most[before] > NEAREST:
-            gap = _gap(pull[0, one], pull[1, one], pull[0, other], pull[1, other])
-            radius = max(radius, gap)
-        one, before = other, j
-    return radius
-
-
-@nb.njit(inline="always")
-def _gap(ax: float, ay: float, bx: float, by: float) -> float:
-    """Return the distance of the corner of two neighbours, or 0 if it is no middle of a gap.
-
-    With u = 2 q / |q|^2, the triangle of the point and the neighbours has the same angles as that
-    of the origin, u and u', but those at u and u' are exchanged.
-    """
-    cross = ax * by - ay * bx
-    if not cross > 0.0:
-        return 0.0
-    aa, bb, ab = ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
-    across = aa + bb - 2.0 * ab
-    if (
-        ab < -OBTUSE * math.sqrt(aa * bb)
-        or bb - ab < -OBTUSE * math.sqrt(bb * across)
-        or aa - ab < -OBTUSE * math.sqrt(aa * across)
-    ):
-        return 0.0
-    return math.sqrt(across) / cross
+    return math.sqrt(max(float(furthest), (2.0 * LEAST) ** 2 / float(nearest)))

@@ -36,7 +36,14 @@ def _lower_bound(keys: Any, table: Any, shift: int, key: int) -> int:
 
 @nb.njit
 def gather_candidates(
-    keys: Any, levels: int, table: Any, table_levels: int, start: int, depth: int, found: Any
+    keys: Any,
+    levels: int,
+    table: Any,
+    table_levels: int,
+    start: int,
+    depth: int,
+    cube_points: int,
+    found: Any,
 ) -> int:
     """Set the distinct points of a cell's neighbourhood; return how many there are.
 
@@ -46,6 +53,8 @@ def gather_candidates(
         See :class:`Cells`.
     start, depth
         First point of the cell, and its level.
+    cube_points
+        Most points that are taken of a cube: at most ``CUBE_POINTS``.
     found
         Set: shape (``CANDIDATES``,).
     """
@@ -62,11 +71,11 @@ def gather_candidates(
                 if keys[low] >> shift != key:
                     continue
                 inside = 1
-                while inside <= CUBE_POINTS and keys[low + inside] >> shift == key:
+                while inside <= cube_points and keys[low + inside] >> shift == key:
                     inside += 1
-                if inside > CUBE_POINTS:  # seldom: the cube is far denser than the cell
+                if inside > cube_points:  # seldom: the cube is far denser than the cell
                     inside = _lower_bound(keys, table, table_shift, key + 1 << shift) - low
-                taken = min(inside, CUBE_POINTS)
+                taken = min(inside, cube_points)
                 for i in range(taken):
                     found[count] = low + i * inside // taken
                     count += 1

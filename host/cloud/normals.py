@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .cells import CELL_POINTS, build_cells, chunks_of, search_of
-from .neighbourhood import CANDIDATES, gather_candidates
+from .cells import CELL_POINTS, build_cells, parts_of, search_of
+from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
 from .thinnest import thinnest
 
 __all__ = ["estimate_normals"]
@@ -17,8 +18,17 @@ __all__ = ["estimate_normals"]
 NEIGHBOURS = 16
 """Points of a neighbourhood with the point itself, where the surface is smooth."""
 
-MOST_NEIGHBOURS = 256
-"""Most points of a neighbourhood that had to grow."""
+SAME = 1e-6
+"""Squares of distances that differ by this share count as the same."""
+
+STEPS = 200
+"""Most steps of a bisection; 100 halve the largest distance to the smallest that there is."""
+
+BEYOND = 1e30
+"""Square of a distance beyond all candidates, in units of the cell's size."""
+
+WIDER_POINTS = 16
+"""Most points that a wider neighbourhood takes of a cube."""
 
 GROWTHS = 3
 """Times that a neighbourhood grows at most: first to all of the 27 cubes, then to cubes of twice
@@ -36,11 +46,23 @@ FLAT = 1e-6
 """A neighbourhood is a line, not a plane, if its second extent is below this share of the first
 (as variances: its square root is 1e-3). It grows as well."""
 
+REACH = 12.0
+"""Square of the reach of all 27 cubes from a point in the middle one: two cubes along each axis, in
+units of the cell's size. A point far from the bulk, which counts in an outermost cube, lies
+beyond."""
+
+WITHIN = 3.0
+"""Square of the largest distance of two points of a cell in the same units; those further apart are
+far from the bulk."""
+
 _Floats = npt.NDArray[np.float64]
 
 
 def estimate_normals(
-    positions: _Floats, wanted: npt.NDArray[np.bool_] | None = None
+    positions: _Floats,
+    wanted: npt.NDArray[np.bool_] | None = None,
+    *,
+    progress: Callable[[float], None] | None = None,
 ) -> npt.NDArray[np.float32]:
     """Return the direction in which each point's neighbourhood is thinnest.
 
@@ -57,6 +79,8 @@ def estimate_normals(
     wanted
         Shape (n,), bool: the points whose normals are returned; all, if not given. Every point
         counts as a neighbour.
+    progress
+        Called now and then with the share of the work that is done.
 
     Returns
     -------
@@ -71,7 +95,8 @@ def estimate_normals(
     needed = np.zeros(len(cells.first), np.bool_)
     needed[cells.number[wanted]] = True
     normals = np.zeros((len(cells.first), 3), np.float32)
-    _estimate(search_of(cells), chunks_of(cells), cells.positions, needed, normals)
+    for cuts in parts_of(cells, progress):
+        _estimate(search_of(cells), cuts, cells.positions, needed, normals)
     return normals[cells.number[wanted]]
 
 
@@ -81,8 +106,10 @@ def _estimate(search: Any, cuts: Any, positions: Any, needed: Any, normals: Any)
     keys, levels, table, table_levels, starts, depths = search
     for chunk in nb.prange(len(cuts) - 1):
         found = np.empty(CANDIDATES, np.int64)
-        around = np.empty((CANDIDATES, 3))
-        nearest, moments, vector = np.empty(NEIGHBOURS), np.empty(6), np.empty(3)
+        around = np.empty((3, CANDIDATES))
+        squares, moments, vector = np.empty(CANDIDATES), np.empty(6), np.empty(3)
+        # Of each point of a cell: what share of its neighbourhood's extent is off the plane,
+        # whether the neighbourhood is a line, and whether it must grow.
         thin, flat = np.zeros(CELL_POINTS), np.zeros(CELL_POINTS, np.bool_)
         todo = np.zeros(CELL_POINTS, np.bool_)
         for cell in range(cuts[chunk], cuts[chunk + 1]):
@@ -91,100 +118,160 @@ def _estimate(search: Any, cuts: Any, positions: Any, needed: Any, normals: Any)
             for i in range(start, stop):
                 todo[i - start] = needed[i]
                 left += needed[i]
-            count = 0
-            for growth in range(GROWTHS + 1):
-                wider = max(growth - 1, 0)
+            if left == 0:
+                continue
+            # In units of the cell's size, so that no square over- or underflows.
+            scale = float(1 << depth)
+            count = gather_candidates(
+                keys, levels, table, table_levels, start, depth, CUBE_POINTS, found
+            )
+            _take_around(positions, found, count, start, scale, around)
+            left = 0
+            for i in range(start, stop):
+                at = i - start
+                if not todo[at]:
+                    continue
+                x, y, z = _offset(positions, i, start, scale)
+                reach = _reach(around, count, x, y, z, squares)
+                _moments(around, count, x, y, z, reach, moments)
+                least, middle, most = thinnest(moments, vector)
+                for axis in range(3):
+                    normals[i, axis] = vector[axis]
+                flat[at] = middle <= FLAT * most
+                thin[at] = least / middle if middle > 0.0 else 0.0
+                todo[at] = flat[at] or thin[at] > NOISY
+                left += todo[at]
+            for wider in range(GROWTHS):
                 if left == 0 or wider > depth:
                     break
-                if growth != 1:  # that has the same cubes, all of their points
+                if wider > 0:
                     count = gather_candidates(
-                        keys, levels, table, table_levels, start, depth - wider, found
+                        keys, levels, table, table_levels, start, depth - wider, WIDER_POINTS, found
                     )
-                    if growth > 1:
-                        count = _thin_out(found, count)
-                    # In units of the cell's size, so that no square over- or underflows.
-                    scale = float(1 << depth)
-                    for c in range(count):
-                        for axis in range(3):
-                            offset = positions[found[c], axis] - positions[start, axis]
-                            around[c, axis] = offset * scale
-                left = 0
-                for i in range(start, stop):
-                    at = i - start
-                    if not todo[at]:
-                        continue
-                    x = (positions[i, 0] - positions[start, 0]) * float(1 << depth)
-                    y = (positions[i, 1] - positions[start, 1]) * float(1 << depth)
-                    z = (positions[i, 2] - positions[start, 2]) * float(1 << depth)
-                    # Two cubes along each axis. A point far from the bulk, which counts in an
-                    # outermost cube, lies beyond.
-                    reach = 12.0 * 4.0**wider
-                    if growth == 0:
-                        reach = _reach(around, count, x, y, z, nearest)
-                    _moments(around, count, x, y, z, reach, moments)
-                    least, middle, most = thinnest(moments, vector)
-                    todo[at] = False
-                    # Noise is the same in a larger neighbourhood, relief is larger as well.
-                    if growth == 0 or flat[at] or least < CLEARER * thin[at] * middle:
-                        for axis in range(3):
-                            normals[i, axis] = vector[axis]
-                        flat[at] = middle <= FLAT * most
-                        thin[at] = least / middle if middle > 0.0 else 0.0
-                        todo[at] = flat[at] or thin[at] > NOISY
-                    left += todo[at]
+                    _take_around(positions, found, count, start, scale, around)
+                left = _grow(
+                    positions, around, count, start, stop, scale, REACH * 4.0**wider, moments,
+                    vector, thin, flat, todo, normals,
+                )  # fmt: skip
 
 
 @nb.njit(error_model="numpy")
-def _thin_out(found: Any, count: int) -> int:
-    """Keep at most ``MOST_NEIGHBOURS`` candidates, evenly; return how many."""
-    kept = min(count, MOST_NEIGHBOURS)
-    for c in range(kept):
-        found[c] = found[c * count // kept]
-    return kept
+def _grow(
+    positions: Any,
+    around: Any,
+    count: int,
+    start: int,
+    stop: int,
+    scale: float,
+    reach: float,
+    moments: Any,
+    vector: Any,
+    thin: Any,
+    flat: Any,
+    todo: Any,
+    normals: Any,
+) -> int:
+    """Set a cell's normals from all that is around; return how many points are still to do.
+
+    Points of a cell have the same neighbourhood, so it is measured about the first of them. A point
+    far from the bulk, which counts in an outermost cell, has its own.
+    """
+    left = 0
+    has_middle = False
+    x, y, z, least, middle, most = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(start, stop):
+        at = i - start
+        if not todo[at]:
+            continue
+        a, b, c = _offset(positions, i, start, scale)
+        if not has_middle or (a - x) ** 2 + (b - y) ** 2 + (c - z) ** 2 > WITHIN:
+            x, y, z, has_middle = a, b, c, True
+            _moments(around, count, x, y, z, reach, moments)
+            least, middle, most = thinnest(moments, vector)
+        todo[at] = False
+        # Noise is the same in a larger neighbourhood, relief is larger as well.
+        if flat[at] or least < CLEARER * thin[at] * middle:
+            for axis in range(3):
+                normals[i, axis] = vector[axis]
+            flat[at] = middle <= FLAT * most
+            thin[at] = least / middle if middle > 0.0 else 0.0
+            todo[at] = flat[at] or thin[at] > NOISY
+        left += todo[at]
+    return left
+
+
+@nb.njit(inline="always")
+def _offset(positions: Any, i: int, start: int, scale: float) -> tuple[float, float, float]:
+    """Return a point's position relative to a cell's first point, in units of the cell's size."""
+    return (
+        (positions[i, 0] - positions[start, 0]) * scale,
+        (positions[i, 1] - positions[start, 1]) * scale,
+        (positions[i, 2] - positions[start, 2]) * scale,
+    )
 
 
 @nb.njit(error_model="numpy")
-def _reach(around: Any, count: int, x: float, y: float, z: float, nearest: Any) -> float:
-    """Return the square of the distance of the last of the nearest ``NEIGHBOURS``."""
-    size = min(count, NEIGHBOURS)
-    nearest[:] = np.inf
-    worst = np.inf
+def _take_around(
+    positions: Any, found: Any, count: int, start: int, scale: float, around: Any
+) -> None:
+    """Set the candidates' positions relative to a cell's first point: shape (3, most)."""
     for c in range(count):
-        dx, dy, dz = around[c, 0] - x, around[c, 1] - y, around[c, 2] - z
-        square = dx * dx + dy * dy + dz * dz
-        if square < worst:
-            at = size - 1
-            while at > 0 and nearest[at - 1] > square:
-                nearest[at] = nearest[at - 1]
-                at -= 1
-            nearest[at] = square
-            worst = nearest[size - 1]
-    return worst
+        around[0, c], around[1, c], around[2, c] = _offset(positions, found[c], start, scale)
 
 
-@nb.njit(error_model="numpy")
+@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def _reach(around: Any, count: int, x: float, y: float, z: float, squares: Any) -> float:
+    """Return the square of the distance of the last of the nearest ``NEIGHBOURS``, or a hair more.
+
+    It is found by bisection, which needs some counts over all candidates. They are vectors, while a
+    search for the nearest would branch at each.
+    """
+    for c in range(count):
+        dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
+        squares[c] = dx * dx + dy * dy + dz * dz
+    if count <= NEIGHBOURS:
+        return BEYOND
+    low, high = 0.0, BEYOND
+    # If a surface passes through nine of the cubes.
+    reach = 9.0 / np.pi * NEIGHBOURS / count
+    for _ in range(STEPS):
+        if high - low <= SAME * high:
+            break
+        inside = 0
+        for c in range(count):
+            inside += squares[c] <= reach
+        if inside < NEIGHBOURS:
+            low = reach
+            reach = 2.0 * reach if high == BEYOND else 0.5 * (reach + high)
+        elif inside > NEIGHBOURS:
+            high = reach
+            reach = 0.5 * (reach + low)
+        else:
+            return reach
+    return high
+
+
+@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 def _moments(
     around: Any, count: int, x: float, y: float, z: float, reach: float, moments: Any
 ) -> None:
     """Set the covariance of the neighbours within a distance: xx, xy, xz, yy, yz, zz."""
-    number = 0
+    number = 0.0
     sx, sy, sz = 0.0, 0.0, 0.0
     xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(count):
-        dx, dy, dz = around[c, 0] - x, around[c, 1] - y, around[c, 2] - z
-        if dx * dx + dy * dy + dz * dz <= reach:
-            number += 1
-            sx, sy, sz = sx + dx, sy + dy, sz + dz
-            xx, xy, xz = xx + dx * dx, xy + dx * dy, xz + dx * dz
-            yy, yz, zz = yy + dy * dy, yz + dy * dz, zz + dz * dz
+        dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
+        # A choice instead of a branch, so that LLVM makes vectors of it.
+        inside = dx * dx + dy * dy + dz * dz <= reach
+        dx, dy, dz = dx if inside else 0.0, dy if inside else 0.0, dz if inside else 0.0
+        number += 1.0 if inside else 0.0
+        sx, sy, sz = sx + dx, sy + dy, sz + dz
+        xx, xy, xz = xx + dx * dx, xy + dx * dy, xz + dx * dz
+        yy, yz, zz = yy + dy * dy, yz + dy * dz, zz + dz * dz
     share = 1.0 / number
-    moments[0], moments[3], moments[5] = (
-        xx - sx * sx * share,
-        yy - sy * sy * share,
-        zz - sz * sz * share,
-    )
-    moments[1], moments[2], moments[4] = (
-        xy - sx * sy * share,
-        xz - sx * sz * share,
-        yz - sy * sz * share,
-    )
+    moments[0] = xx - sx * sx * share
+    moments[1] = xy - sx * sy * share
+    moments[2] = xz - sx * sz * share
+    moments[3] = yy - sy * sy * share
+    moments[4] = yz - sy * sz * share
+    moments[5] = zz - sz * sz * share

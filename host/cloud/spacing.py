@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numba as nb
@@ -11,17 +12,17 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .cells import build_cells, chunks_of, search_of
+from .cells import build_cells, parts_of, search_of
 from .closing import COSINES, DIRECTIONS, SINES, closing_radius, pull_neighbours, strongest
 from .cloud import Cloud
-from .neighbourhood import CANDIDATES, gather_candidates
+from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
 
 __all__ = ["closing_radii", "splat_radii"]
 
-COVER = 1.25
+COVER = 1.32
 """Radius of a disc for a closing radius of 1. Neighbours lie off the disc's plane, so that discs of
-the closing radius itself leave gaps where a surface bends or is noisy. Below 1.2 holes multiply,
-above 1.3 small relief blurs (decision 0064)."""
+the closing radius itself leave gaps where a surface bends or is noisy. Smaller ones leave more
+holes, larger ones blur small relief (decision 0064)."""
 
 MOST_UNEVEN = 3.0
 """A closing radius is at most this many times the median about it."""
@@ -35,7 +36,9 @@ SINGLE = 0.01
 _Floats = npt.NDArray[np.float64]
 
 
-def splat_radii(cloud: Cloud, size: float | None = None) -> _Floats:
+def splat_radii(
+    cloud: Cloud, size: float | None = None, *, progress: Callable[[float], None] | None = None
+) -> _Floats:
     """Return the radius of each point's disc.
 
     Parameters
@@ -45,6 +48,8 @@ def splat_radii(cloud: Cloud, size: float | None = None) -> _Floats:
     size
         Diameter of all discs, in the cloud's unit. None: the discs close the surface: each is
         ``COVER`` times as large as its closing radius (see :func:`closing_radii`).
+    progress
+        Called now and then with the share of the work that is done.
 
     Returns
     -------
@@ -57,13 +62,18 @@ def splat_radii(cloud: Cloud, size: float | None = None) -> _Floats:
         If ``size`` is not a finite number above 0.
     """
     if size is None:
-        return COVER * closing_radii(cloud.positions, cloud.normals)
+        return COVER * closing_radii(cloud.positions, cloud.normals, progress=progress)
     if not (math.isfinite(size) and size > 0.0):
         raise InputError(f"the splat size must be above 0, not {size:g}")
     return np.full(len(cloud), 0.5 * size)
 
 
-def closing_radii(positions: _Floats, normals: npt.NDArray[np.float32]) -> _Floats:
+def closing_radii(
+    positions: _Floats,
+    normals: npt.NDArray[np.float32],
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> _Floats:
     """Return the radii at which discs in the points' tangent planes just close the surface.
 
     In the tangent plane of a point, the middles of the gaps between it and its neighbours are the
@@ -79,6 +89,8 @@ def closing_radii(positions: _Floats, normals: npt.NDArray[np.float32]) -> _Floa
         Shape (n, 3), float64, finite; n at least 1.
     normals
         Shape (n, 3), float32, of unit length.
+    progress
+        Called now and then with the share of the work that is done.
 
     Returns
     -------
@@ -88,11 +100,12 @@ def closing_radii(positions: _Floats, normals: npt.NDArray[np.float32]) -> _Floa
     cells = build_cells(positions)
     if len(cells.first) == 1:
         return np.full(len(positions), SINGLE)
-    cuts = chunks_of(cells)
     raw = np.empty(len(cells.first))
-    _measure(search_of(cells), cuts, cells.positions, normals, cells.first, COSINES, SINES, raw)
+    for cuts in parts_of(cells, progress):
+        _measure(search_of(cells), cuts, cells.positions, normals, cells.first, COSINES, SINES, raw)
     even = np.empty_like(raw)
-    _even_out(cells.starts, cuts, raw, even)
+    for cuts in parts_of(cells):
+        _even_out(cells.starts, cuts, raw, even)
     radii = np.empty(len(positions))
     _spread_out(even, cells.number, cells.unit, radii)
     return radii
@@ -115,10 +128,12 @@ def _measure(
         found = np.empty(CANDIDATES, np.int64)
         away = np.empty((3, CANDIDATES), np.float32)
         pull = np.empty((2, CANDIDATES), np.float32)
-        most = np.empty(DIRECTIONS, np.float32)
+        most, sides = np.empty(DIRECTIONS, np.float32), np.empty((2, DIRECTIONS + 1), np.float32)
         for cell in range(cuts[chunk], cuts[chunk + 1]):
             start, depth = starts[cell], depths[cell]
-            count = gather_candidates(keys, levels, table, table_levels, start, depth, found)
+            count = gather_candidates(
+                keys, levels, table, table_levels, start, depth, CUBE_POINTS, found
+            )
             # In units of the cell's own size about its first point, so that float32 is enough.
             scale = float(1 << depth)
             for c in range(count):
@@ -133,7 +148,7 @@ def _measure(
                 normal = normals[point, 0], normals[point, 1], normals[point, 2]
                 pull_neighbours(away, count, (x, y, z), normal, pull)
                 strongest(pull[0], pull[1], count, cosines, sines, most)
-                radius = closing_radius(pull, most)
+                radius = closing_radius(pull, most, sides)
                 if radius == np.inf:  # its neighbours are straight above and below it
                     radius = _nearest(away, count, x, y, z)
                 radii[i] = radius / scale
@@ -157,9 +172,15 @@ def _even_out(starts: Any, cuts: Any, raw: Any, even: Any) -> None:
     for chunk in nb.prange(len(cuts) - 1):
         for cell in range(cuts[chunk], cuts[chunk + 1]):
             start, stop = starts[cell], starts[cell + 1]
-            usual = np.median(raw[max(start - AROUND, 0) : min(stop + AROUND, len(raw)) : 4])
+            around = raw[max(start - AROUND, 0) : min(stop + AROUND, len(raw)) : 4]
+            most = raw[start:stop].max()
+            # Sorting takes time. Where more than half are large enough, so is the median.
+            enough = 0
+            for i in range(len(around)):
+                enough += MOST_UNEVEN * around[i] >= most
+            limit = most if 2 * enough > len(around) + 1 else MOST_UNEVEN * np.median(around)
             for i in range(start, stop):
-                even[i] = min(raw[i], MOST_UNEVEN * usual)
+                even[i] = min(raw[i], limit)
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")

@@ -20,6 +20,9 @@ __all__ = ["Columns", "assemble_cloud"]
 FARTHEST = 1e100
 """Coordinates beyond this count as not finite: their squares would not be."""
 
+PIECE = 1 << 16
+"""Normals that are scaled at once, so that what is computed of them stays in the cache."""
+
 
 def assemble_cloud(columns: Columns, name: str) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
@@ -101,11 +104,22 @@ def _unit_normals(
     if normals is None:
         count = int(np.count_nonzero(kept))
         return np.zeros((count, 3), np.float32), np.ones(count, np.bool_)
-    rows = _rows(normals, kept).astype(np.float64)
+    rows = _rows(normals, kept)
+    units, missing = np.empty(rows.shape, np.float32), np.empty(len(rows), np.bool_)
+    for start in range(0, len(rows), PIECE):
+        piece = slice(start, start + PIECE)
+        units[piece], missing[piece] = _unit_rows(rows[piece].astype(np.float64))
+    return units, missing
+
+
+def _unit_rows(
+    rows: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+    """Return rows at unit length, and which have none; those are 0. ``rows`` is overwritten."""
     squares = np.einsum("ij,ij->i", rows, rows)
     if squares.min() > 1e-200 and squares.max() < 1e200:  # false for NaN
         rows /= np.sqrt(squares)[:, np.newaxis]
-        return rows.astype(np.float32), np.zeros(len(rows), np.bool_)
+        return rows, np.zeros(len(rows), np.bool_)
     missing = ~np.isfinite(rows).all(axis=1)
     rows[missing] = 0.0
     # The largest component first, so that no square over- or underflows.
@@ -114,4 +128,4 @@ def _unit_normals(
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     missing |= length[:, 0] == 0.0
     rows /= np.where(length > 0.0, length, 1.0)
-    return rows.astype(np.float32), missing
+    return rows, missing
