@@ -53,7 +53,7 @@ def draw_up(
     shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
     clock.lap("tables")
     # The symmetric shapes always have a pixel.
-    useful = chosen - {"no_pixel"} if quality == "paper" else chosen
+    useful = chosen - {"no_pixel", "overdrawn"} if quality == "paper" else chosen
     splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
     if depth_range is not None:
         splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))

@@ -18,8 +18,6 @@ from splatline.host.visibility.view import LARGEST
 
 __all__ = [
     "CLOSED",
-    "conic",
-    "covers_own_pixel",
     "extent",
     "in_perspective",
     "one_fraction",
@@ -29,38 +27,6 @@ __all__ = [
 
 CLOSED = 0.99
 """Square of a disc's radius over its distance up to which its image is an ellipse."""
-
-
-@nb.njit(inline="always")
-def conic(a: float, b: float, slope_x: float, slope_y: float) -> tuple[float, float, float, float]:
-    """Return A, B, C and the determinant A C - B^2 of a disc's image, for a radius of 1.
-
-    The point of the disc at the image offset (s, t), in units of the centre's depth over the focal
-    length, lies at d = (s + a d_z, t + b d_z, d_z) from the disc's centre, with
-    d_z = -(n'x s + n'y t) and a, b the centre's x / z and y / z. |d|^2 is a quadratic form in s
-    and t. (The paper leaves a and b out: they are small near the middle of the image.)
-
-    For a disc seen edge on, A C and B^2 agree to many digits. The determinant is therefore computed
-    as the sum of the squares of its minors, which loses no digits.
-
-    Parameters
-    ----------
-    a, b
-        The centre's x / z and y / z in camera coordinates.
-    slope_x, slope_y
-        n'x and n'y.
-    """
-    x_x, x_y = 1.0 - a * slope_x, -a * slope_y
-    y_x, y_y = -b * slope_x, 1.0 - b * slope_y
-    minor_xy = x_x * y_y - x_y * y_x
-    minor_xz = x_x * slope_y - x_y * slope_x
-    minor_yz = y_x * slope_y - y_y * slope_x
-    return (
-        x_x * x_x + y_x * y_x + slope_x * slope_x,
-        x_x * x_y + y_x * y_y + slope_x * slope_y,
-        x_y * x_y + y_y * y_y + slope_y * slope_y,
-        minor_xy * minor_xy + minor_xz * minor_xz + minor_yz * minor_yz,
-    )
 
 
 @nb.njit(error_model="numpy")
@@ -165,13 +131,6 @@ def span(
 def row_code(first: int, last: int, filled: bool, begin: int) -> int:
     """Return a row of the fraction at column ``begin``, as SCANS has it."""
     return (first - begin | last - begin << 3) if filled else 1
-
-
-@nb.njit(inline="always")
-def covers_own_pixel(column: float, line: float, square: float, form: Any) -> bool:
-    """Return whether an ellipse covers the centre of the pixel that holds its centre."""
-    dx, dy = math.floor(column) + 0.5 - column, math.floor(line) + 0.5 - line
-    return form[0] * dx * dx + 2.0 * form[1] * dx * dy + form[2] * dy * dy <= square
 
 
 @nb.njit(error_model="numpy")

@@ -11,7 +11,7 @@ from splatline.contract.config import ROWS, EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.host.shading.normal_levels import level_slopes
 from splatline.host.visibility.occlusion import cover, new_pyramid
-from splatline.host.visibility.project import Splats
+from splatline.host.visibility.splats import Splats
 from splatline.host.visibility.view import View
 
 from .quality import DEFAULT_QUALITY, QUALITIES

@@ -10,12 +10,19 @@ import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
 from splatline.host.shading.normal_levels import LEVELS, quantise
+from splatline.host.visibility.footprint import (
+    FLAT,
+    SMALLEST,
+    conic,
+    covers_own_pixel,
+    is_tiny,
+)
 from splatline.host.visibility.occlusion import is_hidden
-from splatline.host.visibility.project import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
+from splatline.host.visibility.splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 from splatline.host.visibility.view import LARGEST
 
 from .compact_words import encode_compact
-from .ellipse import conic, covers_own_pixel, in_perspective, one_fraction
+from .ellipse import in_perspective, one_fraction
 from .half_pixel import encode_half_pixel
 from .large_splats import STEEP, encode_fractions, fraction_size
 from .paper_shapes import encode_symmetric
@@ -24,12 +31,8 @@ from .write_words import ONE_PIXEL, quantised_depth, write_fraction
 
 __all__ = ["Fixed", "encode_splats", "measure_room"]
 
-FLAT = 0.02
-"""Pixels of r^2 over the focal length up to which a disc is drawn to first order. Its true ellipse
-lies within half of that."""
-
-SMALLEST = 1e-3
-"""Least radius in pixels that is computed with, so that the conic stays finite."""
+SMALL = 2.0
+"""Diameter in pixels of a splat that takes one word unless it is near the eye or far aslant."""
 
 REACH = 0.5 * BLOCK + 1.0
 """Pixels by which a symmetric shape may reach beyond its circle. A shape that covers no pixel's
@@ -105,6 +108,8 @@ def _room(position: Any, diameter: float, slope: Any, distance: float, fixed: An
         return 2
     a, b = abs(position[0] - fixed.middle_x), abs(position[1] - fixed.middle_y)
     a, b = a * inverse_focal, b * inverse_focal
+    if diameter <= SMALL and max(a, b) <= 1.0 and diameter * inverse_focal <= 0.2:
+        return 1  # 2 (1 + 1 / 2) / (1 - 0.1) is below 4; nearly all of a dense cloud
     # As in ``cull.lies_outside``. A disc that comes nearer than half the distance may fill the
     # image.
     share = 0.5 * diameter * inverse_focal
@@ -222,7 +227,7 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
                 form = form_a, form_b, form_c, determinant
                 centre_x, centre_y = column + right, line + down
             found, x, top, scans = 2, 0, 0, 0
-            if true_shapes and not in_depth and radius * (1.0 + 0.5 * (a * a + b * b)) < 0.5:
+            if true_shapes and is_tiny(radius, a, b, inverse_focal):
                 # No other pixel's centre is near enough.
                 found, x, top = _own_pixel(column, line, square, form, width, height)
                 scans = ONE_PIXEL

@@ -44,7 +44,7 @@ BOUND = np.dtype(
 class Index:
     """A cloud's points along a space-filling curve, in blocks of ``BLOCK_POINTS``.
 
-    It takes 50 bytes a point and 88 a block beyond the cloud itself.
+    It takes 34 bytes a point and 88 a block beyond the cloud itself.
 
     Parameters
     ----------
@@ -52,10 +52,11 @@ class Index:
         The cloud that is indexed.
     point
         Index into the cloud: shape (n,), int32.
-    positions, normals, two_sided
-        The cloud's own, in this order: (n, 3) float64, (n, 3) float32, (n,) bool.
-    radii
-        Of the discs, in the cloud's unit: shape (n,), float64.
+    discs
+        Positions relative to the middle of the block's bounding sphere, in its radii; the disc's
+        radius over the block's largest; normals: shape (7, n), float32.
+    two_sided
+        The cloud's own, in this order: shape (n,), bool.
     materials
         The palette, and each point's colour of it in this order.
     bounds
@@ -64,10 +65,8 @@ class Index:
 
     cloud: Cloud
     point: npt.NDArray[np.int32]
-    positions: npt.NDArray[np.float64]
-    normals: npt.NDArray[np.float32]
+    discs: npt.NDArray[np.float32]
     two_sided: npt.NDArray[np.bool_]
-    radii: npt.NDArray[np.float64]
     materials: Materials
     bounds: npt.NDArray[Any]
 
@@ -78,7 +77,7 @@ class Index:
     @property
     def nbytes(self) -> int:
         """Bytes that the index takes beyond the cloud."""
-        parts = ("point", "positions", "normals", "two_sided", "radii", "bounds")
+        parts = ("point", "discs", "two_sided", "bounds")
         return self.materials.index.nbytes + sum(getattr(self, part).nbytes for part in parts)
 
 
@@ -112,10 +111,8 @@ def build_index(
     index = Index(
         cloud=cloud,
         point=order,
-        positions=np.empty((count, 3)),
-        normals=np.empty((count, 3), np.float32),
+        discs=np.empty((7, count), np.float32),
         two_sided=np.empty(count, np.bool_),
-        radii=np.empty(count),
         materials=Materials(materials.palette, np.empty(count, np.uint8)),
         bounds=np.empty(-(-count // BLOCK_POINTS), BOUND),
     )
@@ -126,10 +123,8 @@ def build_index(
         cloud.two_sided,
         radii,
         materials.index,
-        index.positions,
-        index.normals,
+        index.discs,
         index.two_sided,
-        index.radii,
         index.materials.index,
         index.bounds,
     )
@@ -187,27 +182,35 @@ def _gather(
     from_two_sided: Any,
     from_radii: Any,
     from_material: Any,
-    positions: Any,
-    normals: Any,
+    discs: Any,
     two_sided: Any,
-    radii: Any,
     material: Any,
     bounds: Any,
 ) -> None:
     """Copy the points in the index's order, and bound each block."""
     for block in nb.prange(len(bounds)):
+        positions, radii = np.empty((BLOCK_POINTS, 3)), np.empty(BLOCK_POINTS)
+        normals = np.empty((BLOCK_POINTS, 3), np.float32)
         start = block * BLOCK_POINTS
         stop = min(start + BLOCK_POINTS, len(order))
         for i in range(start, stop):
             j = order[i]
             for axis in range(3):
-                positions[i, axis] = from_positions[j, axis]
-                normals[i, axis] = from_normals[j, axis]
+                positions[i - start, axis] = from_positions[j, axis]
+                normals[i - start, axis] = from_normals[j, axis]
             two_sided[i] = from_two_sided[j]
-            radii[i] = from_radii[j]
+            radii[i - start] = from_radii[j]
             material[i] = from_material[j]
-        _bound_sphere(bounds[block], positions[start:stop], radii[start:stop])
-        _bound_cone(bounds[block], normals[start:stop], two_sided[start:stop])
+        count = stop - start
+        _bound_sphere(bounds[block], positions[:count], radii[:count])
+        _bound_cone(bounds[block], normals[:count], two_sided[start:stop])
+        reach, largest = bounds[block].reach, bounds[block].largest
+        for i in range(count):
+            for axis in range(3):
+                offset = positions[i, axis] - bounds[block].centre[axis]
+                discs[axis, start + i] = offset / reach if reach > 0.0 else 0.0
+                discs[4 + axis, start + i] = normals[i, axis]
+            discs[3, start + i] = radii[i] / largest if largest > 0.0 else 0.0
 
 
 @nb.njit(cache=True, error_model="numpy")

@@ -15,10 +15,12 @@ from .skips import REASONS
 from .view import View
 
 __all__ = [
+    "ROUNDING",
     "Camera",
     "cull_blocks",
     "faces_away",
     "in_camera",
+    "lies_inside",
     "lies_outside",
     "misses_centre",
 ]
@@ -115,6 +117,41 @@ def lies_outside(position: float, slope: float, radius: float, share: float, siz
     return not (position * less > -reach and (position - size) * less < reach)
 
 
+@nb.njit(error_model="numpy")
+def lies_inside(bound: Any, middle: Any, growth: float, camera: Any) -> bool:
+    """Return whether all discs of a block lie in the image for certain.
+
+    Parameters
+    ----------
+    bound
+        The block's bounds.
+    middle
+        The middle of its sphere, in camera coordinates.
+    growth
+        Factor of the radii.
+    camera
+        The view.
+    """
+    x, y, z = middle
+    size = bound.reach + growth * bound.largest
+    nearest = z - size
+    if not nearest > max(size, camera.near):
+        return False
+    # A point of the sphere lies at most size (1 + |x / z|) / nearest from the middle's x / z.
+    across, down = x / z, y / z
+    reach = camera.focal * size / nearest
+    right = reach * (1.0 + abs(across)) + MARGIN
+    below = reach * (1.0 + abs(down)) + MARGIN
+    column = camera.middle_x + camera.focal * across
+    line = camera.middle_y + camera.focal * down
+    return (
+        column - right > 0.0
+        and column + right < camera.width
+        and line - below > 0.0
+        and line + below < camera.height
+    )
+
+
 @nb.njit(inline="always")
 def faces_away(facing: float) -> bool:
     """Return whether a surface shows its back; ``facing`` is n . (p - eye), up to a factor."""
@@ -126,7 +163,7 @@ def misses_centre(column: float, line: float, radius: float, a: float, b: float)
     """Return whether a splat of less than half a pixel in radius misses every pixel's centre.
 
     A disc seen aslant, from x / z = a and y / z = b, reaches up to sqrt(1 + a^2 + b^2) times its
-    radius (see ``host.encode.ellipse.conic``). The pixel that holds its own centre is the nearest.
+    radius (see ``footprint.conic``). The pixel that holds its own centre is the nearest.
     """
     dx, dy = math.floor(column) + 0.5 - column, math.floor(line) + 0.5 - line
     reach = radius + ROUNDING
@@ -213,7 +250,7 @@ def _between_centres(
     """Return whether a sphere with all its discs lies between two columns (or lines) of centres.
 
     A point of the sphere has x / z within reach sqrt(1 + a^2) / z of the centre's a, and its disc
-    reaches sqrt(1 + a'^2) times its radius (see ``host.encode.ellipse.conic``) from its own a'.
+    reaches sqrt(1 + a'^2) times its radius (see ``footprint.conic``) from its own a'.
     """
     spread = reach * math.sqrt(1.0 + slope * slope) / least
     furthest = abs(slope) + spread

@@ -13,6 +13,7 @@ SKIPS = {
     "facing_away": "points whose surface shows its back",
     "no_pixel": "points whose disc covers no pixel's centre; without this skip each is drawn as the"
     " pixel that holds it",
+    "overdrawn": "points of one pixel that a nearer point of one pixel covers",
     "hidden": "points wholly behind nearer ones",
     "crowded": "points beyond a few a pixel; the others grow to cover them (lossy)",
 }
@@ -21,8 +22,8 @@ SKIPS = {
 REASONS = {name: number for number, name in enumerate(SKIPS, start=1)}
 """Their numbers in compiled code; a point that is kept has 0."""
 
-DEFAULT_SKIPS = frozenset({"outside", "facing_away", "no_pixel"})
-"""The default skips (decision 0011)."""
+DEFAULT_SKIPS = frozenset({"outside", "facing_away", "no_pixel", "overdrawn"})
+"""The default skips (decisions 0011 and 0065)."""
 
 
 def check_skips(skips: Iterable[str]) -> frozenset[str]:

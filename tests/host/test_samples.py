@@ -111,7 +111,7 @@ def test_a_sample_that_meets_nothing_stays_empty_where_others_meet_something():
     frames = make_frames(cloud, view, 4, radii=radii)
     assert [frame.counts["elements"] for frame in frames] == [1, 0, 0, 0]
     assert {tuple(frame.counts["skips"]) for frame in frames} == {
-        ("facing_away", "no_pixel", "outside")
+        ("facing_away", "no_pixel", "outside", "overdrawn")
     }
     rasters = [golden.render(frame) for frame in frames]
     assert [int(raster.drawn.sum()) for raster in rasters] == [1, 0, 0, 0]

@@ -13,7 +13,7 @@ from splatline.host.encode.encode import encode
 from splatline.host.encode.quality import QUALITIES
 from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.shading.normal_levels import level_slopes
-from splatline.host.visibility.project import SPLAT, Splats
+from splatline.host.visibility.splats import SPLAT, Splats
 from splatline.host.visibility.view import View
 from splatline.sim import golden
 

@@ -8,21 +8,34 @@ from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
 from tests.support.clouds import cloud_of, sphere
 
 
+def of_blocks(index, field):
+    """A field of its block's bounds for each point."""
+    return np.repeat(index.bounds[field], BLOCK_POINTS, axis=0)[: len(index)]
+
+
+def positions_of(index):
+    return of_blocks(index, "centre") + of_blocks(index, "reach")[:, None] * index.discs[:3].T
+
+
+def radii_of(index):
+    return of_blocks(index, "largest") * index.discs[3]
+
+
 def test_it_holds_every_point_once_with_all_that_is_its_own():
     cloud = sphere(1000)
     radii = np.arange(1000.0)
     index = build_index(cloud, radii)
     assert sorted(index.point) == list(range(1000))
-    assert np.array_equal(index.positions, cloud.positions[index.point])
-    assert np.array_equal(index.normals, cloud.normals[index.point])
-    assert np.array_equal(index.radii, radii[index.point])
+    assert np.allclose(positions_of(index), cloud.positions[index.point], rtol=0, atol=1e-6)
+    assert np.array_equal(index.discs[4:].T, cloud.normals[index.point])
+    assert np.allclose(radii_of(index), radii[index.point], rtol=1e-6)
     colours = index.materials.palette[index.materials.index]
     assert np.array_equal(colours, cloud.colours[index.point])
 
 
-def test_it_takes_no_more_than_64_bytes_a_point():
+def test_it_takes_no_more_than_40_bytes_a_point():
     cloud = sphere(5000)
-    assert build_index(cloud, np.ones(5000)).nbytes <= 64 * 5000
+    assert build_index(cloud, np.ones(5000)).nbytes <= 40 * 5000
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(-9, 9), st.integers(1, 600))
@@ -32,15 +45,18 @@ def test_bounds_hold_their_points(seed, magnitude, count):
     normals = rng.normal(size=(count, 3)) * 0.4 + [0, 0, 1]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     cloud = cloud_of(rng.normal(size=(count, 3)) * 10.0**magnitude, normals)
-    index = build_index(cloud, rng.uniform(0, 1, count))
+    radii = rng.uniform(0, 1, count)
+    index = build_index(cloud, radii)
     assert len(index.bounds) == -(-count // BLOCK_POINTS)
     for number, bound in enumerate(index.bounds):
         part = slice(number * BLOCK_POINTS, (number + 1) * BLOCK_POINTS)
-        far = np.linalg.norm(index.positions[part] - bound["centre"], axis=1)
+        points = index.point[part]
+        far = np.linalg.norm(cloud.positions[points] - bound["centre"], axis=1)
         assert far.max() <= bound["reach"]
-        assert index.radii[part].max() == bound["largest"]
+        assert radii[points].max() == bound["largest"]
+        assert np.abs(index.discs[:4, part]).max() <= 1.0
         if bound["sine"] <= 1.0:
-            cosine = index.normals[part].astype(float) @ bound["axis"]
+            cosine = index.discs[4:, part].T.astype(float) @ bound["axis"]
             assert cosine.min() >= np.sqrt(1 - bound["sine"] ** 2)
 
 

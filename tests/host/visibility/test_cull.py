@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,7 +12,8 @@ from splatline.contract.errors import InputError
 from splatline.host.encode.quality import QUALITIES
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility import project as project_module
-from splatline.host.visibility.block_index import build_index
+from splatline.host.visibility import quick_test
+from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 from splatline.host.visibility.view import fit_view
 from splatline.sim import golden
@@ -62,6 +64,104 @@ def test_no_block_hides_a_point_that_would_be_drawn(seed, orbit, fov, zoom, near
         every = make_frame(index, view, depth_range=limits)
     assert np.array_equal(found.codewords, every.codewords)
     assert sum(found.counts["culled"].values()) == sum(every.counts["culled"].values())
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.tuples(st.floats(-180, 180), st.floats(-89, 89)),
+    st.floats(5, 160),
+    st.sampled_from([0.01, 0.2, 1.0, 30.0]),
+    st.sampled_from([1e-4, 3e-3, 1e-2]),
+    st.integers(-30, 30),
+    st.booleans(),
+)
+@settings(max_examples=60, deadline=None)
+def test_the_quick_test_leaves_out_no_point_that_would_be_drawn(
+    seed, orbit, fov, zoom, radius, magnitude, two_sided
+):
+    cloud = patchy(seed)
+    unit = 10.0**magnitude
+    cloud = dataclasses.replace(
+        cloud,
+        positions=cloud.positions * unit,
+        two_sided=np.full(len(cloud), two_sided),
+    )
+    view = fit_view(cloud, orbit=orbit, fov=fov, zoom=zoom, size=(64, 48))
+    radii = np.random.default_rng(seed).uniform(0.1, 1.0, len(cloud)) * radius * unit
+    index = build_index(cloud, radii)
+    skips = DEFAULT_SKIPS - {"overdrawn"}
+    options = {"skips": skips, "depth_range": (0.0, 10.0 * unit)}
+    try:
+        found = make_frame(index, view, **options)
+    except InputError:
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(project_module, "look_over", no_point)
+        every = make_frame(index, view, **options)
+    assert np.array_equal(found.codewords, every.codewords)
+    assert sum(found.counts["culled"].values()) == sum(every.counts["culled"].values())
+
+
+def no_point(points, blocks, camera, rules, reasons):
+    """Leave every point to the exact tests."""
+    blocks.found[:] = 0
+    reasons[:, 0] = BLOCK_POINTS * np.diff(blocks.cuts)
+
+
+def test_the_quick_test_leaves_out_most_points_of_a_dense_cloud(monkeypatch):
+    cloud = sphere(200_000)
+    view = fit_view(cloud, size=(64, 64))
+    kept = []
+
+    def look_over(points, blocks, camera, rules, reasons):
+        quick_test.look_over(points, blocks, camera, rules, reasons)
+        kept.append(reasons[:, 0].sum())
+
+    monkeypatch.setattr(project_module, "look_over", look_over)
+    frame = frames(cloud, view, 0.01, DEFAULT_SKIPS)[0]
+    culled = frame.counts["culled"]
+    exact = frame.counts["elements"] + culled["overdrawn"]
+    assert exact <= kept[-1] <= 1.1 * exact
+    assert culled["no_pixel"] > 50_000
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_of_points_that_cover_one_pixel_alone_the_nearest_is_drawn(threads):
+    cloud = sphere(200_000)
+    view = fit_view(cloud, size=(64, 64))
+    before = numba.get_num_threads()
+    numba.set_num_threads(min(threads, before))
+    try:
+        every, fewer = frames(cloud, view, 0.01, DEFAULT_SKIPS - {"overdrawn"}, DEFAULT_SKIPS)
+    finally:
+        numba.set_num_threads(before)
+    assert every.counts["culled"]["overdrawn"] == 0
+    assert fewer.counts["culled"]["overdrawn"] > 0.5 * every.counts["elements"]
+    assert sum(fewer.counts["culled"].values()) + fewer.counts["elements"] == 200_000
+    one, other = golden.render(every), golden.render(fewer)
+    assert np.array_equal(one.depth, other.depth)
+    # At least one word for each pixel, and at most one for each pixel and chunk of the work.
+    assert one.drawn.sum() <= len(fewer.codewords) < 3 * one.drawn.sum()
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.tuples(st.floats(-180, 180), st.floats(-89, 89)),
+    st.sampled_from([1e-4, 3e-3, 2e-2, 0.1]),
+    st.sampled_from(["fast", "exact"]),
+    st.sampled_from([set(), {"no_pixel"}, {"facing_away"}, {"hidden"}]),
+)
+@settings(max_examples=40, deadline=None)
+def test_points_that_are_overdrawn_change_no_depth(seed, orbit, radius, quality, switched):
+    cloud = patchy(seed)
+    view = fit_view(cloud, orbit=orbit, size=(64, 48))
+    index = build_index(cloud, np.full(len(cloud), radius))
+    options = {"quality": quality, "depth_range": make_frame(index, view).counts["depth_range"]}
+    skips = DEFAULT_SKIPS ^ switched
+    every = make_frame(index, view, skips=skips - {"overdrawn"}, **options)
+    fewer = make_frame(index, view, skips=skips, **options)
+    assert fewer.counts["elements"] <= every.counts["elements"]
+    assert np.array_equal(golden.render(every).depth, golden.render(fewer).depth)
 
 
 def frames(cloud, view, radius, *skips):
