@@ -6,9 +6,12 @@ from typing import Any
 
 from splatline.cli.bench.markdown import table
 
+from .first_page import first_pictures
+from .race_page import rivals
+
 __all__ = ["page"]
 
-WORDS = {"cloud", "quality", "view", "left out", "renderer"}
+WORDS = {"cloud", "quality", "view", "left out"}
 """Columns that are text."""
 
 
@@ -53,20 +56,7 @@ def page(report: dict[str, Any]) -> str:
             WORDS,
         ),
     ]
-    if report["peers"]:
-        parts += [
-            "",
-            "## Other renderers",
-            "",
-            "Milliseconds a frame on the same cores in the same run, and the ratio to ours"
-            " (`fast`, host and golden).",
-            "",
-            table(
-                ("cloud", "renderer", "ms", "times ours"),
-                [_peer(r) for r in report["peers"]],
-                WORDS,
-            ),
-        ]
+    parts += rivals(report["peers"]) + first_pictures(report["first_pictures"])
     return "\n".join(parts) + "\n"
 
 
@@ -114,9 +104,3 @@ def _seen(run: dict[str, Any]) -> tuple[str, ...]:
         _ms(run["seconds"]["golden"]),
         _ms(run["frame_seconds"]),
     )
-
-
-def _peer(rival: dict[str, Any]) -> tuple[str, ...]:
-    if rival["seconds"] is None:
-        return rival["cloud"], rival["peer"], "not run", rival["why"]
-    return rival["cloud"], rival["peer"], _ms(rival["seconds"]), f"{rival['ratio']:.1f}"

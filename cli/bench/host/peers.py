@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,12 +15,31 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.visibility.view import View
 
-__all__ = ["PEERS"]
+__all__ = ["PEERS", "Times"]
 
 REPEATS = 3
 
+LEAST_SECONDS = 0.5
+"""A peer is drawn for at least so long, so that a quick one is not measured by three frames."""
 
-def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> float:
+
+@dataclass(frozen=True)
+class Times:
+    """Seconds of a renderer: of a frame, and of what it builds once a cloud, if measured."""
+
+    frame: float
+    build: float | None = None
+
+
+def embree_discs(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> Times:
+    """Return Embree's seconds: the same discs, a ray a pixel, diffuse light without a highlight."""
+    from .embree import EmbreeScene
+
+    with EmbreeScene(cloud, radii) as scene:
+        return Times(_best(lambda: scene.draw(view)[0]), scene.build_seconds)
+
+
+def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> Times:
     """Return VTK's seconds a frame, through PyVista: lit square points of the mean splat size."""
     import numpy as np
     import pyvista
@@ -41,12 +61,12 @@ def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> floa
         plotter.render()
         return plotter.screenshot(return_img=True)
 
-    seconds = _best(draw)
+    seconds = _best(lambda: _timed(draw))
     plotter.close()
-    return seconds
+    return Times(seconds)
 
 
-def open3d_offscreen(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> float:
+def open3d_offscreen(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> Times:
     """Return the seconds a frame of Open3D's off-screen renderer: lit points of the mean size."""
     os.environ.setdefault("EGL_PLATFORM", "surfaceless")
     import numpy as np
@@ -67,22 +87,30 @@ def open3d_offscreen(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -
         view.eye,
         -view.axes[1],
     )
-    return _best(renderer.render_to_image)
+    return Times(_best(lambda: _timed(renderer.render_to_image)))
 
 
-PEERS: dict[str, Callable[..., float]] = {
+PEERS: dict[str, Callable[..., Times]] = {
+    "Embree discs": embree_discs,
     "VTK points (PyVista)": vtk_points,
     "Open3D off-screen": open3d_offscreen,
 }
 """Functions by the renderer's name; each raises if its renderer cannot run here."""
 
 
-def _best(draw: Callable[[], Any]) -> float:
-    """Return the least time of several frames in seconds; a first frame for set-up is left out."""
+def _best(draw: Callable[[], float]) -> float:
+    """Return the least of the seconds of several frames; a first frame for set-up is left out."""
     draw()
-    least = float("inf")
-    for _ in range(REPEATS):
-        begin = time.perf_counter()
-        draw()
-        least = min(least, time.perf_counter() - begin)
+    least, frames = float("inf"), 0
+    begin = time.perf_counter()
+    while frames < REPEATS or time.perf_counter() - begin < LEAST_SECONDS:
+        least = min(least, draw())
+        frames += 1
     return least
+
+
+def _timed(draw: Callable[[], Any]) -> float:
+    """Return the seconds of a call."""
+    begin = time.perf_counter()
+    draw()
+    return time.perf_counter() - begin

@@ -4,9 +4,21 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from splatline.cli.bench.host import first_picture as bench_first
+from splatline.cli.bench.host import frames as bench_frames
 from splatline.cli.bench.host import measure as bench_host
 from splatline.cli.bench.host import peers as bench_peers
+from splatline.cli.bench.host.race_page import rivals
 from splatline.cli.main import main
+from splatline.host.cloud.resample import resample
+from splatline.host.files.readers import read_cloud
+from splatline.host.scenes.scenes import load_scene
+
+PROGRAMS = {
+    "absent": ("peer", ""),
+    "quick": ("json", "import pathlib, sys; pathlib.Path(sys.argv[2]).write_bytes(b'')"),
+    "broken": ("json", "raise OSError('no screen')"),
+}
 
 
 def failing(cloud, view, radii):
@@ -15,7 +27,7 @@ def failing(cloud, view, radii):
 
 def slow(cloud, view, radii):
     assert len(cloud) == len(radii)
-    return 1000.0
+    return bench_peers.Times(1000.0, 5.0)
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +35,9 @@ def outcome(tmp_path_factory):
     folder = tmp_path_factory.mktemp("host")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(bench_peers, "PEERS", {"absent": failing, "slow": slow})
+        patch.setattr(bench_first, "PEERS", PROGRAMS)
+        patch.setattr(bench_first, "REPEATS", 1)
+        patch.setattr(bench_first, "kinds", lambda points: (bench_first.Kind(points, True),))
         arguments = ["--size", "48x40", "--points", "3000", "--repeats", "1"]
         result = CliRunner().invoke(
             main, ["bench", "host", *arguments, "--out-dir", str(folder / "out")]
@@ -36,7 +51,7 @@ def test_every_run_has_its_rates_and_what_was_left_out(outcome):
     report = json.loads((folder / "host.json").read_text())
     assert len(report["runs"]) == 2 * 2 + 2 * len(bench_host.VIEWS)
     for run in report["runs"]:
-        assert set(run["seconds"]) == set(bench_host.STAGES)
+        assert set(run["seconds"]) == set(bench_frames.STAGES)
         assert run["elements"] + sum(run["culled"].values()) == run["points"]
         assert run["points_per_second"] == pytest.approx(run["points"] / run["host_seconds"])
         assert run["index_bytes_per_point"] <= 64
@@ -54,8 +69,8 @@ def test_peers_are_ratios_and_those_that_are_missing_say_so(outcome):
     folder, result = outcome
     peers = json.loads((folder / "host.json").read_text())["peers"]
     assert [peer["why"] for peer in peers if peer["peer"] == "absent"] == [
-        "peer is not installed"
-    ] * 2
+        "peer is not installed: pip install '.[peers]'"
+    ] * 3
     assert all(peer["ratio"] > 1 for peer in peers if peer["peer"] == "slow")
     page = (folder / "host.md").read_text()
     assert page in result.stdout
@@ -63,10 +78,47 @@ def test_peers_are_ratios_and_those_that_are_missing_say_so(outcome):
         assert f"## {head}" in page
 
 
-def test_resampled_clouds_lie_on_the_discs_of_the_first():
-    from splatline.host.cloud.resample import resample
-    from splatline.host.scenes.scenes import load_scene
+def test_the_time_to_the_first_picture_is_said_by_stage_and_beside_that_of_others(outcome):
+    folder, _ = outcome
+    (run,) = json.loads((folder / "host.json").read_text())["first_pictures"]
+    assert run["points"] == 3000
+    assert {"read", "spacing", "golden"} <= set(run["seconds"])
+    assert run["start"] > 0.0
+    assert run["wall"] == pytest.approx(run["start"] + sum(run["seconds"].values()))
+    assert run["peers"]["absent"]["why"] == "peer is not installed: pip install '.[peers]'"
+    assert 0.0 < run["peers"]["quick"]["wall"] < run["wall"]
+    assert run["peers"]["broken"]["why"].endswith("OSError: no screen")
+    page = (folder / "host.md").read_text()
+    assert "## From the command to the picture" in page
+    assert "3,000 points, noisy, no normals" in page
 
+
+def test_files_of_the_first_picture_are_read_as_they_were_written(tmp_path):
+    cloud = load_scene("knot").cloud
+    for normals in (cloud.normals, None):
+        bench_first.write_ply(tmp_path / "a.ply", cloud.positions, normals, cloud.colours)
+        read = read_cloud(tmp_path / "a.ply")
+        assert np.allclose(read.positions + read.origin, cloud.positions, atol=1e-6)
+        assert np.array_equal(read.colours, cloud.colours)
+        assert read.two_sided.all() == (normals is None)
+        if normals is not None:
+            assert np.allclose(read.normals, normals, atol=1e-6)
+
+
+def test_goals_are_said_for_clouds_that_are_large_enough():
+    def page(points, seconds):
+        peer = {"cloud": "a", "points": points, "peer": "Embree discs", "seconds": seconds,
+                "build_seconds": 0.1, "ours": 0.018, "ratio": seconds / 0.018}  # fmt: skip
+        return "\n".join(rivals([peer]))
+
+    assert "goal" not in page(435_999, 0.021)
+    assert "ours takes 0.86 of Embree's; goal 0.86: met" in page(436_000, 0.021)
+    assert "0.95 of Embree's; goal 0.86: missed" in page(3_999_999, 0.019)
+    assert "0.86 of Embree's; goal 0.83: missed" in page(4_000_000, 0.021)
+    assert rivals([]) == []
+
+
+def test_resampled_clouds_lie_on_the_discs_of_the_first():
     cloud = load_scene("knot").cloud
     radii = np.full(len(cloud), 0.01)
     large, smaller = resample(cloud, radii, 5 * len(cloud) // 4)
