@@ -29,6 +29,9 @@ from .stages import Stopwatch, draw_up, indexed
 
 __all__ = ["make_frame", "make_frames", "total_counts"]
 
+INDEX_FRAMES = 16
+"""Frames that take about as long as palette and index of a large cloud."""
+
 
 def make_frame(cloud: Cloud | Index, view: View, **options: Any) -> Frame:
     """Project, cull, shade, encode and sort a cloud, for one sample a pixel.
@@ -52,6 +55,7 @@ def make_frames(
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
+    progress: Callable[[float], None] | None = None,
 ) -> list[Frame]:
     """Project, cull, shade, encode and sort a cloud: frames whose mean is the picture.
 
@@ -89,6 +93,8 @@ def make_frames(
         be combined. None: the range of the first frame that draws anything.
     shapes
         One of ``SHAPE_SOURCES``: the source of the shapes of the quality ``paper``.
+    progress
+        Called with the share of the work that is done, after the index and after each frame.
 
     Returns
     -------
@@ -111,10 +117,11 @@ def make_frames(
     check_shapes(shapes, quality, chosen, config)
     clock = Stopwatch()
     index = indexed(cloud, radii, materials, config, clock)
+    tell = _frame_counter(progress, samples, index is not cloud)
     draw = functools.partial(
         draw_up, index, lighting=lighting, config=config, quality=quality, shapes=shapes
     )
-    frames = functools.partial(_frames_of_samples, draw, view, samples, depth_range)
+    frames = functools.partial(_frames_of_samples, draw, view, samples, depth_range, tell)
     found = _with_something(frames, chosen, index)
     found[0].counts["seconds"] = {**clock.laps, **found[0].counts["seconds"]}
     return found
@@ -131,11 +138,27 @@ def _check_request(samples: int, view: View, config: EngineConfig, quality: str)
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
 
 
+def _frame_counter(
+    progress: Callable[[float], None] | None, samples: int, indexed: bool
+) -> Callable[[int], None]:
+    """Return what tells the share of some frames, and of the index if it was made here."""
+    if progress is None:
+        return lambda frames: None
+    before = INDEX_FRAMES if indexed else 0
+
+    def tell(frames: int) -> None:
+        progress((before + frames) / (before + samples))
+
+    tell(0)
+    return tell
+
+
 def _frames_of_samples(
     draw: Callable[..., Frame],
     view: View,
     samples: int,
     depth_range: tuple[float, float] | None,
+    tell: Callable[[int], None],
     skips: frozenset[str],
 ) -> list[Frame]:
     """Return a frame for each sample, all with one depth range.
@@ -148,6 +171,8 @@ def _frames_of_samples(
         The view without a sample's shift.
     samples, depth_range, skips
         See :func:`make_frames`.
+    tell
+        Called with the number of frames that are made, after each.
     """
     found: list[Frame] = []
     limits = depth_range
@@ -162,6 +187,7 @@ def _frames_of_samples(
         if limits is None and frame.counts["elements"]:
             limits = tuple(frame.counts["depth_range"])
         found.append(frame)
+        tell(len(found))
     return found
 
 

@@ -117,6 +117,7 @@ def render(
     if reference or out_dir is not None:
         exact, quality = _measure(prepared, drawing, background, stages)
 
+    files = _write_pictures(drawing, background, output, depth, stages)
     numbers = {
         "cloud": str(request.path) if request.path else f"scene {request.scene}",
         "view": prepared.camera,
@@ -130,7 +131,7 @@ def render(
         **({} if engines is None else {"engines": engines, "link": link}),
         **quality,
     }
-    files = _write(drawing, exact, background, numbers, output, depth, stats, out_dir)
+    files += _write_numbers(drawing, exact, background, numbers, stats, out_dir)
 
     from splatline.cli.report.tables import print_statistics
 
@@ -147,9 +148,14 @@ def _measure(
     from splatline.sim import reference
     from splatline.sim.reference import metrics
 
-    with stages.stage("reference", "Drawing the exact reference"):
+    with stages.stage("reference", "Drawing the exact reference") as share:
         exact = reference.render(
-            prepared.cloud, prepared.view, prepared.radii, Lighting(), background=background
+            prepared.cloud,
+            prepared.view,
+            prepared.radii,
+            Lighting(),
+            background=background,
+            progress=share,
         )
     with stages.stage("metrics", "Measuring the error"):
         quality = metrics.compare(
@@ -161,31 +167,43 @@ def _measure(
     return exact, quality
 
 
-def _write(
+def _write_pictures(
+    drawing: Drawing,
+    background: _Colour,
+    output: Path | None,
+    depth: Path | None,
+    stages: Stages,
+) -> list[str]:
+    """Write the picture and that of the depth, if they were asked for; return their names."""
+    if output is None and depth is None:
+        return []
+    with stages.stage("write", "Writing the picture"):
+        from splatline.plots import figure
+
+        if output is not None:
+            figure.save_rgb(output, drawing.raster.to_rgb(background))
+        if depth is not None:
+            figure.save_depth(depth, drawing.raster)
+    return [str(path) for path in (output, depth) if path is not None]
+
+
+def _write_numbers(
     drawing: Drawing,
     exact: Reference | None,
     background: _Colour,
     numbers: dict[str, Any],
-    output: Path | None,
-    depth: Path | None,
     stats: Path | None,
     out_dir: Path | None,
 ) -> list[str]:
-    """Write the files that were asked for; return their names."""
-    from splatline.plots import figure
-
+    """Write the numbers and the set of pictures, if they were asked for; return their names."""
     files = []
-    if output is not None:
-        figure.save_rgb(output, drawing.raster.to_rgb(background))
-        files.append(str(output))
-    if depth is not None:
-        figure.save_depth(depth, drawing.raster)
-        files.append(str(depth))
     if stats is not None:
         write_json(stats, numbers)
         files.append(str(stats))
     if out_dir is not None:
         assert exact is not None, "a set of pictures has the reference in it"
+        from splatline.plots import figure
+
         out_dir.mkdir(parents=True, exist_ok=True)
         figure.picture_set(
             out_dir,

@@ -142,8 +142,11 @@ def draw(
         from splatline.host.encode.partition import deal
 
         parts = [deal(frame, engines) for frame in frames]
-    with stages.stage("golden", "Drawing with the golden renderer"):
-        pictures = [golden.render_parts(each) for each in parts]
+    pictures = []
+    with stages.stage("golden", "Drawing with the golden renderer") as share:
+        for number, each in enumerate(parts, 1):
+            pictures.append(golden.render_parts(each))
+            share(number / len(parts))
     if engine == "golden":
         return Drawing(average(pictures))
     runs = []

@@ -80,15 +80,22 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     else:
         from splatline.host.files.readers import read_cloud
 
-        with stages.stage("read", f"Reading {request.path}"):
-            cloud = read_cloud(request.path)
+        reading = {
+            "read": f"Reading {request.path}",
+            "normals": f"Estimating the normals of {request.path.name}",
+        }
+        with stages.stages(reading) as tell:
+            cloud = read_cloud(request.path, progress=tell)
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
-    cloud, far_away = (cloud, 0) if request.fit == "all" else _bulk(cloud)
+    far_away = 0
+    if request.fit != "all":
+        with stages.stage("bulk", "Looking for points far from the rest"):
+            cloud, far_away = _bulk(cloud)
 
     from splatline.host.cloud.spacing import splat_radii
 
-    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points"):
-        radii = splat_radii(cloud, request.splat_size)
+    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
+        radii = splat_radii(cloud, request.splat_size, progress=share)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=request.size, radii=radii, **camera)
     from splatline.host.pipeline import make_frames, total_counts
@@ -98,13 +105,15 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         "quality": request.quality,
         "skips": request.skips,
     }
-    with stages.stage("", "Encoding"):
-        frames = make_frames(cloud, view, samples, radii=radii, shapes=request.shapes, **options)
+    with stages.stage("", "Encoding") as share:
+        frames = make_frames(
+            cloud, view, samples, radii=radii, shapes=request.shapes, progress=share, **options
+        )
     stages.seconds.update(total_counts(frames)["seconds"])
     if request.shapes != "table":
         # Only the number of bits is needed, so this time is not counted.
-        with stages.stage("", "Encoding with the host's table, to compare"):
-            others = make_frames(cloud, view, samples, radii=radii, **options)
+        with stages.stage("", "Encoding with the host's table, to compare") as share:
+            others = make_frames(cloud, view, samples, radii=radii, progress=share, **options)
         for frame, other in zip(frames, others, strict=True):
             frame.counts["bits_sent"].update(other.counts["bits_sent"])
     return PreparedFrames(cloud, view, radii, frames, camera, far_away)

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 __all__ = ["Counter", "Stages"]
+
+EVERY = 0.1
+"""Seconds between two looks of a terminal's bar at the share that is done."""
+
+SLOW = 3.0
+"""Seconds after which a stage says its share elsewhere than in a terminal."""
 
 
 class Stages:
     """Timer of a command's stages that shows the current stage on standard error.
 
-    A terminal shows a moving bar and a clock, which vanish when the stage ends. Any other output
-    gets one line for each stage.
+    A terminal shows a bar and a clock, which vanish when the stage ends. Any other output gets one
+    line for each stage, and for a slow one that tells its share a line for each quarter.
 
     Attributes
     ----------
@@ -25,35 +32,123 @@ class Stages:
         self.seconds: dict[str, float] = {}
 
     @contextmanager
-    def stage(self, name: str, description: str) -> Iterator[None]:
-        """Show and time the block as stage ``name``; a stage with an empty name is not timed."""
+    def stage(self, name: str, description: str) -> Iterator[Callable[[float], None]]:
+        """Show and time the block as stage ``name``; a stage with an empty name is not timed.
+
+        Yields
+        ------
+        callable
+            May be called with the share of the stage that is done, 0 to 1, as often as one likes.
+        """
+        start = time.perf_counter()
+        with _Shown(description) as shown:
+            yield shown.tell
+        if name:
+            self.seconds[name] = time.perf_counter() - start
+
+    @contextmanager
+    def stages(self, descriptions: Mapping[str, str]) -> Iterator[Callable[[str, float], None]]:
+        """Show and time the block as several stages, each of which begins when it is first told.
+
+        Parameters
+        ----------
+        descriptions
+            Description of each stage by its name. The first stage begins with the block.
+
+        Yields
+        ------
+        callable
+            Called with a stage's name and the share of it that is done.
+        """
+        names = list(descriptions)
+        current, start = names[0], time.perf_counter()
+        shown = _Shown(descriptions[current])
+
+        def tell(name: str, share: float) -> None:
+            nonlocal current, start, shown
+            if name != current:
+                shown.__exit__()
+                now = time.perf_counter()
+                self.seconds[current] = self.seconds.get(current, 0.0) + now - start
+                current, start = name, now
+                shown = _Shown(descriptions[name]).__enter__()
+            shown.tell(share)
+
+        shown.__enter__()
+        try:
+            yield tell
+        finally:
+            shown.__exit__()
+        now = time.perf_counter()
+        self.seconds[current] = self.seconds.get(current, 0.0) + now - start
+
+
+class _Shown:
+    """A stage on standard error, as a context: a bar in a terminal, else lines."""
+
+    def __init__(self, description: str) -> None:
         from rich.console import Console
+
+        self._description = description
+        self._console = Console(stderr=True)
+        self._progress = self._bar() if self._console.is_terminal else None
+        self._share = 0.0
+        self._quarter = 0
+        self._begun = self._looked = time.perf_counter()
+
+    def __enter__(self) -> _Shown:
+        if self._progress is None:
+            self._print(f"{self._description} ...")
+        else:
+            self._progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+    def tell(self, share: float) -> None:
+        """Show the share that is done. It never falls, and most calls return at once."""
+        self._share = min(max(share, self._share), 1.0)
+        now = time.perf_counter()
+        if now - self._looked < EVERY:
+            return
+        self._looked = now
+        if self._progress is not None:
+            # Drawn here, since the bar's own thread waits while compiled code runs.
+            task = self._progress.task_ids[0]
+            self._progress.update(task, total=1.0, completed=self._share, refresh=True)
+            return
+        quarter = int(4.0 * self._share)
+        if self._quarter < quarter < 4 and now - self._begun >= SLOW:
+            self._quarter = quarter
+            self._print(f"{int(100.0 * self._share):3d} %  {self._description} ...")
+
+    def _print(self, line: str) -> None:
+        self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+    def _bar(self) -> Any:
+        """Return a bar that moves to and fro until a share is told."""
         from rich.progress import (
             BarColumn,
             Progress,
             SpinnerColumn,
+            TaskProgressColumn,
             TextColumn,
             TimeElapsedColumn,
         )
 
-        console = Console(stderr=True)
-        start = time.perf_counter()
-        if console.is_terminal:
-            with Progress(
-                SpinnerColumn(),
-                TextColumn("{task.description}", markup=False),
-                BarColumn(bar_width=30),
-                TimeElapsedColumn(),
-                console=console,
-                transient=True,
-            ) as progress:
-                progress.add_task(description, total=None)
-                yield
-        else:
-            console.print(f"{description} ...", highlight=False, markup=False, soft_wrap=True)
-            yield
-        if name:
-            self.seconds[name] = time.perf_counter() - start
+        progress = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=30),
+            TaskProgressColumn(),
+            TimeElapsedColumn(),
+            console=self._console,
+            transient=True,
+        )
+        progress.add_task(self._description, total=None)
+        return progress
 
 
 class Counter:

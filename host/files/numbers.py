@@ -9,12 +9,14 @@ from array import array
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing, suppress
 from itertools import islice
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
+
+from .source import Source
 
 __all__ = [
     "COMMENTS",
@@ -39,20 +41,22 @@ _NO_NUMBER = re.compile(
 _COMMENT = re.compile(r"(?<!\.)#|//|%")
 """Not the mark in ``1.#IND``."""
 
+LINES = 1024
+"""Lines after which the progress is told."""
+
 _Rows = npt.NDArray[np.float64]
 
 
-def lines_of(
-    stream: BinaryIO, start: int, encoding: str = "utf-8-sig"
-) -> Generator[str, None, None]:
+def lines_of(source: Source, start: int, encoding: str = "utf-8-sig") -> Generator[str, None, None]:
     """Yield the lines of a text that begins at a byte; bytes that are no text become marks."""
-    stream.seek(start)
-    text = io.TextIOWrapper(stream, encoding, errors="replace")
+    source.stream.seek(start)
+    text = io.TextIOWrapper(source.stream, encoding, errors="replace")
     try:
-        for line in text:  # noqa: UP028  (``yield from`` would close the stream)
-            yield line
+        while lines := list(islice(text, LINES)):
+            yield from lines
+            source.tell()
     finally:
-        if not stream.closed:
+        if not source.stream.closed:
             text.detach()
 
 

@@ -59,7 +59,7 @@ def read_pcd(source: Source) -> Columns:
 def _from_text(source: Source, header: Header) -> _Table:
     """Return the fields of ASCII data; integers and packed colours get their own type."""
     width = sum(field.count for field in header.fields)
-    lines = partial(lines_of, source.stream, header.size)
+    lines = partial(lines_of, source, header.size)
     rows = load_rows(lines, range(width), width=width, limit=header.points, exact=False)
     if len(rows) < header.points:
         raise InputError(f"ends after {len(rows)} of its {header.points} points; it is truncated")

@@ -91,7 +91,7 @@ def _from_text(source: Source, header: Header, chosen: Element) -> _Table:
     """Return the scalar properties of an element in ASCII; check that the others are there."""
 
     def lines() -> Any:
-        text = lines_of(source.stream, header.size)
+        text = lines_of(source, header.size)
         return (line.lstrip("\ufeff") for line in text if line.strip("\ufeff \t\r\n"))
 
     before = 0

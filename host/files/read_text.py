@@ -69,7 +69,7 @@ def read_text(source: Source) -> Columns:
         If there is no point, it is not clear what the columns are, or a line does not fit.
     """
     encoding = _encoding(source)
-    lines = partial(lines_of, source.stream, 0, encoding)
+    lines = partial(lines_of, source, 0, encoding)
     layout = _find_layout(lines())
     names = layout.names
     meaning = None if names is None else find_meaning(names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import warnings
 from collections.abc import Callable
@@ -48,7 +49,9 @@ def check_format(path: Path) -> None:
         )
 
 
-def read_cloud(path: str | os.PathLike[str]) -> Cloud:
+def read_cloud(
+    path: str | os.PathLike[str], *, progress: Callable[[str, float], None] | None = None
+) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
 
     A mesh's vertices are points. Positions are relative to the cloud's own centre. Missing normals
@@ -60,6 +63,9 @@ def read_cloud(path: str | os.PathLike[str]) -> Cloud:
     path
         PLY, PCD, NPZ, NPY, or text: XYZ, XYZN, XYZRGB, PTS, TXT, ASC or CSV; also compressed by
         gzip. A pipe is read to its end.
+    progress
+        Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
+        A cloud whose normals are all there has no stage ``normals``.
 
     Raises
     ------
@@ -73,8 +79,13 @@ def read_cloud(path: str | os.PathLike[str]) -> Cloud:
             raise InputError("is a folder; give the name of a file")
         place.stat()
         check_format(place)
-        with np.errstate(all="ignore"), open_source(place) as source:
-            return assemble_cloud(_read(FORMATS[source.suffix], source), cloud_name(place))
+        read, normals = (
+            None if progress is None else functools.partial(progress, stage)
+            for stage in ("read", "normals")
+        )
+        with np.errstate(all="ignore"), open_source(place, read) as source:
+            columns = _read(FORMATS[source.suffix], source)
+            return assemble_cloud(columns, cloud_name(place), progress=normals)
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror or error}") from None
     except InputError as error:

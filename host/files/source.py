@@ -7,7 +7,7 @@ import shutil
 import stat
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +28,11 @@ ALWAYS_ALLOWED = 1 << 26
 
 PIECE = 1 << 20
 
+UNPACKING = 0.5
+"""Share of a compressed file's reading that is told when it is unpacked."""
+
+Progress = Callable[[float], None]
+
 
 @dataclass(frozen=True)
 class Source:
@@ -41,11 +46,19 @@ class Source:
         Number of bytes.
     suffix
         The name's suffix that tells the format, in lower case.
+    progress
+        Called now and then with the share of the bytes that are read; see :meth:`tell`.
     """
 
     stream: BinaryIO
     size: int
     suffix: str
+    progress: Progress | None = None
+
+    def tell(self) -> None:
+        """Tell ``progress``, if there is one, how much is read."""
+        if self.progress is not None:
+            self.progress(self.stream.tell() / self.size)
 
 
 def format_suffix(path: Path) -> str:
@@ -64,8 +77,10 @@ def unpacked_limit(size: int) -> int:
 
 
 @contextmanager
-def open_source(path: Path) -> Iterator[Source]:
+def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source]:
     """Open a cloud file. A pipe is read to its end first; a gzip file is unpacked.
+
+    ``progress`` is called now and then with the share that is read, unpacking included.
 
     Raises
     ------
@@ -92,22 +107,31 @@ def open_source(path: Path) -> Iterator[Source]:
         if not compressed:
             if path.suffix.lower() == ".gz":
                 raise InputError("is not compressed, although its name ends in .gz; rename it")
-            yield Source(stream, size, format_suffix(path))
+            yield Source(stream, size, format_suffix(path), progress)
             return
         with tempfile.TemporaryFile() as unpacked:
-            _unpack(stream, cast(BinaryIO, unpacked), unpacked_limit(size))
+            packed = Source(stream, size, "", _part(progress, 0.0, UNPACKING))
+            _unpack(packed, cast(BinaryIO, unpacked), unpacked_limit(size))
             size = unpacked.seek(0, 2)
             unpacked.seek(0)
             if not size:
                 raise InputError("the file is empty")
-            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path))
+            rest = _part(progress, UNPACKING, 1.0)
+            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path), rest)
 
 
-def _unpack(packed: BinaryIO, to: BinaryIO, limit: int) -> None:
+def _part(progress: Progress | None, first: float, last: float) -> Progress | None:
+    """Return what tells a part's share as one between two shares of the whole."""
+    if progress is None:
+        return None
+    return lambda share: progress(first + share * (last - first))
+
+
+def _unpack(packed: Source, to: BinaryIO, limit: int) -> None:
     """Write what a gzip file holds, and no more than ``limit`` bytes of it."""
     written = 0
     try:
-        with gzip.GzipFile(fileobj=packed) as stream:
+        with gzip.GzipFile(fileobj=packed.stream) as stream:
             while piece := stream.read(PIECE):
                 written += len(piece)
                 if written > limit:
@@ -115,5 +139,6 @@ def _unpack(packed: BinaryIO, to: BinaryIO, limit: int) -> None:
                         f"unpacks to more than {limit:,} bytes; it is damaged, or no cloud"
                     )
                 to.write(piece)
+                packed.tell()
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise InputError(f"cannot be decompressed; is it damaged? ({error})") from None

@@ -8,8 +8,10 @@ none of its encoder.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -22,6 +24,9 @@ from .reference_kernel import BAND, bound_discs, draw_bands, sort_into_bands
 __all__ = ["Reference", "face_eye", "render", "shade"]
 
 _Floats = npt.NDArray[np.float64]
+
+BANDS_AT_ONCE = 4
+"""Bands that each thread draws before the progress is told."""
 
 MOST_SAMPLES = 16
 """Largest number of samples along a side of a pixel."""
@@ -56,6 +61,7 @@ def render(
     *,
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
     samples: int = 4,
+    progress: Callable[[float], None] | None = None,
 ) -> Reference:
     """Draw a cloud of discs, exactly up to the sampling.
 
@@ -80,6 +86,8 @@ def render(
     samples
         Samples along a side of a pixel, evenly spread and evenly weighted; 1 samples the pixel's
         centre alone.
+    progress
+        Called now and then with the share of the image's lines that are drawn.
 
     Raises
     ------
@@ -114,21 +122,27 @@ def render(
     rgb = np.empty((view.height, view.width, 3))
     depth = np.empty((view.height, view.width))
     coverage = np.empty((view.height, view.width))
-    draw_bands(
-        starts,
-        members,
-        boxes,
-        centres,
-        normals,
-        radii,
-        colours,
-        optics,
-        samples,
-        np.asarray(background, np.float64),
-        rgb,
-        depth,
-        coverage,
-    )
+    step = BANDS_AT_ONCE * numba.get_num_threads() if progress is not None else len(starts)
+    for first in range(0, len(starts) - 1, step):
+        last = min(first + step, len(starts) - 1)
+        draw_bands(
+            (first, last),
+            starts,
+            members,
+            boxes,
+            centres,
+            normals,
+            radii,
+            colours,
+            optics,
+            samples,
+            np.asarray(background, np.float64),
+            rgb,
+            depth,
+            coverage,
+        )
+        if progress is not None:
+            progress(last / (len(starts) - 1))
     return Reference(rgb, np.ldexp(depth, exponent), coverage)
 
 

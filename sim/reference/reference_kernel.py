@@ -105,6 +105,7 @@ def sort_into_bands(boxes: Any, band: int, bands: int) -> tuple[Any, Any]:
 
 @numba.njit(cache=True, parallel=True, error_model="numpy")
 def draw_bands(
+    bands: tuple[int, int],
     starts: Any,
     members: Any,
     boxes: Any,
@@ -119,9 +120,12 @@ def draw_bands(
     depth: Any,
     coverage: Any,
 ) -> None:
-    """Draw the bands independently, so that the picture does not depend on the threads."""
+    """Draw some bands: the first and the one past the last.
+
+    They are independent, so that the picture does not depend on the threads.
+    """
     height, width = depth.shape
-    for band in numba.prange(len(starts) - 1):
+    for band in numba.prange(bands[0], bands[1]):
         top = band * BAND
         lines = min(BAND, height - top)
         nearest = np.full((lines * samples, width * samples), np.inf)
