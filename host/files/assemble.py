@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,9 @@ PIECE = 1 << 16
 """Normals that are scaled at once, so that what is computed of them stays in the cache."""
 
 
-def assemble_cloud(columns: Columns, name: str) -> Cloud:
+def assemble_cloud(
+    columns: Columns, name: str, *, progress: Callable[[float], None] | None = None
+) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
 
     Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``), and so are
@@ -38,6 +41,9 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
         The file's columns.
     name
         The cloud's name.
+    progress
+        Called now and then with the share of the normals that are estimated, first with 0; not
+        called if none is missing.
 
     Raises
     ------
@@ -62,7 +68,9 @@ def assemble_cloud(columns: Columns, name: str) -> Cloud:
 
     normals, two_sided = _unit_normals(columns.normals, kept)
     if two_sided.any():
-        normals[two_sided] = estimate_normals(positions, two_sided)
+        if progress is not None:
+            progress(0.0)
+        normals[two_sided] = estimate_normals(positions, two_sided, progress=progress)
     if columns.colours is None:
         colours = np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1))
     else:
