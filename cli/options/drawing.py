@@ -152,11 +152,15 @@ def draw(
     runs = []
     for number, each in enumerate(parts, 1):
         which = f", sample {number} of {len(parts)}" if len(parts) > 1 else ""
-        with stages.stage("", f"Simulating the Verilog (built first, if it is new){which}"):
+        with stages.stage(
+            "", f"Simulating the Verilog (built first, if it is new){which}"
+        ) as share:
             if engines is not None:
-                run = _simulate_chain(each, link, stall, seed)
+                run = _simulate_chain(each, link, stall, seed, share)
+            elif engine == "axi":
+                run = _simulate_on_buses(each[0], stall, seed)
             else:
-                run = (_simulate_on_buses if engine == "axi" else _simulate)(each[0], stall, seed)
+                run = _simulate(each[0], stall, seed, share)
         runs.append(run)
     for run in runs:
         for name, value in run.seconds.items():
@@ -165,20 +169,22 @@ def draw(
     return Drawing(average(pictures), rasters, sum(run.cycles for run in runs))
 
 
-def _simulate_chain(parts: list[Frame], link: str, stall: float, seed: int) -> Outcome:
+def _simulate_chain(
+    parts: list[Frame], link: str, stall: float, seed: int, share: Callable[[float], None]
+) -> Outcome:
     """Simulate the Verilog of a chain."""
     with _simulation_errors():
         from splatline.sim.cosim.player.chains import simulate_parts
 
-        return simulate_parts(parts, link=link, stall=stall, seed=seed)
+        return simulate_parts(parts, link=link, stall=stall, seed=seed, progress=share)
 
 
-def _simulate(frame: Frame, stall: float, seed: int) -> Outcome:
+def _simulate(frame: Frame, stall: float, seed: int, share: Callable[[float], None]) -> Outcome:
     """Simulate the Verilog of an engine."""
     with _simulation_errors():
         from splatline.sim.cosim.player.frames import simulate_frame
 
-        return simulate_frame(frame, stall=stall, seed=seed)
+        return simulate_frame(frame, stall=stall, seed=seed, progress=share)
 
 
 def _simulate_on_buses(frame: Frame, stall: float, seed: int) -> Outcome:

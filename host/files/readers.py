@@ -85,6 +85,8 @@ def read_cloud(
         )
         with np.errstate(all="ignore"), open_source(place, read) as source:
             columns = _read(FORMATS[source.suffix], source)
+            if read is not None:
+                read(1.0)
             return assemble_cloud(columns, cloud_name(place), progress=normals)
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror or error}") from None

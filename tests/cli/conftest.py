@@ -59,7 +59,7 @@ def verilog(monkeypatch):
     spoilt: list[tuple[int, int]] = []
     calls = []
 
-    def simulate(frame, stall, seed):
+    def simulate(frame, stall, seed, share=None):
         calls.append((stall, seed))
         raster = golden.render(frame)
         for place in spoilt:

@@ -6,7 +6,7 @@ import pytest
 from splatline.contract.errors import InputError
 from splatline.contract.presets import DEFAULT
 from splatline.host.files.readers import read_cloud
-from splatline.host.pipeline import make_frame
+from splatline.host.pipeline import make_frame, make_frames
 from splatline.host.shading.lighting import Light, Lighting
 from splatline.host.visibility.block_index import build_index
 from splatline.host.visibility.view import fit_view
@@ -137,3 +137,15 @@ def test_an_engine_with_fewer_materials_refuses_the_index():
         make_frame(index, view, config=variant("depth12"))
     frame = make_frame(cloud, view, radii=np.full(2000, 0.06), config=variant("depth12"))
     assert golden.render(frame).drawn.any()
+
+
+def test_the_share_is_told_after_the_index_and_after_each_frame():
+    cloud = sphere(200)
+    view = fit_view(cloud, size=(32, 32))
+    radii = np.full(len(cloud), 0.1)
+    told = []
+    make_frames(cloud, view, 4, radii=radii, progress=told.append)
+    assert told == pytest.approx([16 / 20, 17 / 20, 18 / 20, 19 / 20, 1.0])
+    told.clear()
+    make_frames(build_index(cloud, radii), view, 4, progress=told.append)
+    assert told == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])

@@ -12,7 +12,7 @@ from splatline.host.encode.partition_methods import DEFAULT_METHOD
 from splatline.sim.cosim.simulator import Build
 
 from .jobs import STREAMS, Outcome, Playing
-from .play import play_jobs
+from .play import Progress, play_jobs
 from .player import wrap
 
 __all__ = ["ChainJob", "build_chain", "play_chain", "simulate_parts"]
@@ -67,6 +67,7 @@ def play_chain(
     queue: int | None = None,
     simulator_name: str = "verilator",
     built: Build | None = None,
+    progress: Progress | None = None,
 ) -> list[Outcome]:
     """Play jobs one after the other, in one run of the simulator.
 
@@ -81,6 +82,8 @@ def play_chain(
     built
         A build of ``frame_player`` to use instead of the chain's own, such as one with a planted
         fault.
+    progress
+        See :func:`.play.play_jobs`.
 
     Raises
     ------
@@ -93,11 +96,16 @@ def play_chain(
             config, engines, link, queue=queue, simulator_name=simulator_name
         )
 
-    return play_jobs(jobs, build)
+    return play_jobs(jobs, build, progress)
 
 
 def simulate_parts(
-    parts: Sequence[Frame], *, link: str = "merge", stall: float = 0.0, seed: int = 1
+    parts: Sequence[Frame],
+    *,
+    link: str = "merge",
+    stall: float = 0.0,
+    seed: int = 1,
+    progress: Progress | None = None,
 ) -> Outcome:
     """Draw one frame, partitioned among the engines, with the generated Verilog of a chain.
 
@@ -107,7 +115,7 @@ def simulate_parts(
         The part of each engine.
     link
         Link of the chain.
-    stall, seed
+    stall, seed, progress
         As for :func:`.frames.simulate_frame`.
 
     Raises
@@ -116,4 +124,5 @@ def simulate_parts(
         If the simulator fails or the chain breaks a rule of its contract.
     """
     rates = dict.fromkeys(STREAMS, 1.0 - stall)
-    return play_chain([ChainJob(frames=[parts], rates=rates, seed=seed)], link=link)[0]
+    job = ChainJob(frames=[parts], rates=rates, seed=seed)
+    return play_chain([job], link=link, progress=progress)[0]

@@ -1,7 +1,8 @@
 """The cocotb side of the player: controls ``frame_player.v`` inside the simulator.
 
 The environment variable ``SPLATLINE_FOLDER`` names a folder. Its ``jobs.json`` describes the jobs;
-the outcomes are written to ``outcomes.json`` beside it. Pictures are compared outside the
+the outcomes are written to ``outcomes.json`` beside it. While they are played, ``taken`` holds the
+number of code words that were taken. Pictures are compared outside the
 simulator, so this module does not need the golden renderer.
 """
 
@@ -21,6 +22,9 @@ __all__ = ["play_frames"]
 PERIOD_NS = 10
 """Clock period."""
 
+TICK = 10_000
+"""Cycles between two looks at a job."""
+
 
 @cocotb.test()
 async def play_frames(dut: Any) -> None:
@@ -30,14 +34,15 @@ async def play_frames(dut: Any) -> None:
     Clock(dut.clk, PERIOD_NS, unit="ns").start()
     dut.start.value = 0
     await reset(dut, jobs[0].get("reset_edges", 2))
-    outcomes = []
+    outcomes: list[dict[str, Any]] = []
     for index, job in enumerate(jobs):
         if "reset_after" in job:
             await start(dut, index, job)
             await ClockCycles(dut.clk, job["reset_after"])
             await reset(dut, job.get("reset_edges", 2))
         await start(dut, index, job)
-        outcomes.append(await watch(dut, job))
+        before = sum(outcome["taken"] for outcome in outcomes)
+        outcomes.append(await watch(dut, job, folder / "taken", before))
         (folder / "outcomes.json").write_text(json.dumps(outcomes))
         if not outcomes[-1]["finished"]:
             break
@@ -68,13 +73,17 @@ async def start(dut: Any, index: int, job: dict[str, Any]) -> None:
     dut.start.value = 0
 
 
-async def watch(dut: Any, job: dict[str, Any]) -> dict[str, Any]:
-    """Wait for the end of a job, then 20 cycles to catch beats that must not follow."""
-    tick = min(20_000, job["most_cycles"])
+async def watch(dut: Any, job: dict[str, Any], taken: Path, before: int) -> dict[str, Any]:
+    """Wait for the end of a job, then 20 cycles to catch beats that must not follow.
+
+    ``taken`` is the file of the code words taken, ``before`` those of the jobs before this one.
+    """
+    tick = min(TICK, job["most_cycles"])
     waited = 0
     while not int(dut.finished.value) and waited < job["most_cycles"]:
         await First(RisingEdge(dut.finished), ClockCycles(dut.clk, tick))
         waited += tick
+        taken.write_text(str(before + int(dut.taken.value)))
     await ClockCycles(dut.clk, 20)
     return {
         "finished": bool(int(dut.finished.value)),

@@ -11,7 +11,7 @@ from splatline.contract.raster import Raster
 from splatline.sim.cosim.simulator import Build
 
 from .jobs import STREAMS, Outcome, Playing
-from .play import play_jobs
+from .play import Progress, play_jobs
 from .player import wrap
 
 __all__ = ["Job", "build_engine", "play", "simulate_frame"]
@@ -45,7 +45,12 @@ class Job(Playing):
 
 
 def simulate_frame(
-    frame: Frame, *, initial: Raster | None = None, stall: float = 0.0, seed: int = 1
+    frame: Frame,
+    *,
+    initial: Raster | None = None,
+    stall: float = 0.0,
+    seed: int = 1,
+    progress: Progress | None = None,
 ) -> Outcome:
     """Draw one frame with the generated Verilog of its configuration.
 
@@ -59,6 +64,8 @@ def simulate_frame(
         Share of the cycles, 0 to 255/256, in which each port stalls at random.
     seed
         Seed of the random stalls.
+    progress
+        Called now and then with the share that is drawn; see :func:`.play.play_jobs`.
 
     Raises
     ------
@@ -66,7 +73,7 @@ def simulate_frame(
         If the simulator fails or the engine breaks a rule of its contract.
     """
     rates = dict.fromkeys(STREAMS, 1.0 - stall)
-    return play([Job(frame=frame, initial=initial, rates=rates, seed=seed)])[0]
+    return play([Job(frame=frame, initial=initial, rates=rates, seed=seed)], progress=progress)[0]
 
 
 def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Build:
@@ -77,7 +84,11 @@ def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Bui
 
 
 def play(
-    jobs: Sequence[Job], *, simulator_name: str = "verilator", built: Build | None = None
+    jobs: Sequence[Job],
+    *,
+    simulator_name: str = "verilator",
+    built: Build | None = None,
+    progress: Progress | None = None,
 ) -> list[Outcome]:
     """Play frames one after the other, in one run of the simulator.
 
@@ -90,10 +101,14 @@ def play(
     built
         A build of ``frame_player`` to use instead of the configuration's own, such as one with a
         planted fault.
+    progress
+        See :func:`.play.play_jobs`.
 
     Raises
     ------
     SimulationError, ValueError
         See :func:`.play.play_jobs`.
     """
-    return play_jobs(jobs, lambda config, _: built or build_engine(config, simulator_name))
+    return play_jobs(
+        jobs, lambda config, _: built or build_engine(config, simulator_name), progress
+    )

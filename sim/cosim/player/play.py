@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import tempfile
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +24,18 @@ from splatline.sim.cosim.simulator import Build, SimulationError
 from .hex_words import read_hex, write_hex
 from .jobs import Outcome, Playing, Times
 
-__all__ = ["play_jobs"]
+__all__ = ["Progress", "play_jobs"]
+
+Progress = Callable[[float], None]
+
+LOOK = 0.2
+"""Seconds between two looks at how far the simulator is."""
 
 
 def play_jobs(
-    jobs: Sequence[Playing], build: Callable[[EngineConfig, int], Build]
+    jobs: Sequence[Playing],
+    build: Callable[[EngineConfig, int], Build],
+    progress: Progress | None = None,
 ) -> list[Outcome]:
     """Play jobs one after the other, in one run of the simulator.
 
@@ -36,6 +45,8 @@ def play_jobs(
         At least one; all of one configuration and number of engines.
     build
         Function that returns the player's build for a configuration and a number of engines.
+    progress
+        Called now and then with the share of the code words that were taken, from another thread.
 
     Raises
     ------
@@ -56,12 +67,13 @@ def play_jobs(
         described = [_write(folder, index, job, config) for index, job in enumerate(jobs)]
         (folder / "jobs.json").write_text(json.dumps(described))
         begin = time.perf_counter()
-        simulator.run(
-            built,
-            f"{__package__}.frame_bench",
-            plusargs=[f"+folder={folder}"],
-            environment={"SPLATLINE_FOLDER": str(folder)},
-        )
+        with _watched(folder / "taken", jobs, progress):
+            simulator.run(
+                built,
+                f"{__package__}.frame_bench",
+                plusargs=[f"+folder={folder}"],
+                environment={"SPLATLINE_FOLDER": str(folder)},
+            )
         seconds["run"] = time.perf_counter() - begin
         reports = json.loads((folder / "outcomes.json").read_text())
         reports += [None] * (len(jobs) - len(reports))
@@ -69,6 +81,30 @@ def play_jobs(
             _read(folder, index, job, config, report, seconds)
             for index, (job, report) in enumerate(zip(jobs, reports, strict=True))
         ]
+
+
+@contextlib.contextmanager
+def _watched(taken: Path, jobs: Sequence[Playing], progress: Progress | None) -> Iterator[None]:
+    """Tell the share of the code words of some jobs that were taken, by a file's number."""
+    if progress is None:
+        yield
+        return
+    # The player counts cycles in which any engine takes a word.
+    total = sum(max(len(part.codewords) for part in parts) for job in jobs for parts in job.parts)
+    ended = threading.Event()
+
+    def look() -> None:
+        while not ended.wait(LOOK):
+            with contextlib.suppress(OSError, ValueError):  # not there yet, or just being written
+                progress(min(1.0, int(taken.read_text()) / total))
+
+    watcher = threading.Thread(target=look, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
 
 
 def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict[str, Any]:

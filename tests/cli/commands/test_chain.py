@@ -47,7 +47,7 @@ def test_what_is_no_chain_is_said_in_one_line(run, folder, arguments, words):
 def test_a_picture_by_a_chain_is_compared_with_golden_s(run, folder, cloud, monkeypatch):
     wrong = []
 
-    def simulate(parts, *, link, stall, seed):
+    def simulate(parts, *, link, stall, seed, progress):
         raster = golden.render_parts(parts)
         raster.colour[raster.drawn] ^= np.uint8(bool(wrong))
         assert (len(parts), link) == (3, "load")

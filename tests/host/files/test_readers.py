@@ -233,3 +233,33 @@ class TestColours:
     def test_colours_that_are_no_numbers_become_neutral(self):
         colours = np.array([[np.nan, 0.0, 0.0], [np.inf, 1.0, 1.0], [1.0, 0.0, 0.0]])
         assert colours_to_bytes(colours).tolist() == [list(NEUTRAL), list(NEUTRAL), [255, 0, 0]]
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "a.xyz.gz", "a.ply", "a.pcd"])
+def test_the_share_of_a_text_that_is_read_rises_to_all(tmp_path, name):
+    rows = vertices(np.random.default_rng(3).normal(size=(5000, 3)), None, None)
+    path = tmp_path / name
+    if name == "a.ply":
+        write_ply(path, rows, text=True)
+    elif name == "a.pcd":
+        points = np.stack([rows[axis] for axis in "xyz"]).astype(np.float32)
+        PointCloud.from_xyz_points(points.T).save(path, Encoding.ASCII)
+    else:
+        np.savetxt(path, np.stack([rows[axis] for axis in "xyz"], axis=1))
+    told = []
+    read = read_cloud(path, progress=lambda stage, share: told.append((stage, share)))
+    assert np.array_equal(read.positions, read_cloud(path).positions)
+    shares = [share for stage, share in told if stage == "read"]
+    assert len(set(shares)) >= 5
+    assert all(0.0 < share <= 1.0 for share in shares)
+    assert shares[-1] == 1.0
+    assert told[len(shares) :][0] == ("normals", 0.0)
+    assert told[-1] == ("normals", 1.0)
+    if name.endswith(".gz"):
+        assert (shares[0], shares[1] > 0.5) == (0.5, True)  # unpacked at once, as it is small
+
+
+def test_a_cloud_with_normals_has_no_stage_for_them(tmp_path):
+    told = []
+    read_cloud(write_ply(tmp_path / "a.ply"), progress=lambda *what: told.append(what))
+    assert all(stage == "read" for stage, _ in told)

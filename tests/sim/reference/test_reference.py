@@ -304,3 +304,20 @@ def test_bad_parameters_are_refused(changes, message):
     radii, lighting = parameters.pop("radii"), parameters.pop("lighting")
     with pytest.raises(ValueError, match=message):
         reference.render(cloud, make_view(), radii, lighting, **parameters)
+
+
+def test_progress_is_told_by_bands_and_changes_nothing():
+    rng = np.random.default_rng(5)
+    cloud, radii = random_cloud(rng, 40), np.full(40, 0.4)
+    view = make_view(width=20, height=333)
+    told = []
+    before = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        one = reference.render(cloud, view, radii, Lighting(), progress=told.append)
+    finally:
+        numba.set_num_threads(before)
+    other = reference.render(cloud, view, radii, Lighting())
+    assert told == pytest.approx([4 / 21, 8 / 21, 12 / 21, 16 / 21, 20 / 21, 1.0])
+    assert np.array_equal(one.rgb, other.rgb)
+    assert np.array_equal(one.depth, other.depth, equal_nan=True)
