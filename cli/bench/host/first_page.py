@@ -18,7 +18,9 @@ def first_pictures(runs: list[dict[str, Any]]) -> list[str]:
     """Return the section on the time to the first picture; nothing if it was not measured."""
     if not runs:
         return []
-    names = list(dict.fromkeys(name for run in runs for name in run["seconds"]))
+    # The cloud with the most stages first, so that each stage stands where it happens.
+    by_stages = sorted(runs, key=lambda run: -len(run["seconds"]))
+    names = list(dict.fromkeys(name for run in by_stages for name in run["seconds"]))
     stages = [name for name in names if any(run["seconds"].get(name, 0) >= LEAST for run in runs)]
     rows = [
         ("**wall time**", *(f"**{run['wall']:.2f}**" for run in runs)),

@@ -103,7 +103,7 @@ def host(
                 Subject(medium, view, middling),
                 Subject(large, view, small),
             )
-            rivals = race(racing, preset, max(3, repeats // 2), counter.advance)
+            rivals = race(racing, preset, counter.advance)
         options = ("--preset", preset.name)
         first = firsts.first_pictures(cloud, radii, kinds, options, size, peers, counter.advance)
     report = {

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.visibility.view import View
 
-__all__ = ["PEERS", "Times"]
+__all__ = ["PEERS", "Times", "least_seconds"]
 
 REPEATS = 3
 
 LEAST_SECONDS = 0.5
-"""A peer is drawn for at least so long, so that a quick one is not measured by three frames."""
+"""A renderer draws for at least so long, so that a quick one is not measured by three frames."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def embree_discs(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> Ti
     from .embree import EmbreeScene
 
     with EmbreeScene(cloud, radii) as scene:
-        return Times(_best(lambda: scene.draw(view)[0]), scene.build_seconds)
+        return Times(least_seconds(lambda: scene.draw(view)[0]), scene.build_seconds)
 
 
 def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> Times:
@@ -61,7 +61,7 @@ def vtk_points(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -> Time
         plotter.render()
         return plotter.screenshot(return_img=True)
 
-    seconds = _best(lambda: _timed(draw))
+    seconds = least_seconds(lambda: _timed(draw))
     plotter.close()
     return Times(seconds)
 
@@ -87,7 +87,7 @@ def open3d_offscreen(cloud: Cloud, view: View, radii: npt.NDArray[np.float64]) -
         view.eye,
         -view.axes[1],
     )
-    return Times(_best(lambda: _timed(renderer.render_to_image)))
+    return Times(least_seconds(lambda: _timed(renderer.render_to_image)))
 
 
 PEERS: dict[str, Callable[..., Times]] = {
@@ -98,7 +98,7 @@ PEERS: dict[str, Callable[..., Times]] = {
 """Functions by the renderer's name; each raises if its renderer cannot run here."""
 
 
-def _best(draw: Callable[[], float]) -> float:
+def least_seconds(draw: Callable[[], float]) -> float:
     """Return the least of the seconds of several frames; a first frame for set-up is left out."""
     draw()
     least, frames = float("inf"), 0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import peers
-from .frames import build, draw_frames
+from .frames import build
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,7 +35,6 @@ class Subject(NamedTuple):
 def race(
     subjects: Sequence[Subject],
     preset: EngineConfig,
-    repeats: int,
     announce: Callable[[str], None],
 ) -> list[dict[str, Any]]:
     """Return our frame of each subject and that of every peer.
@@ -46,8 +46,6 @@ def race(
     ----------
     subjects, preset
         What is drawn, and the engine that golden draws for.
-    repeats
-        Frames of ours before a peer, and after it.
     announce
         Called with a description before each renderer.
 
@@ -58,26 +56,30 @@ def race(
         None if it was not measured); of a peer ``ours`` (our seconds beside it) and ``ratio`` of
         its seconds to ours, or ``why`` it has not run.
     """
+    from splatline.host.pipeline import make_frame
+    from splatline.sim import golden
+
     found = []
     for subject in subjects:
         cloud, view, radii = subject
         index, facts = build(cloud, radii)
 
-        def ours(index: Any = index, view: View = view) -> float:
-            run = draw_frames(index, view, QUALITY, (), preset, repeats)
-            return float(run["frame_seconds"])
+        def draw_ours(index: Any = index, view: View = view) -> float:
+            begin = time.perf_counter()
+            golden.render(make_frame(index, view, quality=QUALITY, config=preset))
+            return time.perf_counter() - begin
 
         row = {"cloud": cloud.name, "points": len(cloud)}
         least, rivals = float("inf"), []
         for name, draw in peers.PEERS.items():
             announce(f"{cloud.name}, {name}")
-            before = ours()
+            before = peers.least_seconds(draw_ours)
             times, why = _attempt(draw, subject)
             rival: dict[str, Any] = {**row, "peer": name}
             if times is None:
                 rival |= {"seconds": None, "why": why}
             else:
-                best = min(before, ours())
+                best = min(before, peers.least_seconds(draw_ours))
                 rival |= {"seconds": times.frame, "build_seconds": times.build, "ours": best}
                 rival["ratio"] = times.frame / best
             least = min(least, before, rival.get("ours", before))
