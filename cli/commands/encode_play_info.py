@@ -12,7 +12,7 @@ from splatline.cli.bench.statistics import drawing_statistics
 from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
-from splatline.cli.options.prepare import prepare
+from splatline.cli.options.prepare import measure_radii, prepare, read_in_stages
 from splatline.cli.report.progress import Stages
 
 __all__ = ["encode", "info", "play"]
@@ -200,11 +200,10 @@ def _cloud_facts(path: Path) -> dict[str, Any]:
     import numpy as np
 
     from splatline.host.cloud.bulk import far_points
-    from splatline.host.cloud.spacing import splat_radii
-    from splatline.host.files.readers import read_cloud
 
-    cloud = read_cloud(path)
-    radii = splat_radii(cloud)
+    stages = Stages()
+    cloud = read_in_stages(path, stages)
+    radii = measure_radii(cloud, stages)
     low = cloud.positions.min(axis=0)
     high = cloud.positions.max(axis=0)
     return {
@@ -215,7 +214,7 @@ def _cloud_facts(path: Path) -> dict[str, Any]:
         "notes": list(cloud.notes),
         "far_from_the_rest": int(np.count_nonzero(far_points(cloud.positions))),
         "estimated_normals": int(np.count_nonzero(cloud.two_sided)),
-        "colours": len(np.unique(cloud.colours, axis=0)),
+        "colours": len(np.unique(cloud.colours @ np.array([1, 1 << 8, 1 << 16]))),
         "low": (low + cloud.origin).tolist(),
         "high": (high + cloud.origin).tolist(),
         "extent": (high - low).tolist(),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.visibility.view import View
 
-__all__ = ["PreparedFrames", "prepare"]
+__all__ = ["PreparedFrames", "measure_radii", "prepare", "read_in_stages"]
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
 
@@ -78,24 +79,14 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         cloud = scene.cloud
         camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
     else:
-        from splatline.host.files.readers import read_cloud
-
-        reading = {
-            "read": f"Reading {request.path}",
-            "normals": f"Estimating the normals of {request.path.name}",
-        }
-        with stages.stages(reading) as tell:
-            cloud = read_cloud(request.path, progress=tell)
+        cloud = read_in_stages(request.path, stages)
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
     far_away = 0
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):
             cloud, far_away = _bulk(cloud)
 
-    from splatline.host.cloud.spacing import splat_radii
-
-    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
-        radii = splat_radii(cloud, request.splat_size, progress=share)
+    radii = measure_radii(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=request.size, radii=radii, **camera)
     from splatline.host.pipeline import make_frames, total_counts
@@ -117,6 +108,25 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         for frame, other in zip(frames, others, strict=True):
             frame.counts["bits_sent"].update(other.counts["bits_sent"])
     return PreparedFrames(cloud, view, radii, frames, camera, far_away)
+
+
+def read_in_stages(path: Path, stages: Stages) -> Cloud:
+    """Read a cloud file in the stages ``read`` and ``normals``."""
+    from splatline.host.files.readers import read_cloud
+
+    reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
+    with stages.stages(reading) as tell:
+        return read_cloud(path, progress=tell)
+
+
+def measure_radii(
+    cloud: Cloud, stages: Stages, size: float | None = None
+) -> npt.NDArray[np.float64]:
+    """Return the radii of a cloud's discs in the stage ``spacing``; see ``splat_radii``."""
+    from splatline.host.cloud.spacing import splat_radii
+
+    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
+        return splat_radii(cloud, size, progress=share)
 
 
 def _bulk(cloud: Cloud) -> tuple[Cloud, int]:

@@ -138,7 +138,7 @@ def compile_library() -> Any:
     """
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
-        raise EmbreeMissingError("needs a C compiler: apt-get install gcc")
+        raise EmbreeMissingError("there is no C compiler: apt-get install gcc")
     with tempfile.TemporaryDirectory(prefix="splatline-") as folder:
         file = Path(folder, "embree_discs.so")
         # Libraries last, since the linker looks for what the object before them lacks.
@@ -147,7 +147,7 @@ def compile_library() -> Any:
         if made.returncode:
             missing = ("embree3/", "-lembree3")
             if any(word in made.stderr for word in missing):
-                raise EmbreeMissingError("is not installed: apt-get install libembree-dev")
+                raise EmbreeMissingError("Embree is not installed: apt-get install libembree-dev")
             raise RuntimeError(f"embree_discs.c does not compile: {made.stderr.strip()[:150]}")
         library = ctypes.CDLL(str(file))
     pointer, number = ctypes.c_void_p, ctypes.c_int

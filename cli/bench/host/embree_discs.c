@@ -5,13 +5,14 @@
 
 #include <embree3/rtcore.h>
 #include <math.h>
-#include <pmmintrin.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <xmmintrin.h>
+#ifdef __SSE3__
+#include <pmmintrin.h>
+#endif
 
 enum { SIDE = 4, LANES = SIDE * SIDE, TILE = 16, MOST_THREADS = 256 };
 
@@ -129,18 +130,22 @@ static void *draw_tiles(void *argument)
 {
     Frame *frame = argument;
     const int across = (frame->width + TILE - 1) / TILE;
-    /* As Embree's manual advises. */
+#ifdef __SSE3__ /* as Embree's manual advises; the caller's mode is put back */
+    const unsigned mode = _mm_getcsr();
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-    for (;;) {
-        const int tile = atomic_fetch_add(&frame->next, 1);
-        if (tile >= frame->tiles)
-            return NULL;
+#endif
+    int tile;
+    while ((tile = atomic_fetch_add(&frame->next, 1)) < frame->tiles) {
         const int left = tile % across * TILE, top = tile / across * TILE;
         for (int line = top; line < top + TILE && line < frame->height; line += SIDE)
             for (int column = left; column < left + TILE && column < frame->width; column += SIDE)
                 draw_packet(frame, column, line);
     }
+#ifdef __SSE3__
+    _mm_setcsr(mode);
+#endif
+    return NULL;
 }
 
 /* Draws a frame on as many threads as told. Returns 0, or 1 if a thread cannot be started. */
@@ -151,14 +156,12 @@ int discs_draw(const Discs *discs, const float *camera, const float *light, int 
     pthread_t others[MOST_THREADS];
     int started = 0, failed = 0;
     frame.tiles = ((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
-    const unsigned mode = _mm_getcsr();
     while (started < threads - 1 && started < MOST_THREADS && !failed)
         if (pthread_create(&others[started], NULL, draw_tiles, &frame))
             failed = 1;
         else
             started++;
     draw_tiles(&frame);
-    _mm_setcsr(mode);
     for (int i = 0; i < started; i++)
         pthread_join(others[i], NULL);
     return failed;

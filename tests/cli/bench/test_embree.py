@@ -23,7 +23,7 @@ def drawn():
         with EmbreeScene(cloud, radii) as peer:
             pictures = [peer.draw(view) for _ in range(2)]
     except EmbreeMissingError as error:
-        pytest.skip(f"Embree {error}")
+        pytest.skip(str(error))
     return cloud, radii, view, pictures
 
 

@@ -37,6 +37,7 @@ def outcome(tmp_path_factory):
         patch.setattr(bench_peers, "PEERS", {"absent": failing, "slow": slow})
         patch.setattr(bench_first, "PEERS", PROGRAMS)
         patch.setattr(bench_first, "REPEATS", 1)
+        patch.setattr(bench_peers, "LEAST_SECONDS", 0.0)
         patch.setattr(bench_first, "kinds", lambda points: (bench_first.Kind(points, True),))
         arguments = ["--size", "48x40", "--points", "3000", "--repeats", "1"]
         result = CliRunner().invoke(
