@@ -75,8 +75,7 @@ def make_frames(
     samples
         One of ``SAMPLES``.
     radii
-        Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``. Not
-        given with an index, which has radii.
+        Radius of each point's disc, as of ``splat_radii``: shape (n,). Not given with an index.
     lighting
         Lights and surface; None: the default ones.
     materials
@@ -86,11 +85,10 @@ def make_frames(
     quality
         One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
     skips
-        Reasons to leave points out; see ``SKIPS``. ``no_pixel`` is ignored if it would leave
-        nothing.
+        Reasons to leave points out (``SKIPS``); ``no_pixel`` is ignored if it would leave nothing.
     depth_range
-        Distances along the view of depth 0 and of the largest depth; frames with the same range can
-        be combined. None: the range of the first frame that draws anything.
+        Distances along the view of depth 0 and of the largest depth, the same in frames to be
+        combined. None: the range of the first frame that draws anything.
     shapes
         One of ``SHAPE_SOURCES``: the source of the shapes of the quality ``paper``.
     progress
@@ -113,22 +111,28 @@ def make_frames(
         or not finite.
     """
     chosen = check_skips(skips)
-    _check_request(samples, view, config, quality)
-    check_shapes(shapes, quality, chosen, config)
+    _check_request(samples, view, config, quality, shapes, chosen)
     clock = Stopwatch()
     index = indexed(cloud, radii, materials, config, clock)
-    tell = _frame_counter(progress, samples, index is not cloud)
     draw = functools.partial(
         draw_up, index, lighting=lighting, config=config, quality=quality, shapes=shapes
     )
+    tell = _frame_counter(progress, samples, index is not cloud)
     frames = functools.partial(_frames_of_samples, draw, view, samples, depth_range, tell)
     found = _with_something(frames, chosen, index)
     found[0].counts["seconds"] = {**clock.laps, **found[0].counts["seconds"]}
     return found
 
 
-def _check_request(samples: int, view: View, config: EngineConfig, quality: str) -> None:
-    """Raise ``InputError`` if there are no such samples or quality, or the image is too large."""
+def _check_request(
+    samples: int,
+    view: View,
+    config: EngineConfig,
+    quality: str,
+    shapes: str,
+    skips: frozenset[str],
+) -> None:
+    """Raise ``InputError`` if an option has no such value, or the image is too large."""
     if samples not in SAMPLES:
         raise InputError(
             f"no pattern of {samples} samples; there are: {', '.join(map(str, SAMPLES))}"
@@ -136,6 +140,7 @@ def _check_request(samples: int, view: View, config: EngineConfig, quality: str)
     check_size(view.width, view.height, config)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
+    check_shapes(shapes, quality, skips, config)
 
 
 def _frame_counter(

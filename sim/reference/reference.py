@@ -8,7 +8,7 @@ none of its encoder.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numba
@@ -122,28 +122,21 @@ def render(
     rgb = np.empty((view.height, view.width, 3))
     depth = np.empty((view.height, view.width))
     coverage = np.empty((view.height, view.width))
-    step = BANDS_AT_ONCE * numba.get_num_threads() if progress is not None else len(starts)
-    for first in range(0, len(starts) - 1, step):
-        last = min(first + step, len(starts) - 1)
-        draw_bands(
-            (first, last),
-            starts,
-            members,
-            boxes,
-            centres,
-            normals,
-            radii,
-            colours,
-            optics,
-            samples,
-            np.asarray(background, np.float64),
-            rgb,
-            depth,
-            coverage,
-        )
-        if progress is not None:
-            progress(last / (len(starts) - 1))
+    discs = starts, members, boxes, centres, normals, radii, colours
+    ground = np.asarray(background, np.float64)
+    for part in _parts(len(starts) - 1, progress):
+        draw_bands(part, *discs, optics, samples, ground, rgb, depth, coverage)
     return Reference(rgb, np.ldexp(depth, exponent), coverage)
+
+
+def _parts(bands: int, progress: Callable[[float], None] | None) -> Iterator[tuple[int, int]]:
+    """Yield the first band and the one past the last of each part, and tell the share after it."""
+    step = bands if progress is None else BANDS_AT_ONCE * numba.get_num_threads()
+    for first in range(0, bands, max(step, 1)):
+        last = min(first + step, bands)
+        yield first, last
+        if progress is not None:
+            progress(last / bands)
 
 
 def face_eye(cloud: Cloud, view: View, centres: _Floats) -> tuple[_Floats, npt.NDArray[np.bool_]]:
