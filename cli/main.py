@@ -12,12 +12,7 @@ from typing import Any
 
 import click
 
-from splatline.cli.bench.command import bench
-from splatline.cli.commands.encode_play_info import encode, info, play
-from splatline.cli.commands.pnr import netlist, pnr
-from splatline.cli.commands.registers import registers
-from splatline.cli.commands.render import render
-from splatline.cli.commands.verilog_synth import synth, verilog
+from splatline.cli.lazy_group import LazyGroup
 from splatline.contract.errors import InputError
 from splatline.contract.tool_error import ToolFailure
 from splatline.flow.tools import ToolError
@@ -37,7 +32,7 @@ TERMINATED = 143
 """Exit code of a run stopped with SIGTERM (128 + SIGTERM)."""
 
 
-class Program(click.Group):
+class Program(LazyGroup):
     """Group of commands that reports a user's error in one line, without a traceback."""
 
     def main(  # type: ignore[override]  # click overloads it by standalone_mode
@@ -116,8 +111,23 @@ def _file_trouble(error: OSError) -> str:
     return reason if error.filename is None else f"{os.fspath(error.filename)}: {reason}"
 
 
+COMMANDS = {
+    "bench": "splatline.cli.bench.command:bench",
+    "encode": "splatline.cli.commands.encode_play_info:encode",
+    "info": "splatline.cli.commands.encode_play_info:info",
+    "netlist": "splatline.cli.commands.pnr:netlist",
+    "play": "splatline.cli.commands.encode_play_info:play",
+    "pnr": "splatline.cli.commands.pnr:pnr",
+    "registers": "splatline.cli.commands.registers:registers",
+    "render": "splatline.cli.commands.render:render",
+    "synth": "splatline.cli.commands.verilog_synth:synth",
+    "verilog": "splatline.cli.commands.verilog_synth:verilog",
+}
+
+
 @click.group(
     cls=Program,
+    lazy=COMMANDS,
     context_settings={
         "help_option_names": ["-h", "--help"],
         "max_content_width": 100,
@@ -135,7 +145,3 @@ def main() -> None:
       splatline render --engine rtl             the same by the Verilog, checked pixel for pixel
       splatline verilog -o engine.v             the hardware
     """  # noqa: D301  (click reads the backspace as "do not wrap")
-
-
-for _command in (render, encode, play, info, verilog, registers, synth, netlist, pnr, bench):
-    main.add_command(_command)

@@ -8,12 +8,12 @@ from typing import Any
 
 import click
 
-from splatline.cli.bench.statistics import drawing_statistics
 from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
 from splatline.cli.options.prepare import measure_radii, prepare, read_in_stages
 from splatline.cli.report.progress import Stages
+from splatline.cli.report.statistics import drawing_statistics
 
 __all__ = ["encode", "info", "play"]
 

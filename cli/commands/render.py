@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from splatline.cli.bench.statistics import drawing_statistics
 from splatline.cli.options.chain import chain_options
 from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import (
@@ -20,6 +19,7 @@ from splatline.cli.options.drawing import (
 from splatline.cli.options.outputs import check_files, check_folder, require_suffix, write_json
 from splatline.cli.options.prepare import PreparedFrames, prepare
 from splatline.cli.report.progress import Stages
+from splatline.cli.report.statistics import drawing_statistics
 from splatline.host.sample_positions import SAMPLES
 
 if TYPE_CHECKING:

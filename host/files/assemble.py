@@ -53,7 +53,8 @@ def assemble_cloud(
     count = len(columns.positions)
     if not count:
         raise InputError("has no points")
-    positions = columns.positions.astype(np.float64)
+    # Compiled code is made for one layout of an array, rows of x, y, z.
+    positions = np.array(columns.positions, np.float64, order="C")
     kept = _are_finite(positions)
     if not kept.any():
         raise InputError(f"none of its {count} points has a finite position")

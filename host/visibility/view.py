@@ -11,6 +11,8 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
 
+from .reach import measure_reach
+
 __all__ = ["LARGEST", "View", "fit_view"]
 
 LARGEST = float(1 << 24)
@@ -129,7 +131,7 @@ def fit_view(
 
     axes = _orbit_axes(orbit, np.asarray(UP_AXES[up], np.float64))
     focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
-    eye, near = _fit_eye(axes @ cloud.positions.T, axes, (width / focal, height / focal), radii)
+    eye, near = _fit_eye(cloud.positions, axes, (width / focal, height / focal), radii)
     return View(eye, axes, focal * zoom, width, height, near)
 
 
@@ -147,7 +149,7 @@ def _orbit_axes(orbit: tuple[float, float], up: npt.NDArray[np.float64]) -> npt.
 
 
 def _fit_eye(
-    rotated: npt.NDArray[np.float64],
+    positions: npt.NDArray[np.float64],
     axes: npt.NDArray[np.float64],
     spans: tuple[float, float],
     radii: npt.NDArray[np.float64] | None,
@@ -159,25 +161,30 @@ def _fit_eye(
     a perspective view, unlike fitting a bounding sphere. Discs are taken as spheres, which have no
     margin.
 
-    ``rotated``, the points in camera axes, has shape (3, n): rows of millions of points take an
-    eighth of the time of columns.
+    Points p obey |p - e| <= slope * (z - e_z) on both sides of an axis, for an eye e.
     """
-    eye = np.zeros(3)
-    distances = []
-    sides = [_sides(rotated, axis, span, radii) for axis, span in enumerate(spans)]
-    for pairs in sides:
-        distances += [
-            -(upper + lower) / (slope + other)
-            for slope, upper, _ in pairs
-            for other, _, lower in pairs
-        ]
-    extent = float(np.max(np.ptp(rotated, axis=1)))
-    nearest = float(np.min(rotated[2]))
-    depth = float(np.ptp(rotated[2]))
+    of_discs = 0.5 * spans[0], 0.5 * spans[1]
+    of_points = of_discs[0] / MARGIN, of_discs[1] / MARGIN
+    widest = WIDEST * min(spans)
+    reach = measure_reach(positions, radii, axes, of_points, of_discs, 2.0 / widest)
+    # Of each axis its planes: their slope, and how far the cloud reaches beyond either.
+    sides = [[(slope, *map(float, reach.points[axis]))] for axis, slope in enumerate(of_points)]
+    if radii is not None:
+        for axis, slope in enumerate(of_discs):
+            sides[axis].append((slope, *map(float, reach.discs[axis])))
+    distances = [
+        -(upper + lower) / (slope + other)
+        for pairs in sides
+        for slope, upper, _ in pairs
+        for other, _, lower in pairs
+    ]
+    extent = float((reach.most - reach.least).max())
+    nearest = float(reach.least[2])
+    depth = float(reach.most[2]) - nearest
     room = max(1e-3 * extent, DEEPEST * depth / min(spans))
     if radii is not None:
-        narrow = nearest - float(np.min(rotated[2] - 2.0 * radii / (WIDEST * min(spans))))
-        room = max(room, min(narrow, DEEPEST_WITH_DISCS * depth / min(spans)))
+        room = max(room, min(nearest - reach.nearest_disc, DEEPEST_WITH_DISCS * depth / min(spans)))
+    eye = np.zeros(3)
     eye[2] = min(*distances, nearest - room)
     if extent == 0.0:  # a single position, seen from a distance of one unit
         eye[2] = nearest - 1.0 if radii is None else min(eye[2], nearest - 1.0)
@@ -188,24 +195,3 @@ def _fit_eye(
         eye[axis] = min(max(middle, least), most)
     near = max((nearest - eye[2]) * 1e-3, float(np.finfo(np.float64).smallest_subnormal))
     return eye @ axes, near
-
-
-def _sides(
-    rotated: npt.NDArray[np.float64],
-    axis: int,
-    span: float,
-    radii: npt.NDArray[np.float64] | None,
-) -> list[tuple[float, float, float]]:
-    """Return the slopes of an axis's two planes, and how far the points reach beyond each.
-
-    Points p obey |p - e| <= slope * (z - e_z) on both sides of the axis, for an eye e. There is one
-    entry for the points, and one for their discs if there are any.
-    """
-    slope = 0.5 * span / MARGIN
-    across, along = rotated[axis], rotated[2]
-    pairs = [(slope, float(np.max(across - slope * along)), float(np.max(-across - slope * along)))]
-    if radii is not None:
-        slope *= MARGIN
-        inward = radii * math.hypot(1.0, slope) - slope * along
-        pairs.append((slope, float(np.max(across + inward)), float(np.max(-across + inward))))
-    return pairs

@@ -7,7 +7,7 @@ from importlib import metadata
 import pytest
 
 from splatline.cli.commands import render as render_module
-from splatline.cli.main import main
+from splatline.cli.main import COMMANDS
 from splatline.contract.errors import InputError
 from splatline.contract.tool_error import ToolFailure
 from splatline.flow.tools import ToolError
@@ -30,7 +30,23 @@ def test_help_loads_nothing_heavy(arguments):
     assert ran.stdout.splitlines()[-1] == "loaded []"
 
 
-@pytest.mark.parametrize("command", sorted(main.commands))
+def test_a_command_loads_no_other_command():
+    script = (
+        "import sys\n"
+        "from splatline.cli.main import main\n"
+        "try:\n"
+        "    main(['render', '--help'])\n"
+        "except SystemExit:\n"
+        "    pass\n"
+        "commands = 'splatline.cli.bench', 'splatline.cli.commands'\n"
+        "print('loaded', sorted(name for name in sys.modules if name.startswith(commands)))\n"
+    )
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    loaded = ["splatline.cli.commands", "splatline.cli.commands.render"]
+    assert ran.stdout.splitlines()[-1] == f"loaded {loaded}"
+
+
+@pytest.mark.parametrize("command", sorted(COMMANDS))
 def test_every_command_shows_examples(run, command):
     result = run(command, "--help")
     assert result.exit_code == 0
@@ -40,7 +56,7 @@ def test_every_command_shows_examples(run, command):
 
 def test_the_commands_are_those_of_the_manual():
     manual = ["bench", "encode", "info", "netlist", "play", "pnr", "registers", "render", "synth"]
-    assert sorted(main.commands) == [*manual, "verilog"]
+    assert sorted(COMMANDS) == [*manual, "verilog"]
 
 
 def test_version_is_the_package_s(run):
@@ -123,7 +139,7 @@ def test_a_bug_is_not_dressed_up_as_bad_input(run, monkeypatch):
 SLOW_SYNTHESIS = """
 import sys, tempfile
 from pathlib import Path
-from splatline.cli.main import main
+from splatline.cli.main import COMMANDS, main
 from splatline.flow import tools
 from splatline.flow.area import synth
 

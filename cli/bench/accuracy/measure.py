@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from splatline.cli.bench.statistics import drawing_statistics, tool_versions
 from splatline.cli.bench.subjects import poses
+from splatline.cli.report.statistics import drawing_statistics, tool_versions
 
 from .sweep import FLOAT, Run, Sweep, plan, way
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import click
 
 from splatline.cli.bench.options import folder_option, scenes_option, splats_option
-from splatline.cli.bench.statistics import tool_versions
 from splatline.cli.bench.subjects import check_names
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
 from splatline.cli.report.progress import Counter
+from splatline.cli.report.statistics import tool_versions
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError, install_hint
 from splatline.contract.presets import PRESETS

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from splatline.cli.bench.options import folder_option
-from splatline.cli.bench.statistics import tool_versions
 from splatline.cli.options.outputs import check_folder, write_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
 from splatline.cli.report.progress import Counter
+from splatline.cli.report.statistics import tool_versions
 from splatline.contract.presets import DEFAULT
 
 if TYPE_CHECKING:

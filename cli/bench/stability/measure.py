@@ -13,8 +13,8 @@ import click
 
 from splatline.cli.bench.markdown import table
 from splatline.cli.bench.options import folder_option
-from splatline.cli.bench.statistics import tool_versions
 from splatline.cli.options.outputs import check_folder, write_text
+from splatline.cli.report.statistics import tool_versions
 
 if TYPE_CHECKING:
     from splatline.sim.stress.case import Outcome, Theme

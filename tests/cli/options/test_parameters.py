@@ -81,8 +81,9 @@ def test_a_removed_preset_says_what_to_take_instead(name, instead):
 
 @pytest.mark.parametrize("command", ["render", "encode", "verilog", "synth", "pnr", "registers"])
 def test_a_command_s_engine_is_the_default_preset(command):
-    (option,) = (each for each in main.commands[command].params if each.name == "preset")
-    context = click.Context(main.commands[command])
+    found = main.get_command(click.Context(main), command)
+    (option,) = (each for each in found.params if each.name == "preset")
+    context = click.Context(found)
     assert option.type_cast_value(context, option.get_default(context)) is DEFAULT
 
 

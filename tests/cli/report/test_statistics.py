@@ -4,8 +4,8 @@ from importlib import metadata
 import numpy as np
 import pytest
 
-from splatline.cli.bench.statistics import drawing_statistics, tool_versions
 from splatline.cli.options.drawing import Drawing
+from splatline.cli.report.statistics import drawing_statistics, tool_versions
 from splatline.contract.frame import Frame, Tables
 from splatline.contract.raster import Raster
 
