@@ -48,6 +48,7 @@ def make_frames(
     samples: int = 1,
     *,
     radii: npt.NDArray[np.floating[Any]] | None = None,
+    thin: npt.NDArray[np.bool_] | None = None,
     lighting: Lighting | None = None,
     materials: Materials | None = None,
     config: EngineConfig = DEFAULT,
@@ -75,7 +76,9 @@ def make_frames(
     samples
         One of ``SAMPLES``.
     radii
-        Radius of each point's disc, as of ``splat_radii``: shape (n,). Not given with an index.
+        Radius of each point's disc, as of ``measure_discs``: shape (n,). Not given with an index.
+    thin
+        Which points have no gap about them, as of ``measure_discs``: shape (n,). None: none.
     lighting
         Lights and surface; None: the default ones.
     materials
@@ -113,7 +116,7 @@ def make_frames(
     chosen = check_skips(skips)
     _check_request(samples, view, config, quality, shapes, chosen)
     clock = Stopwatch()
-    index = indexed(cloud, radii, materials, config, clock)
+    index = indexed(cloud, radii, thin, materials, config, clock)
     draw = functools.partial(
         draw_up, index, lighting=lighting, config=config, quality=quality, shapes=shapes
     )

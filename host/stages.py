@@ -93,6 +93,7 @@ def draw_up(
 def indexed(
     cloud: Cloud | Index,
     radii: npt.NDArray[np.floating[Any]] | None,
+    thin: npt.NDArray[np.bool_] | None,
     materials: Materials | None,
     config: EngineConfig,
     clock: Stopwatch,
@@ -108,11 +109,11 @@ def indexed(
             )
         return cloud
     if radii is None:
-        raise TypeError("a cloud needs radii; see splat_radii")
+        raise TypeError("a cloud needs radii; see measure_discs")
     if materials is None:
         materials = find_materials(cloud, 1 << config.material_bits)
         clock.lap("materials")
-    index = build_index(cloud, radii, materials)
+    index = build_index(cloud, radii, materials, thin)
     clock.lap("index")
     return index
 

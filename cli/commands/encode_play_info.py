@@ -11,7 +11,7 @@ import click
 from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
-from splatline.cli.options.prepare import measure_radii, prepare, read_in_stages
+from splatline.cli.options.prepare import measure_in_stages, prepare, read_in_stages
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics
 
@@ -203,7 +203,7 @@ def _cloud_facts(path: Path) -> dict[str, Any]:
 
     stages = Stages()
     cloud = read_in_stages(path, stages)
-    radii = measure_radii(cloud, stages)
+    radii = measure_in_stages(cloud, stages).radii
     low = cloud.positions.min(axis=0)
     high = cloud.positions.max(axis=0)
     return {

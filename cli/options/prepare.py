@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 
     from splatline.contract.frame import Frame
     from splatline.host.cloud.cloud import Cloud
+    from splatline.host.cloud.spacing import Discs
     from splatline.host.visibility.view import View
 
-__all__ = ["PreparedFrames", "measure_radii", "prepare", "read_in_stages"]
+__all__ = ["PreparedFrames", "measure_in_stages", "prepare", "read_in_stages"]
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
 
@@ -86,28 +87,27 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         with stages.stage("bulk", "Looking for points far from the rest"):
             cloud, far_away = _bulk(cloud)
 
-    radii = measure_radii(cloud, stages, request.splat_size)
+    discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
-        view = fit_view(cloud, size=request.size, radii=radii, **camera)
+        view = fit_view(cloud, size=request.size, radii=discs.radii, **camera)
     from splatline.host.pipeline import make_frames, total_counts
 
     options: dict[str, Any] = {
         "config": request.preset,
         "quality": request.quality,
         "skips": request.skips,
+        **discs._asdict(),
     }
     with stages.stage("", "Encoding") as share:
-        frames = make_frames(
-            cloud, view, samples, radii=radii, shapes=request.shapes, progress=share, **options
-        )
+        frames = make_frames(cloud, view, samples, shapes=request.shapes, progress=share, **options)
     stages.seconds.update(total_counts(frames)["seconds"])
     if request.shapes != "table":
         # Only the number of bits is needed, so this time is not counted.
         with stages.stage("", "Encoding with the host's table, to compare") as share:
-            others = make_frames(cloud, view, samples, radii=radii, progress=share, **options)
+            others = make_frames(cloud, view, samples, progress=share, **options)
         for frame, other in zip(frames, others, strict=True):
             frame.counts["bits_sent"].update(other.counts["bits_sent"])
-    return PreparedFrames(cloud, view, radii, frames, camera, far_away)
+    return PreparedFrames(cloud, view, discs.radii, frames, camera, far_away)
 
 
 def read_in_stages(path: Path, stages: Stages) -> Cloud:
@@ -119,14 +119,12 @@ def read_in_stages(path: Path, stages: Stages) -> Cloud:
         return read_cloud(path, progress=tell)
 
 
-def measure_radii(
-    cloud: Cloud, stages: Stages, size: float | None = None
-) -> npt.NDArray[np.float64]:
-    """Return the radii of a cloud's discs in the stage ``spacing``; see ``splat_radii``."""
-    from splatline.host.cloud.spacing import splat_radii
+def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:
+    """Return a cloud's discs in the stage ``spacing``; see ``measure_discs``."""
+    from splatline.host.cloud.spacing import measure_discs
 
     with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
-        return splat_radii(cloud, size, progress=share)
+        return measure_discs(cloud, size, progress=share)
 
 
 def _bulk(cloud: Cloud) -> tuple[Cloud, int]:

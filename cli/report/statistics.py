@@ -63,8 +63,6 @@ def drawing_statistics(
 
 def tool_versions(engine: str) -> dict[str, str]:
     """Return the versions of the tools that an engine is drawn or built with."""
-    from importlib import metadata
-
     versions = {"python": platform.python_version()}
     for name in _TOOLS[engine]:
         try:

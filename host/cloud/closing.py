@@ -42,8 +42,10 @@ OBTUSE = 0.3
 grid has right angles."""
 
 LEAST = math.sqrt(0.5)
-"""Closing radius of a point without a gap, for a nearest neighbour at the distance 1: as large as
-that of a point of a square grid."""
+"""Least closing radius for a nearest neighbour at the distance 1: that of a square grid."""
+
+APART = 0.3
+"""The same where each point is shown apart from the others."""
 
 NEAREST = 1e-12
 """Square of a distance, in cells, up to which a neighbour is the point itself."""
@@ -155,8 +157,10 @@ def strongest(right: Any, up: Any, count: int, cosines: Any, sines: Any, most: A
 
 
 @nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def closing_radius(pull: Any, most: Any, sides: Any) -> float:
-    """Return the distance of the furthest gap; infinite if there is no neighbour.
+def closing_radius(pull: Any, most: Any, sides: Any) -> tuple[float, bool]:
+    """Return the distance of the furthest gap, and whether there is any gap.
+
+    The distance is infinite if there is no neighbour. Without a gap it tells the nearest neighbour.
 
     With u = 2 q / |q|^2, the triangle of the point and two neighbours has the same angles as that
     of the origin, u and u', but those at u and u' are exchanged.
@@ -195,5 +199,6 @@ def closing_radius(pull: Any, most: Any, sides: Any) -> float:
         gap = across / (cross * cross) if is_middle else zero
         furthest = max(furthest, gap)
     if not nearest > zero:
-        return np.inf
-    return math.sqrt(max(float(furthest), (2.0 * LEAST) ** 2 / float(nearest)))
+        return np.inf, False
+    least = (2.0 * LEAST) ** 2 / float(nearest)
+    return math.sqrt(max(float(furthest), least)), bool(furthest > zero)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
@@ -13,11 +13,11 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .cells import build_cells, parts_of, search_of
-from .closing import COSINES, DIRECTIONS, SINES, closing_radius, pull_neighbours, strongest
+from .closing import APART, COSINES, DIRECTIONS, SINES, closing_radius, pull_neighbours, strongest
 from .cloud import Cloud
 from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
 
-__all__ = ["closing_radii", "splat_radii"]
+__all__ = ["Discs", "closing_radii", "measure_discs", "splat_radii"]
 
 COVER = 1.32
 """Radius of a disc for a closing radius of 1. Neighbours lie off the disc's plane, so that discs of
@@ -33,13 +33,39 @@ AROUND = 32
 SINGLE = 0.01
 """Closing radius of a cloud whose points are all at one position."""
 
+FEWEST = 12
+"""Fewer points make no surface. Each is shown apart."""
+
 _Floats = npt.NDArray[np.float64]
+
+
+class Discs(NamedTuple):
+    """The discs of a cloud.
+
+    Parameters
+    ----------
+    radii
+        In the cloud's unit: shape (n,), float64, above 0.
+    thin
+        Which points have no gap about them that a surface would have, as on a curve or alone: shape
+        (n,), bool. Such a point is drawn as one pixel where its disc covers no pixel's centre.
+    """
+
+    radii: _Floats
+    thin: npt.NDArray[np.bool_]
 
 
 def splat_radii(
     cloud: Cloud, size: float | None = None, *, progress: Callable[[float], None] | None = None
 ) -> _Floats:
-    """Return the radius of each point's disc.
+    """Return the radius of each point's disc; see :func:`measure_discs`."""
+    return measure_discs(cloud, size, progress=progress).radii
+
+
+def measure_discs(
+    cloud: Cloud, size: float | None = None, *, progress: Callable[[float], None] | None = None
+) -> Discs:
+    """Return the discs of a cloud.
 
     Parameters
     ----------
@@ -51,21 +77,17 @@ def splat_radii(
     progress
         Called now and then with the share of the work that is done.
 
-    Returns
-    -------
-    ndarray
-        Shape (n,), float64, above 0, in the cloud's unit.
-
     Raises
     ------
     InputError
         If ``size`` is not a finite number above 0.
     """
     if size is None:
-        return COVER * closing_radii(cloud.positions, cloud.normals, progress=progress)
+        radii, thin = _close(cloud.positions, cloud.normals, progress)
+        return Discs(COVER * radii, thin)
     if not (math.isfinite(size) and size > 0.0):
         raise InputError(f"the splat size must be above 0, not {size:g}")
-    return np.full(len(cloud), 0.5 * size)
+    return Discs(np.full(len(cloud), 0.5 * size), np.zeros(len(cloud), np.bool_))
 
 
 def closing_radii(
@@ -97,32 +119,48 @@ def closing_radii(
     ndarray
         Shape (n,), float64, above 0: ``SINGLE`` if all points are at one position.
     """
+    return _close(positions, normals, progress).radii
+
+
+def _close(
+    positions: _Floats,
+    normals: npt.NDArray[np.float32],
+    progress: Callable[[float], None] | None,
+) -> Discs:
+    """Return the discs that just close a surface; see :func:`closing_radii`."""
     cells = build_cells(positions)
     if len(cells.first) == 1:
-        return np.full(len(positions), SINGLE)
-    raw = np.empty(len(cells.first))
+        return Discs(np.full(len(positions), SINGLE), np.ones(len(positions), np.bool_))
+    raw, thin = np.empty(len(cells.first)), np.empty(len(cells.first), np.bool_)
+    arrays = cells.positions, normals, cells.first, COSINES, SINES, raw, thin
+    few = len(cells.first) < FEWEST
     for cuts in parts_of(cells, progress):
-        _measure(search_of(cells), cuts, cells.positions, normals, cells.first, COSINES, SINES, raw)
+        _measure(search_of(cells), cuts, few, *arrays)
     even = np.empty_like(raw)
     for cuts in parts_of(cells):
         _even_out(cells.starts, cuts, raw, even)
     radii = np.empty(len(positions))
     _spread_out(even, cells.number, cells.unit, radii)
-    return radii
+    return Discs(radii, thin[cells.number])
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def _measure(
     search: Any,
     cuts: Any,
+    few: bool,
     positions: Any,
     normals: Any,
     first: Any,
     cosines: Any,
     sines: Any,
     radii: Any,
+    thin: Any,
 ) -> None:
-    """Set each distinct point's closing radius, in units of the bulk's extent."""
+    """Set each distinct point's closing radius, in units of the bulk's extent, and if it is thin.
+
+    Points of a cloud that has ``few`` are shown apart.
+    """
     keys, levels, table, table_levels, starts, depths = search
     for chunk in nb.prange(len(cuts) - 1):
         found = np.empty(CANDIDATES, np.int64)
@@ -148,9 +186,10 @@ def _measure(
                 normal = normals[point, 0], normals[point, 1], normals[point, 2]
                 pull_neighbours(away, count, (x, y, z), normal, pull)
                 strongest(pull[0], pull[1], count, cosines, sines, most)
-                radius = closing_radius(pull, most, sides)
-                if radius == np.inf:  # its neighbours are straight above and below it
-                    radius = _nearest(away, count, x, y, z)
+                radius, closes = closing_radius(pull, most, sides)
+                if few or radius == np.inf:  # then its neighbours are straight above and below it
+                    radius, closes = APART * _nearest(away, count, x, y, z), False
+                thin[i] = not closes
                 radii[i] = radius / scale
 
 

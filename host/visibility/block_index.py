@@ -35,6 +35,7 @@ BOUND = np.dtype(
         ("mean", np.float64),  # of the discs' radii
         ("axis", np.float64, 3),  # of the cone about the normals
         ("sine", np.float64),  # of the angle between axis and furthest normal; 2: there is no cone
+        ("thin", np.bool_),  # whether one of the points is thin
     ]
 )
 """Bounds of a block."""
@@ -44,7 +45,7 @@ BOUND = np.dtype(
 class Index:
     """A cloud's points along a space-filling curve, in blocks of ``BLOCK_POINTS``.
 
-    It takes 34 bytes a point and 88 a block beyond the cloud itself.
+    It takes 67 bytes a point and 88 a block beyond the cloud itself.
 
     Parameters
     ----------
@@ -52,11 +53,15 @@ class Index:
         The cloud that is indexed.
     point
         Index into the cloud: shape (n,), int32.
+    positions
+        The cloud's own, in this order: shape (n, 3), float64.
+    radii
+        Of the discs, in the cloud's unit: shape (n,), float64.
     discs
-        Positions relative to the middle of the block's bounding sphere, in its radii; the disc's
-        radius over the block's largest; normals: shape (7, n), float32.
-    two_sided
-        The cloud's own, in this order: shape (n,), bool.
+        Of the quick test, rounded, shape (7, n), float32: positions relative to the middle of the
+        block's bounding sphere, in its radii; the disc's radius over the block's largest; normals.
+    two_sided, thin
+        Of the cloud and its ``Discs``, in this order: shape (n,), bool.
     materials
         The palette, and each point's colour of it in this order.
     bounds
@@ -65,8 +70,11 @@ class Index:
 
     cloud: Cloud
     point: npt.NDArray[np.int32]
+    positions: npt.NDArray[np.float64]
+    radii: npt.NDArray[np.float64]
     discs: npt.NDArray[np.float32]
     two_sided: npt.NDArray[np.bool_]
+    thin: npt.NDArray[np.bool_]
     materials: Materials
     bounds: npt.NDArray[Any]
 
@@ -77,7 +85,7 @@ class Index:
     @property
     def nbytes(self) -> int:
         """Bytes that the index takes beyond the cloud."""
-        parts = ("point", "discs", "two_sided", "bounds")
+        parts = ("point", "positions", "radii", "discs", "two_sided", "thin", "bounds")
         return self.materials.index.nbytes + sum(getattr(self, part).nbytes for part in parts)
 
 
@@ -85,6 +93,7 @@ def build_index(
     cloud: Cloud,
     radii: npt.NDArray[np.floating[Any]],
     materials: Materials | None = None,
+    thin: npt.NDArray[np.bool_] | None = None,
 ) -> Index:
     """Return the index of a cloud.
 
@@ -96,6 +105,9 @@ def build_index(
         Radius of each point's disc, in the cloud's unit: shape (n,); see ``splat_radii``.
     materials
         The cloud's palette; None: it is computed.
+    thin
+        Which points are drawn even where their discs cover no pixel's centre: shape (n,); see
+        ``Discs``. None: none.
 
     Raises
     ------
@@ -111,8 +123,11 @@ def build_index(
     index = Index(
         cloud=cloud,
         point=order,
+        positions=np.empty((count, 3)),
+        radii=np.empty(count),
         discs=np.empty((7, count), np.float32),
         two_sided=np.empty(count, np.bool_),
+        thin=np.zeros(count, np.bool_) if thin is None else thin[order],
         materials=Materials(materials.palette, np.empty(count, np.uint8)),
         bounds=np.empty(-(-count // BLOCK_POINTS), BOUND),
     )
@@ -123,8 +138,11 @@ def build_index(
         cloud.two_sided,
         radii,
         materials.index,
+        index.positions,
+        index.radii,
         index.discs,
         index.two_sided,
+        index.thin,
         index.materials.index,
         index.bounds,
     )
@@ -182,35 +200,38 @@ def _gather(
     from_two_sided: Any,
     from_radii: Any,
     from_material: Any,
+    positions: Any,
+    radii: Any,
     discs: Any,
     two_sided: Any,
+    thin: Any,
     material: Any,
     bounds: Any,
 ) -> None:
     """Copy the points in the index's order, and bound each block."""
     for block in nb.prange(len(bounds)):
-        positions, radii = np.empty((BLOCK_POINTS, 3)), np.empty(BLOCK_POINTS)
         normals = np.empty((BLOCK_POINTS, 3), np.float32)
         start = block * BLOCK_POINTS
         stop = min(start + BLOCK_POINTS, len(order))
         for i in range(start, stop):
             j = order[i]
             for axis in range(3):
-                positions[i - start, axis] = from_positions[j, axis]
+                positions[i, axis] = from_positions[j, axis]
                 normals[i - start, axis] = from_normals[j, axis]
             two_sided[i] = from_two_sided[j]
-            radii[i - start] = from_radii[j]
+            radii[i] = from_radii[j]
             material[i] = from_material[j]
         count = stop - start
-        _bound_sphere(bounds[block], positions[:count], radii[:count])
+        _bound_sphere(bounds[block], positions[start:stop], radii[start:stop])
         _bound_cone(bounds[block], normals[:count], two_sided[start:stop])
+        bounds[block].thin = thin[start:stop].any()
         reach, largest = bounds[block].reach, bounds[block].largest
         for i in range(count):
             for axis in range(3):
-                offset = positions[i, axis] - bounds[block].centre[axis]
+                offset = positions[start + i, axis] - bounds[block].centre[axis]
                 discs[axis, start + i] = offset / reach if reach > 0.0 else 0.0
                 discs[4 + axis, start + i] = normals[i, axis]
-            discs[3, start + i] = radii[i] / largest if largest > 0.0 else 0.0
+            discs[3, start + i] = radii[start + i] / largest if largest > 0.0 else 0.0
 
 
 @nb.njit(cache=True, error_model="numpy")

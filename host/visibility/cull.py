@@ -208,7 +208,7 @@ def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
             status[block] = OUTSIDE
         elif rules[FACING_AWAY] and _all_face_away(dx, dy, dz, bound):
             status[block] = FACING_AWAY
-        elif rules[NO_PIXEL] and z - reach >= near:
+        elif rules[NO_PIXEL] and not bound.thin and z - reach >= near:
             least = z - reach
             if _between_centres(x / z, least, middle_x, focal, reach, disc) or _between_centres(
                 y / z, least, middle_y, focal, reach, disc

@@ -66,7 +66,14 @@ def project(
 
     visible = np.flatnonzero(status == 0)
     cuts = np.linspace(0, len(visible), CHUNKS + 1).astype(np.int64)
-    points = Points(index.discs, index.two_sided, index.materials.index)
+    points = Points(
+        index.discs,
+        index.two_sided,
+        index.thin,
+        index.materials.index,
+        index.positions,
+        index.radii,
+    )
     found = np.empty(BLOCK_POINTS * len(visible), np.uint8)
     blocks = Blocks(index.bounds, visible, cuts, found)
     reasons = np.zeros((CHUNKS, 1 + len(SKIPS)), np.int64)

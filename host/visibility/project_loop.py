@@ -90,7 +90,7 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
     point.
     """
     bounds, visible, cuts, found = blocks
-    discs, two_sided, material = points
+    discs, two_sided, thin, material, positions, radii = points
     rules, shades, material_shift = look
     floats, bits, doubles, starts, stops, limits, reasons, nearest = slots
     inverse_focal = 1.0 / camera.focal
@@ -106,22 +106,23 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
             stop = min(start + BLOCK_POINTS, len(two_sided))
             growth = math.sqrt(stride_of(bound, camera)) if rules[CROWDED_OUT] else 1.0
             middle = middle_of(bound, camera)
-            size, largest = bound.reach, growth * bound.largest
             at_border = rules[OUTSIDE] and not lies_inside(bound, middle, growth, camera)
             for i in range(start, stop):
                 if found[BLOCK_POINTS * number + i - start]:
                     continue
-                right, down, ahead = in_camera(
-                    camera, size * discs[0, i], size * discs[1, i], size * discs[2, i]
-                )
-                z = middle[2] + ahead
-                reason, image = _project_disc(
-                    middle[0] + right,
-                    middle[1] + down,
-                    z,
-                    largest * discs[3, i],
+                x, y, z = in_camera(
                     camera,
-                    rules,
+                    positions[i, 0] - camera.eye_x,
+                    positions[i, 1] - camera.eye_y,
+                    positions[i, 2] - camera.eye_z,
+                )
+                reason, image = _project_disc(
+                    x,
+                    y,
+                    z,
+                    growth * radii[i],
+                    camera,
+                    rules[NO_PIXEL] and not thin[i],
                     at_border,
                 )
                 if reason != 0:
@@ -131,18 +132,32 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
                 a = (image.column - camera.middle_x) * inverse_focal
                 b = (image.line - camera.middle_y) * inverse_focal
                 rival, place = NO_RIVAL, 0
-                alone = rules[OVERDRAWN] and is_tiny(image.radius, a, b, inverse_focal)
+                tiny = is_tiny(image.radius, a, b, inverse_focal)
+                alone = tiny and rules[OVERDRAWN]
                 if alone:
                     rival, place = _find_rival(image, rivals, floats, first, at)
                     if rival != NO_RIVAL and doubles[rival, DEPTH] <= image.z:
                         tally[OVERDRAWN] += 1
                         continue
                 reason, facing, nx, ny, nz = _turn(
-                    discs[4, i], discs[5, i], discs[6, i], two_sided[i], image, camera, rules
+                    discs[4, i],
+                    discs[5, i],
+                    discs[6, i],
+                    two_sided[i],
+                    thin[i],
+                    image,
+                    camera,
+                    rules,
                 )
                 slopes = np.float32(nx / facing), np.float32(ny / facing)
-                if reason == 0 and alone and not _covers(image, a, b, slopes):
-                    reason, alone = NO_PIXEL if rules[NO_PIXEL] else 0, False
+                column, line, radius = image.column, image.line, image.radius
+                if reason == 0 and tiny and (alone or thin[i]) and not _covers(image, a, b, slopes):
+                    if thin[i]:  # the pixel that it lies in
+                        column, line = math.floor(column) + 0.5, math.floor(line) + 0.5
+                        slopes = np.float32(0.0), np.float32(0.0)
+                        radius = max(radius, SMALLEST)
+                    else:
+                        reason, alone = NO_PIXEL if rules[NO_PIXEL] else 0, False
                 if reason != 0:
                     tally[reason] += 1
                     continue
@@ -156,8 +171,8 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
                 if alone:
                     rivals[place] = slot
                 shade = _shade(nx, ny, nz, facing, image, shades)
-                floats[slot, COLUMN], floats[slot, LINE] = image.column, image.line
-                floats[slot, DIAMETER] = 2.0 * image.radius
+                floats[slot, COLUMN], floats[slot, LINE] = column, line
+                floats[slot, DIAMETER] = 2.0 * radius
                 floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slopes
                 bits[slot, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
                 doubles[slot, DEPTH] = z
@@ -226,7 +241,7 @@ NOWHERE = Image(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @nb.njit(inline="always")
 def _project_disc(
-    x: float, y: float, z: float, radius: float, camera: Any, rules: Any, at_border: bool
+    x: float, y: float, z: float, radius: float, camera: Any, may_miss: bool, at_border: bool
 ) -> tuple[int, Any]:
     """Return the reason to leave a disc out, or 0, and its image.
 
@@ -236,8 +251,8 @@ def _project_disc(
         Its centre in camera coordinates, and its radius.
     camera
         The view.
-    rules
-        See ``Look``.
+    may_miss
+        Whether it is left out if it covers no pixel's centre.
     at_border
         Whether it may lie outside of the image and is left out then.
     """
@@ -255,7 +270,7 @@ def _project_disc(
         or lies_outside(line, b, pixels, share, camera.height)
     ):
         return OUTSIDE, NOWHERE
-    if rules[NO_PIXEL] and pixels < 0.5 and misses_centre(column, line, pixels, a, b):
+    if may_miss and pixels < 0.5 and misses_centre(column, line, pixels, a, b):
         return NO_PIXEL, NOWHERE
     if pixels > LARGEST:
         # The image is the same and nothing overflows. The axis of the view keeps its position.
@@ -271,7 +286,14 @@ def _project_disc(
 
 @nb.njit(inline="always")
 def _turn(
-    x: float, y: float, z: float, two_sided: bool, image: Any, camera: Any, rules: Any
+    x: float,
+    y: float,
+    z: float,
+    two_sided: bool,
+    thin: bool,
+    image: Any,
+    camera: Any,
+    rules: Any,
 ) -> tuple[int, float, float, float, float]:
     """Return the reason to leave a disc out, or 0, and its normal, which is turned to the eye.
 
@@ -281,6 +303,9 @@ def _turn(
         The normal in the cloud's coordinates.
     two_sided
         Whether the normal's sign means nothing.
+    thin
+        Whether the point is on a curve or alone. If its normal is estimated, it means nothing, and
+        the disc faces the eye.
     image
         The disc's.
     camera
@@ -298,6 +323,9 @@ def _turn(
         The normal in camera coordinates.
     """
     nx, ny, nz = in_camera(camera, x, y, z)
+    if thin and two_sided:
+        away = 1.0 / math.sqrt(image.a * image.a + image.b * image.b + 1.0)
+        nx, ny, nz = -image.a * away, -image.b * away, -away
     facing = nx * image.a + ny * image.b + nz
     reason = 0
     if facing > 0.0 and (two_sided or not rules[FACING_AWAY]):

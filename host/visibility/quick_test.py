@@ -48,7 +48,10 @@ class Points(NamedTuple):
 
     discs: npt.NDArray[np.float32]
     two_sided: npt.NDArray[np.bool_]
+    thin: npt.NDArray[np.bool_]
     material: npt.NDArray[np.uint8]
+    positions: npt.NDArray[np.float64]
+    radii: npt.NDArray[np.float64]
 
 
 class Blocks(NamedTuple):
@@ -87,7 +90,7 @@ def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -
     reasons
         Set: points of each chunk by reason, those that are left of reason 0.
     """
-    discs, two_sided, _ = points
+    discs, two_sided, thin = points[0], points[1], points[2]
     bounds, visible, cuts, found = blocks
     for chunk in nb.prange(len(cuts) - 1):
         for number in range(cuts[chunk], cuts[chunk + 1]):
@@ -99,7 +102,7 @@ def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -
             of_block[:] = 0
             if rules[NO_PIXEL]:
                 _test_block(
-                    bound, discs, two_sided, start, stop, camera, stride, rules[FACING_AWAY],
+                    bound, discs, two_sided, thin, start, stop, camera, stride, rules[FACING_AWAY],
                     of_block,
                 )  # fmt: skip
             if stride > 1:
@@ -144,6 +147,7 @@ def _test_block(
     bound: Any,
     discs: Any,
     two_sided: Any,
+    thin: Any,
     start: int,
     stop: int,
     camera: Any,
@@ -157,7 +161,7 @@ def _test_block(
     ----------
     bound
         The block's bounds.
-    discs, two_sided
+    discs, two_sided, thin
         See ``Index``.
     start, stop
         The block's points.
@@ -179,6 +183,7 @@ def _test_block(
     _test(
         discs,
         two_sided,
+        thin,
         start,
         stop,
         _row(camera.right_x, camera.right_y, camera.right_z),
@@ -209,6 +214,7 @@ def _along(row: Any, x: float, y: float, z: float) -> float:
 def _test(
     discs: Any,
     two_sided: Any,
+    thin: Any,
     start: int,
     stop: int,
     right: Any,
@@ -247,6 +253,6 @@ def _test(
         form_c = x_y * x_y + y_y * y_y + sy * sy
         square = form_a * u * u + two * form_b * u * v + form_c * v * v
         reach = (pixels * np.abs(facing) + margin * np.sqrt(form_a + form_c)) * slack
-        missed = (pixels < half) & (square > reach * reach)
+        missed = (pixels < half) & (square > reach * reach) & (not thin[i])
         away = (facing > turned) & (not two_sided[i])
         found[i - start] = _NO_PIXEL if missed else (_FACING_AWAY if away else _KEPT)

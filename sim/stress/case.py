@@ -26,6 +26,7 @@ from splatline.contract.raster import Raster
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.pipeline import make_frame
 from splatline.host.shading.lighting import Lighting
+from splatline.host.visibility.skips import DEFAULT_SKIPS
 from splatline.host.visibility.view import View
 from splatline.sim import golden, reference
 from splatline.sim.reference.metrics import compare
@@ -172,7 +173,7 @@ class Outcome:
     problems: tuple[str, ...] = ()
 
 
-def draw(scene: Scene, quality: str) -> tuple[Frame, Raster]:
+def draw(scene: Scene, quality: str, skips: frozenset[str] = DEFAULT_SKIPS) -> tuple[Frame, Raster]:
     """Return a scene's frame and picture; a floating-point warning of numpy is an error."""
     with np.errstate(all="raise"):
         frame = make_frame(
@@ -182,6 +183,7 @@ def draw(scene: Scene, quality: str) -> tuple[Frame, Raster]:
             lighting=scene.lighting,
             config=scene.config,
             quality=quality,
+            skips=skips,
         )
     return frame, golden.render(frame)
 

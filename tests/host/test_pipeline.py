@@ -123,7 +123,7 @@ def test_an_index_gives_the_frame_that_its_cloud_gives():
     )
     with pytest.raises(TypeError, match="radii and materials already"):
         make_frame(index, view, radii=radii)
-    with pytest.raises(TypeError, match="splat_radii"):
+    with pytest.raises(TypeError, match="measure_discs"):
         make_frame(cloud, view)
 
 
