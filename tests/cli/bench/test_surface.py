@@ -31,6 +31,8 @@ def test_every_case_is_measured_and_tabulated(outcome):
     assert page in result.stdout
     assert "## knot, points spread evenly" in page and "## terrain, points at random" in page
     assert "| ball | 3,000 |" in page
+    goal = page.split("## The goal")[1].split("## knot")[0]
+    assert "| 0 | 16 |" in goal and "PSNR falls" in goal
     assert (folder / "surface.png").read_bytes().startswith(b"\x89PNG")
 
 
