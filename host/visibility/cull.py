@@ -19,6 +19,7 @@ __all__ = [
     "Camera",
     "cull_blocks",
     "faces_away",
+    "from_eye",
     "in_camera",
     "lies_inside",
     "lies_outside",
@@ -90,6 +91,12 @@ def in_camera(camera: Any, x: float, y: float, z: float) -> tuple[float, float, 
         camera.down_x * x + camera.down_y * y + camera.down_z * z,
         camera.ahead_x * x + camera.ahead_y * y + camera.ahead_z * z,
     )
+
+
+@nb.njit(inline="always")
+def from_eye(camera: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a position in camera coordinates."""
+    return in_camera(camera, x - camera.eye_x, y - camera.eye_y, z - camera.eye_z)
 
 
 @nb.njit(inline="always")

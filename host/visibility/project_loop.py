@@ -12,20 +12,15 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.host.shading.normal_levels import quantise
-
 from .block_index import BLOCK_POINTS
-from .cull import faces_away, in_camera, lies_inside, lies_outside, misses_centre
+from .cull import from_eye, lies_inside
+from .disc_image import project_disc, shade_of, turn_to_eye
 from .footprint import SMALLEST, conic, covers_own_pixel, is_tiny
 from .quick_test import middle_of, stride_of
 from .skips import REASONS
 from .splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
-from .view import LARGEST
 
 __all__ = ["WINDOW", "Look", "Slots", "project_blocks"]
-
-STEEPEST = 1e-6
-"""Least cosine between a normal and the ray that slopes are computed for: they stay finite."""
 
 WINDOW = 256
 """Lines and columns of a window. Pixels that differ by a multiple of it share an entry, so that it
@@ -110,20 +105,10 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
             for i in range(start, stop):
                 if found[BLOCK_POINTS * number + i - start]:
                     continue
-                x, y, z = in_camera(
-                    camera,
-                    positions[i, 0] - camera.eye_x,
-                    positions[i, 1] - camera.eye_y,
-                    positions[i, 2] - camera.eye_z,
-                )
-                reason, image = _project_disc(
-                    x,
-                    y,
-                    z,
-                    growth * radii[i],
-                    camera,
-                    rules[NO_PIXEL] and not thin[i],
-                    at_border,
+                x, y, z = from_eye(camera, positions[i, 0], positions[i, 1], positions[i, 2])
+                may_miss = rules[NO_PIXEL] and not thin[i]
+                reason, image = project_disc(
+                    x, y, z, growth * radii[i], camera, may_miss, at_border
                 )
                 if reason != 0:
                     tally[reason] += 1
@@ -139,41 +124,39 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
                     if rival != NO_RIVAL and doubles[rival, DEPTH] <= image.z:
                         tally[OVERDRAWN] += 1
                         continue
-                reason, facing, nx, ny, nz = _turn(
-                    discs[4, i],
-                    discs[5, i],
-                    discs[6, i],
-                    two_sided[i],
-                    thin[i],
-                    image,
-                    camera,
-                    rules,
+                normal = discs[4, i], discs[5, i], discs[6, i]
+                reason, facing, nx, ny, nz = turn_to_eye(
+                    normal, two_sided[i], thin[i], image, camera, rules[FACING_AWAY]
                 )
-                slopes = np.float32(nx / facing), np.float32(ny / facing)
+                slope_x, slope_y = np.float32(nx / facing), np.float32(ny / facing)
                 column, line, radius = image.column, image.line, image.radius
-                if reason == 0 and tiny and (alone or thin[i]) and not _covers(image, a, b, slopes):
-                    if thin[i]:  # the pixel that it lies in
+                if (
+                    reason == 0
+                    and tiny
+                    and (alone or thin[i])
+                    and not _covers(image, a, b, slope_x, slope_y)
+                ):
+                    if thin[i]:
+                        # The pixel that it lies in.
                         column, line = math.floor(column) + 0.5, math.floor(line) + 0.5
-                        slopes = np.float32(0.0), np.float32(0.0)
                         radius = max(radius, SMALLEST)
+                        slope_x = slope_y = np.float32(0.0)
                     else:
                         reason, alone = NO_PIXEL if rules[NO_PIXEL] else 0, False
                 if reason != 0:
                     tally[reason] += 1
                     continue
                 low, high = min(low, z), max(high, z)
-                slot = at
-                if alone and rival != NO_RIVAL:
-                    slot = rival
-                    tally[OVERDRAWN] += 1
-                else:
-                    at += 1
+                replaces = alone and rival != NO_RIVAL
+                slot = rival if replaces else at
+                at += not replaces
+                tally[OVERDRAWN] += replaces
                 if alone:
                     rivals[place] = slot
-                shade = _shade(nx, ny, nz, facing, image, shades)
+                shade = shade_of(nx, ny, nz, facing, image, shades)
                 floats[slot, COLUMN], floats[slot, LINE] = column, line
                 floats[slot, DIAMETER] = 2.0 * radius
-                floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slopes
+                floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slope_x, slope_y
                 bits[slot, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
                 doubles[slot, DEPTH] = z
         stops[chunk] = at
@@ -208,146 +191,8 @@ def _find_rival(image: Any, rivals: Any, floats: Any, first: int, at: int) -> tu
 
 
 @nb.njit(inline="always")
-def _covers(image: Any, a: float, b: float, slopes: Any) -> bool:
+def _covers(image: Any, a: float, b: float, slope_x: float, slope_y: float) -> bool:
     """Return whether a tiny splat covers the centre of its own pixel."""
-    form = conic(a, b, np.float64(slopes[0]), np.float64(slopes[1]))
+    form = conic(a, b, np.float64(slope_x), np.float64(slope_y))
     radius = image.radius if image.radius > SMALLEST else SMALLEST
     return covers_own_pixel(image.column, image.line, radius * radius, form)
-
-
-class Image(NamedTuple):
-    """A disc on the image.
-
-    Parameters
-    ----------
-    column, line
-        Its centre, in pixels.
-    radius
-        In pixels, seen face on. These three are rounded to float32.
-    a, b, z
-        Its centre in camera coordinates: x / z, y / z and z.
-    """
-
-    column: float
-    line: float
-    radius: float
-    a: float
-    b: float
-    z: float
-
-
-NOWHERE = Image(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@nb.njit(inline="always")
-def _project_disc(
-    x: float, y: float, z: float, radius: float, camera: Any, may_miss: bool, at_border: bool
-) -> tuple[int, Any]:
-    """Return the reason to leave a disc out, or 0, and its image.
-
-    Parameters
-    ----------
-    x, y, z, radius
-        Its centre in camera coordinates, and its radius.
-    camera
-        The view.
-    may_miss
-        Whether it is left out if it covers no pixel's centre.
-    at_border
-        Whether it may lie outside of the image and is left out then.
-    """
-    if not z >= camera.near:
-        return OUTSIDE, NOWHERE
-    # Divided, not multiplied by 1 / z, which overflows where z is tiny.
-    a = x / z
-    b = y / z
-    column = camera.middle_x + camera.focal * a
-    line = camera.middle_y + camera.focal * b
-    share = radius / z
-    pixels = share * camera.focal
-    if at_border and (
-        lies_outside(column, a, pixels, share, camera.width)
-        or lies_outside(line, b, pixels, share, camera.height)
-    ):
-        return OUTSIDE, NOWHERE
-    if may_miss and pixels < 0.5 and misses_centre(column, line, pixels, a, b):
-        return NO_PIXEL, NOWHERE
-    if pixels > LARGEST:
-        # The image is the same and nothing overflows. The axis of the view keeps its position.
-        smaller = LARGEST / pixels
-        column = camera.middle_x + (column - camera.middle_x) * smaller
-        line = camera.middle_y + (line - camera.middle_y) * smaller
-        pixels = LARGEST
-    # As a splat holds it.
-    column, line = np.float64(np.float32(column)), np.float64(np.float32(line))
-    pixels = 0.5 * np.float64(np.float32(2.0 * pixels))
-    return 0, Image(column, line, pixels, a, b, z)
-
-
-@nb.njit(inline="always")
-def _turn(
-    x: float,
-    y: float,
-    z: float,
-    two_sided: bool,
-    thin: bool,
-    image: Any,
-    camera: Any,
-    rules: Any,
-) -> tuple[int, float, float, float, float]:
-    """Return the reason to leave a disc out, or 0, and its normal, which is turned to the eye.
-
-    Parameters
-    ----------
-    x, y, z
-        The normal in the cloud's coordinates.
-    two_sided
-        Whether the normal's sign means nothing.
-    thin
-        Whether the point is on a curve or alone. If its normal is estimated, it means nothing, and
-        the disc faces the eye.
-    image
-        The disc's.
-    camera
-        The view.
-    rules
-        See ``Look``.
-
-    Returns
-    -------
-    reason
-        The reason, or 0.
-    facing
-        n . (a, b, 1), below 0.
-    nx, ny, nz
-        The normal in camera coordinates.
-    """
-    nx, ny, nz = in_camera(camera, x, y, z)
-    if thin and two_sided:
-        away = 1.0 / math.sqrt(image.a * image.a + image.b * image.b + 1.0)
-        nx, ny, nz = -image.a * away, -image.b * away, -away
-    facing = nx * image.a + ny * image.b + nz
-    reason = 0
-    if facing > 0.0 and (two_sided or not rules[FACING_AWAY]):
-        nx, ny, nz, facing = -nx, -ny, -nz, -facing
-    if rules[FACING_AWAY] and faces_away(facing) and not two_sided:
-        reason = FACING_AWAY
-    return reason, min(facing, -STEEPEST), nx, ny, nz
-
-
-@nb.njit(inline="always")
-def _shade(nx: float, ny: float, nz: float, facing: float, image: Any, shades: Any) -> int:
-    """Return DIFFUSE and SPECULAR of a disc; see :func:`_turn` and ``Look``."""
-    # The eye sees a point near the image's border along a slant, so a front may have n_z >= 0. For
-    # shading, such a normal counts as just grazing.
-    towards = min(nz, -STEEPEST)
-    levels = shades.shape[1]
-    shade = shades[0, quantise(nx, towards, levels), quantise(ny, towards, levels)]
-    # The table's viewer is on the axis. A highlight is as the true viewer sees it if the normal
-    # turns along by half of the angle from his direction to the axis: n + ((n.v) e - (n.e) v) / 2.
-    # v is the direction to the viewer, e the one against the axis.
-    a, b = image.a, image.b
-    half = 0.5 / math.sqrt(a * a + b * b + 1.0)
-    mx, my = nx - half * a * nz, ny - half * b * nz
-    mz = min(nz + half * (facing - nz), -STEEPEST)
-    return shade | shades[1, quantise(mx, mz, levels), quantise(my, mz, levels)]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .block_index import BLOCK_POINTS
-from .cull import ROUNDING, in_camera
+from .cull import ROUNDING, from_eye
 from .skips import REASONS
 
 __all__ = ["Blocks", "Points", "look_over", "middle_of", "stride_of"]
@@ -134,12 +134,7 @@ def stride_of(bound: Any, camera: Any) -> int:
 @nb.njit(inline="always")
 def middle_of(bound: Any, camera: Any) -> tuple[float, float, float]:
     """Return the middle of a block's bounding sphere in camera coordinates."""
-    return in_camera(
-        camera,
-        bound.centre[0] - camera.eye_x,
-        bound.centre[1] - camera.eye_y,
-        bound.centre[2] - camera.eye_z,
-    )
+    return from_eye(camera, bound.centre[0], bound.centre[1], bound.centre[2])
 
 
 @nb.njit(error_model="numpy")
