@@ -41,7 +41,8 @@ def pack_contents(text: str) -> str:
         if not any(int(value, 16) for _, value in words):
             width = int(found["high"]) + 1
             place = f"{name}_place"
-            while re.search(rf"\b{place}\b", text):
+            # Most often it is nowhere, which is found out in no time.
+            while place in text and re.search(rf"\b{place}\b", text):
                 place += "_"
             return (
                 f"{declared}  integer {place};\n"
