@@ -11,6 +11,11 @@ settings.register_profile("dev", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 # Most designs of the tests run for a moment, so compiling them is what takes time.
 os.environ.setdefault("SPLATLINE_QUICK_BUILD", "1")
+# Where benches have assertions, which show their values within the simulator too.
+os.environ.setdefault(
+    "COCOTB_REWRITE_ASSERTION_FILES",
+    "test_*.py *slide*.py elements.py lane_frames.py pictures.py rom_words.py streams.py",
+)
 # A design is a million objects that live until its Verilog is written: to look for garbage among
 # them after every 700 takes a fifth of the time.
 gc.set_threshold(100_000, 50, 100)

@@ -61,6 +61,24 @@ def _make_flags(*, parts: bool = False) -> str:
     return f"OPT_FAST={level}" + (" CFG_CXXFLAGS_PCH_I=-include" if parts else "")
 
 
+REWRITTEN = "COCOTB_REWRITE_ASSERTION_FILES"
+"""Cocotb's variable with patterns of files whose assertions pytest rewrites, to show values."""
+
+
+def _environment() -> dict[str, str]:
+    """Return environment variables of every run.
+
+    Unless it is told otherwise, cocotb has pytest rewrite the assertions of every module that is
+    imported, and pytest loads all of its plugins for that: more than half of the time that a
+    simulator takes to start.
+    """
+    return {
+        "PYTHONWARNINGS": "default",
+        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+        REWRITTEN: os.environ.get(REWRITTEN, ""),
+    }
+
+
 class SimulationError(RuntimeError):
     """Failure to build or run a simulator; the message ends with the tail of the log."""
 
@@ -282,7 +300,7 @@ def run(
                 hdl_toplevel_lang="verilog",
                 testcase=test,
                 plusargs=list(plusargs),
-                extra_env={"PYTHONWARNINGS": "default", **(environment or {})},
+                extra_env={**_environment(), **(environment or {})},
                 build_dir=built.folder,
                 test_dir=folder,
                 results_xml=str(results),
