@@ -258,22 +258,14 @@ def test_window_draws_every_frame(config):
     run_bench(config, TileWindow, __file__, simulator_name="verilator")
 
 
-def test_no_pixel_of_a_pair_counts_that_two_ports_have_at_once():
-    run_bench(PAIRED, TileWindow, __file__, simulator_name="verilator", edit=collide_pairs)
+@pytest.mark.parametrize(
+    ("config", "edit"),
+    [(PAPER, collide), (PAIRED, collide_pairs)],
+    ids=["paper", "paired"],
+)
+def test_no_pixel_counts_that_two_ports_have_at_once(config, edit):
+    run_bench(config, TileWindow, __file__, simulator_name="verilator", edit=edit)
 
 
 def test_window_in_the_quickest_simulator():
     run_bench(PAPER, TileWindow, __file__, test="in_short", edit=collide)
-
-
-@pytest.mark.parametrize(
-    "test",
-    [
-        "tiles_while_the_raster_waits",
-        "tiles_in_the_place_of_what_left",
-        "a_line_that_leaves_behind_a_tile_that_stood_still",
-        "words_right_behind_what_leaves",
-    ],
-)
-def test_no_pixel_counts_that_two_ports_have_at_once(test):
-    run_bench(PAPER, TileWindow, __file__, test=test, edit=collide)
