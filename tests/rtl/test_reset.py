@@ -64,8 +64,8 @@ def wrong_pixels(built, config, edges):
 @in_icarus
 @pytest.mark.parametrize(
     "config, edges",
-    [(PAPER, 1), (PAPER, 4), (SWIFT, 1)],
-    ids=["paper-1", "paper-4", "swift-1"],
+    [(PAPER, 1), (PAPER, 4), (BLOCKS, 1)],
+    ids=["paper-1", "paper-4", "blocks-1"],
 )
 def test_the_first_frame_after_a_short_reset_is_right(config, edges):
     assert wrong_pixels(engine(config, "icarus"), config, edges) == 0

@@ -8,6 +8,7 @@ simulator, which sends back the result.
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib.util
 import json
 import socket
@@ -60,17 +61,22 @@ def build_axi(
 
     ``edit`` changes the Verilog, such as to plant a fault. ``options`` are the simulator's.
     """
-    from splatline.flow.verilog import convert
-    from splatline.rtl.bus.axi_top import AxiTop
-
-    text = edit(convert(AxiTop(config), "splatline"))
     return simulator.build(
-        {"splatline.v": text},
+        {"splatline.v": edit(_verilog(config))},
         "splatline",
         simulator=simulator_name,
         visible=VISIBLE,
         options=options,
     )
+
+
+@functools.cache
+def _verilog(config: EngineConfig) -> str:
+    """Return the Verilog of an AXI top, converted once in a process."""
+    from splatline.flow.verilog import convert
+    from splatline.rtl.bus.axi_top import AxiTop
+
+    return convert(AxiTop(config), "splatline")
 
 
 class SimulatedDevice:
