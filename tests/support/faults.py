@@ -5,7 +5,7 @@ import linecache
 import re
 import textwrap
 
-__all__ = ["LANE_WRITES", "fault", "rewrite", "switched", "switched_source"]
+__all__ = ["LANE_WRITES", "fault", "replace_method", "rewrite", "switched", "switched_source"]
 
 LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
 """In place of a lane's comparison: every draw and every clear is written."""
@@ -40,12 +40,12 @@ def rewrite(monkeypatch, part, method, pattern, replacement):
     source = textwrap.dedent(inspect.getsource(getattr(part, method)))
     broken, count = re.subn(pattern, replacement, source)
     assert count == 1, f"{part.__name__}.{method} has {count} places to break"
-    _replace(monkeypatch, part, method, broken, repr(replacement))
+    replace_method(monkeypatch, part, method, broken, repr(replacement))
 
 
-def _replace(monkeypatch, part, method, source, what):
-    """Replace a component's method by other source; ``what``: name of the fault."""
-    scope = dict(vars(inspect.getmodule(part)))
+def replace_method(monkeypatch, part, method, source, what, **names):
+    """Replace a component's method by other source, which may need names; ``what``: the fault's."""
+    scope = {**vars(inspect.getmodule(part)), **names}
     name = f"<{part.__name__}.{method} with {what}>"
     linecache.cache[name] = len(source), None, source.splitlines(keepends=True), name
     exec(compile(source, name, "exec"), scope)
@@ -87,7 +87,7 @@ def switched_source(monkeypatch, part, faults):
     head += "; m.d.sync += planted.eq(planted)"
     sources["elaborate"] = sources["elaborate"].replace("m = Module()", head, 1)
     for name, source in sources.items():
-        _replace(monkeypatch, part, name, source, "faults")
+        replace_method(monkeypatch, part, name, source, "faults")
 
     def edit(text):
         choice = r'\1 initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'

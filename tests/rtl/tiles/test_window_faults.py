@@ -1,13 +1,19 @@
 """Planted faults in the window of tiles, its loader and its readout: frames must show them."""
 
+import functools
+
 import pytest
 
+from splatline.contract.presets import PAPER
+from splatline.flow.verilog import convert
 from splatline.rtl.tiles.readout import TileReadout
 from splatline.rtl.tiles.window import TileWindow
 from splatline.rtl.window.loader import Loader
+from splatline.sim.cosim import simulator
+from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.tiles import test_window
-from tests.rtl.tiles.broken_parts import check_rewritten
-from tests.support.bench_config import PAIRED
+from tests.support.bench_config import PAIRED, run_built
+from tests.support.planted import plant
 
 REWRITTEN = {
     "no conflict": (
@@ -114,24 +120,28 @@ REWRITTEN = {
 }
 REWRITTEN_COLLISIONS = {
     "a load meets what is cleared": (
+        TileWindow,
         r"~swept\s+& ~stopped\s",
         "~swept ",
         "words_right_behind_what_leaves",
         "_arbitrate",
     ),
     "a load meets what the sweep clears": (
+        TileWindow,
         r"& ~swept\s+& ~stopped",
         "& ~stopped",
         "words_right_behind_the_sweep",
         "_arbitrate",
     ),
     "a tile meets one that stood still": (
+        TileWindow,
         r" \| stopped\)",
         ")",
         "tiles_while_the_raster_waits",
         "_arbitrate",
     ),
     "a word leaves where a tile stood still": (
+        TileWindow,
         r"& ~\(stopped & drawn\)",
         "",
         "a_line_that_leaves_behind_a_tile_that_stood_still",
@@ -176,18 +186,47 @@ REWRITTEN_PAIRS = {
 }
 
 
-@pytest.mark.parametrize("broken", REWRITTEN.values(), ids=REWRITTEN)
-def test_a_rewritten_window_is_noticed(monkeypatch, broken):
+ENGINES = {
+    "tiles": (PAPER, REWRITTEN, lambda text: text),
+    "pairs": (PAIRED, REWRITTEN_PAIRS, lambda text: text),
+    # Where the memory is as unkind as it may be.
+    "collisions": (PAPER, REWRITTEN_COLLISIONS, test_window.collide),
+}
+
+
+@functools.cache
+def planted(name):
+    """Build a window with all faults of a table, which takes longer than to run it."""
+    config, table, edit = ENGINES[name]
+    faults = [
+        (part, *(method or ["elaborate"]), pattern, replacement)
+        for part, pattern, replacement, _, *method in table.values()
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        plant_in = plant(patch, faults)
+        text = edit(plant_in(convert(TileWindow(config), "dut")))
+    return simulator.build({"dut.v": text}, "dut")
+
+
+def run(name, test, number):
+    run_built(ENGINES[name][0], planted(name), test_window.__file__, test, number)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_without_a_fault_nothing_is_noticed(name):
+    run(name, None, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "test", "number"),
+    [
+        pytest.param(name, broken[3], number, id=fault)
+        for name, (_, table, _) in ENGINES.items()
+        for number, (fault, broken) in enumerate(table.items(), 1)
+    ],
+)
+def test_a_rewritten_window_is_noticed(name, test, number):
     """Faults in what has no name in the Verilog."""
-    check_rewritten(monkeypatch, *broken)
-
-
-@pytest.mark.parametrize("broken", REWRITTEN_PAIRS.values(), ids=REWRITTEN_PAIRS)
-def test_a_rewritten_window_of_paired_lanes_is_noticed(monkeypatch, broken):
-    check_rewritten(monkeypatch, *broken, config=PAIRED)
-
-
-@pytest.mark.parametrize("broken", REWRITTEN_COLLISIONS.values(), ids=REWRITTEN_COLLISIONS)
-def test_a_pixel_that_is_read_while_it_is_written_is_noticed(monkeypatch, broken):
-    """Where the memory is as unkind as it may be."""
-    check_rewritten(monkeypatch, TileWindow, *broken, edit=test_window.collide)
+    assert hasattr(test_window, test)
+    with pytest.raises(SimulationError, match="FAIL=1"):
+        run(name, test, number)

@@ -1,0 +1,132 @@
+"""Rewritten lines of several components in one build: ``+fault=N`` selects one when it runs."""
+
+import ast
+import copy
+import inspect
+import re
+import textwrap
+
+from amaranth.hdl import Mux
+
+from tests.support.faults import replace_method
+
+__all__ = ["plant"]
+
+VALUES = ("eq", "If", "Elif")
+"""Calls whose arguments are values of the hardware, whatever their width."""
+
+NEW_REGISTER = "m = Module(); self.planted = planted = Signal(8, reset_less=True)"
+NEW_REGISTER += "; m.d.sync += planted.eq(planted)"
+"""A register that nothing writes, so that it stays in the Verilog."""
+
+
+def plant(monkeypatch, faults):
+    """Plant faults, each the arguments of :func:`faults.rewrite`; return an edit of the Verilog.
+
+    ``+fault=N`` selects the Nth, and ``+fault=0`` none. The value that a fault changes, the
+    argument of ``eq`` or ``If``, or what a name stands for or a method returns, is chosen between
+    the two: so a line that is rewritten otherwise cannot be planted here.
+    """
+    trees, broken = {}, {}
+    for number, (part, method, pattern, replacement) in enumerate(faults, 1):
+        source = textwrap.dedent(inspect.getsource(getattr(part, method)))
+        changed, count = re.subn(pattern, replacement, source)
+        assert count == 1, f"{part.__name__}.{method} has {count} places to break"
+        tree = trees.setdefault((part, method), ast.parse(source))
+        other = ast.parse(changed)
+        broken.setdefault((part, method), []).append((number, other, _changed_value(tree, other)))
+    for part in {part for part, _ in trees}:
+        if (part, "elaborate") not in trees:
+            source = textwrap.dedent(inspect.getsource(part.elaborate))
+            trees[part, "elaborate"] = ast.parse(source)
+    for (part, method), tree in trees.items():
+        _choose(tree, broken.get((part, method), []))
+        source = ast.unparse(tree)
+        if method == "elaborate":
+            assert "m = Module()" in source
+            source = source.replace("m = Module()", NEW_REGISTER, 1)
+        replace_method(monkeypatch, part, method, source, "faults", Mux=Mux)
+
+    def edit(text):
+        choice = r'\1 initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'
+        text, count = re.subn(r"(reg \[7:0\] planted = 8'h00;)", choice, text)
+        assert count >= len({part for part, _ in trees})
+        return text
+
+    return edit
+
+
+def _changed_value(tree, other):
+    """Return the way to the smallest value that differs, as fields and places in lists."""
+    way, found = (), None
+    one, two, parent = tree, other, None
+    while True:
+        if isinstance(one, ast.expr) and _is_value(parent, one):
+            found = way
+        steps = [] if type(one) is not type(two) else list(_differences(one, two))
+        if len(steps) != 1:
+            assert found is not None, ast.unparse(one)
+            return found
+        parent = one
+        for step in steps:
+            way, one, two = (*way, step), _child(one, step), _child(two, step)
+
+
+def _is_value(parent, node):
+    """Whether a node is an argument of one of ``VALUES``, is given a name or is returned."""
+    if isinstance(parent, ast.Assign | ast.Return):
+        return node is parent.value
+    return (
+        isinstance(parent, ast.Call)
+        and isinstance(parent.func, ast.Attribute)
+        and parent.func.attr in VALUES
+        and node in parent.args
+    )
+
+
+def _differences(one, two):
+    """Yield the fields of two nodes that differ; more than one where lists are not as long."""
+    for name in one._fields:
+        left, right = getattr(one, name), getattr(two, name)
+        if isinstance(left, list) and isinstance(right, list) and len(left) == len(right):
+            for n, pair in enumerate(zip(left, right, strict=True)):
+                if _text(pair[0]) != _text(pair[1]):
+                    yield name, n
+        elif _text(left) != _text(right):
+            if not isinstance(left, ast.AST) or not isinstance(right, ast.AST):
+                yield from ((name, None), (name, None))
+            yield name, None
+
+
+def _text(node):
+    return ast.dump(node) if isinstance(node, ast.AST) else repr(node)
+
+
+def _child(node, step):
+    name, n = step
+    return getattr(node, name) if n is None else getattr(node, name)[n]
+
+
+def _at(tree, way):
+    for step in way:
+        tree = _child(tree, step)
+    return tree
+
+
+def _choose(tree, broken):
+    """Put choices between a tree's values and those of the broken ones in their place."""
+    ways = {way for *_, way in broken}
+    outer = {way: min((w for w in ways if w == way[: len(w)]), key=len) for way in ways}
+    for way in set(outer.values()):
+        value = _at(tree, way)
+        for number, other, own in broken:
+            if outer[own] == way:
+                instead = copy.deepcopy(_at(other, way))
+                chosen = ast.parse(f"Mux(self.planted == {number}, 0, 0)", mode="eval").body
+                chosen.args[1:] = [instead, value]
+                value = chosen
+        parent, (name, n) = _at(tree, way[:-1]), way[-1]
+        if n is None:
+            setattr(parent, name, value)
+        else:
+            getattr(parent, name)[n] = value
