@@ -6,11 +6,14 @@ import inspect
 import re
 import textwrap
 
+import pytest
 from amaranth.hdl import Mux
 
+from splatline.flow.verilog import convert
+from splatline.sim.cosim import simulator
 from tests.support.faults import replace_method
 
-__all__ = ["plant"]
+__all__ = ["build", "plant"]
 
 VALUES = ("eq", "If", "Elif")
 """Calls whose arguments are values of the hardware, whatever their width."""
@@ -18,6 +21,17 @@ VALUES = ("eq", "If", "Elif")
 NEW_REGISTER = "m = Module(); self.planted = planted = Signal(8, reset_less=True)"
 NEW_REGISTER += "; m.d.sync += planted.eq(planted)"
 """A register that nothing writes, so that it stays in the Verilog."""
+
+
+def build(make, faults, edit=lambda text: text):
+    """Build a component, which ``make`` returns, with faults; it is called ``dut``.
+
+    ``edit`` changes the Verilog besides.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        planted = plant(patch, faults)
+        text = edit(planted(convert(make(), "dut")))
+    return simulator.build({"dut.v": text}, "dut")
 
 
 def plant(monkeypatch, faults):

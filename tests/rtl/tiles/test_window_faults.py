@@ -5,15 +5,13 @@ import functools
 import pytest
 
 from splatline.contract.presets import PAPER
-from splatline.flow.verilog import convert
 from splatline.rtl.tiles.readout import TileReadout
 from splatline.rtl.tiles.window import TileWindow
 from splatline.rtl.window.loader import Loader
-from splatline.sim.cosim import simulator
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.tiles import test_window
 from tests.support.bench_config import PAIRED, run_built
-from tests.support.planted import plant
+from tests.support.planted import build
 
 REWRITTEN = {
     "no conflict": (
@@ -202,10 +200,7 @@ def planted(name):
         (part, *(method or ["elaborate"]), pattern, replacement)
         for part, pattern, replacement, _, *method in table.values()
     ]
-    with pytest.MonkeyPatch.context() as patch:
-        plant_in = plant(patch, faults)
-        text = edit(plant_in(convert(TileWindow(config), "dut")))
-    return simulator.build({"dut.v": text}, "dut")
+    return build(lambda: TileWindow(config), faults, edit)
 
 
 def run(name, test, number):
