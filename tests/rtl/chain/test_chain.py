@@ -1,20 +1,22 @@
 """Chains of engines against golden's composite of the parts, bit for bit."""
 
 import dataclasses
+import functools
 import itertools
 
 import numpy as np
 import pytest
 
 from splatline.contract.chain_links import LINKS
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import PAPER, SWIFT
 from splatline.flow.chain_verilog import generate_chain
 from splatline.host.encode.partition_methods import METHODS
 from splatline.rtl.chain.chain import check_chain
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.player.chains import ChainJob, play_chain
+from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.player import wrap
+from tests.support.engines import engine
 from tests.support.random_frames import frame_of, nonsense, random_raster, shapes
 from tests.support.stalls import Stalled
 
@@ -134,8 +136,19 @@ TILES = SMALL.replace(pixels_per_word=4, window_lines=16)
 BLOCKS = SMALL.replace(window="blocks", pixels_per_word=8, raster_words=2, window_lines=16)
 
 
-@pytest.mark.parametrize(("config", "most"), [(TILES, 4), (BLOCKS, 1)], ids=["tiles", "blocks"])
-def test_frames_follow_each_other_without_a_gap(config, most):
+@functools.cache
+def chain_of_two(config, link):
+    """A chain without more stalls than its ports have."""
+    return build_chain(config, 2, link)
+
+
+@pytest.mark.parametrize(
+    ("config", "most", "build"),
+    # Of blocks an engine that other tests build too: a chain of one adds nothing.
+    [(TILES, 4, lambda config: build_chain(config, 1)), (SWIFT, 1, engine)],
+    ids=["tiles", "blocks"],
+)
+def test_frames_follow_each_other_without_a_gap(config, most, build):
     """An engine takes a frame's first code word so many cycles behind the end word.
 
     With tiles an element waits until the end token has left the tiler.
@@ -145,7 +158,7 @@ def test_frames_follow_each_other_without_a_gap(config, most):
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
     job = ChainJob.dealt(*frames, engines=1, write_tables="first")
     # The first of both waits for the memories to be cleared.
-    times = check([job, job])[1].times
+    times = check([job, job], built=build(config))[1].times
     assert len(times) == len(frames)
     for before, after in itertools.pairwise(times):
         assert before.closed[0] < after.opened[0] <= before.closed[0] + most
@@ -170,7 +183,7 @@ def test_frames_follow_each_other_in_a_chain_without_a_gap(config, most, link):
     frames = [shapes(rng, 900, 50, 48, largest=3, config=config) for _ in range(5)]
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
     job = ChainJob.dealt(*frames, engines=2, method="elements", write_tables="first")
-    times = check([job, job], link=link)[1].times
+    times = check([job, job], built=chain_of_two(config, link))[1].times
     assert len(times) == len(frames)
     for before, after in itertools.pairwise(times):
         gaps = np.subtract(after.opened, before.closed)
@@ -239,4 +252,4 @@ def test_engines_whose_beats_have_two_words(link):
     jobs += [
         without_new_tables(rng, rates, seed, BLOCKS, engines=2) for seed, rates in enumerate(RATES)
     ]
-    check(jobs, link=link)
+    check(jobs, built=chain_of_two(BLOCKS, link))
