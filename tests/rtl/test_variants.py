@@ -84,7 +84,7 @@ def test_every_variant_draws_what_the_contract_says_in_the_cycles_it_is_said_to(
     ]
     made = [(case.__name__, job) for case in cases for job in case(rng, config)]
     names, jobs = zip(*made, strict=True)
-    outcomes = play(jobs)
+    outcomes = play(jobs, built=engine(config))
     wrong = zip(names, map(mismatches, jobs, outcomes), strict=True)
     assert [(name, count) for name, count in wrong if count] == []
     timed = [n for n, name in enumerate(names) if name == "at_full_rate"]
@@ -148,7 +148,7 @@ def held_up(config):
 def test_blocks_of_32_lines_in_a_narrow_image():
     """Pictures, initial rasters and cycles, in one run."""
     jobs = list(in_narrow_blocks(np.random.default_rng(29), NARROW_BLOCKS))
-    outcomes = play(jobs)
+    outcomes = play(jobs, built=engine(NARROW_BLOCKS))
     wrong = map(mismatches, jobs, outcomes)
     assert [(number, count) for number, count in enumerate(wrong) if count] == []
     counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in range(2)]

@@ -21,7 +21,7 @@ from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cycles.cycles import count_cycles
 from tests.rtl.test_presets import RATES, back_to_back, behind_each_other, over_an_initial_raster
 from tests.support.clouds import cloud_of
-from tests.support.engines import mismatches
+from tests.support.engines import engine, mismatches
 from tests.support.faults import fault
 from tests.support.random_frames import frame_of, nonsense, shapes
 from tests.support.rom_words import compact_words, mixed_words
@@ -82,7 +82,7 @@ def test_pictures_are_golden_s_and_cycles_are_the_model_s(config):
     jobs += behind_each_other(rng, config)
     frame = mixed(rng, config)
     jobs += [Job(frame=frame, reset_after=after, seed=after) for after in (140, 300, 451)]
-    outcomes = play(jobs)
+    outcomes = play(jobs, built=engine(config))
     assert not any(map(mismatches, jobs, outcomes))
     counted = [count_cycles(jobs[n].frame, after_reset=n == 0) for n in range(timed)]
     assert counted == [outcomes[n].cycles for n in range(timed)]

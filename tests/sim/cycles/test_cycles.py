@@ -13,6 +13,7 @@ from splatline.sim import golden
 from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cycles.cycles import clearing_cycles, count_cycles
 from tests.support import codewords as cw
+from tests.support.engines import engine
 from tests.support.random_frames import nonsense, shapes
 from tests.support.scene_frames import scene_frame
 from tests.support.variants import variant
@@ -111,7 +112,7 @@ def played():
         Job(frame=frame, reset_after=30 if name == "cleared" else None)
         for name, frame in frames.items()
     ]
-    outcomes = play(jobs)
+    outcomes = play(jobs, built=engine())
     return {
         name: (frame, outcome.cycles)
         for (name, frame), outcome in zip(frames.items(), outcomes, strict=True)
@@ -130,7 +131,7 @@ def test_the_count_is_that_of_the_verilog_to_the_cycle(played):
 def test_ten_splats_anywhere_take_few_cycles(config, most):
     """By Verilog and model: of a second frame, as the window is cleared before the first."""
     frame = few_splats(10, (512, 512), config)
-    _, second = play([Job(frame=frame), Job(frame=frame)])
+    _, second = play([Job(frame=frame), Job(frame=frame)], built=engine(config))
     assert not second.raster.mismatches(golden.render(frame))
     assert second.cycles == count_cycles(frame, after_reset=False) <= most
 

@@ -7,6 +7,7 @@ from splatline.contract.presets import get_preset
 from splatline.host import load_scene
 from splatline.sim import golden
 from splatline.sim.cosim.player.frames import Job, play
+from tests.support.engines import engine
 from tests.support.scene_frames import scene_frame
 
 MOST = 1.035
@@ -21,6 +22,6 @@ def test_a_dense_frame_pays_three_hundredths_for_flush_and_load(preset):
     picture = golden.render(frame)
     words = picture.drawn.reshape(frame.height, -1, config.raster_pixels).any(axis=-1)
     assert np.count_nonzero(words) > 0.4 * words.size
-    (outcome,) = play([Job(frame=frame, initial=picture)])
+    (outcome,) = play([Job(frame=frame, initial=picture)], built=engine(config))
     assert not outcome.raster.mismatches(picture)
     assert len(frame.codewords) <= outcome.cycles <= MOST * len(frame.codewords)
