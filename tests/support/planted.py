@@ -11,9 +11,10 @@ from amaranth.hdl import Mux
 
 from splatline.flow.verilog import convert
 from splatline.sim.cosim import simulator
+from splatline.sim.cosim.player import frames
 from tests.support.faults import replace_method
 
-__all__ = ["build", "plant"]
+__all__ = ["build", "plant", "play_with"]
 
 VALUES = ("eq", "If", "Elif")
 """Calls whose arguments are values of the hardware, whatever their width."""
@@ -32,6 +33,18 @@ def build(make, faults, edit=lambda text: text):
         planted = plant(patch, faults)
         text = edit(planted(convert(make(), "dut")))
     return simulator.build({"dut.v": text}, "dut")
+
+
+def play_with(number, jobs, built):
+    """Play jobs on a build of the player around hardware with faults, with one of them."""
+    run = simulator.run
+
+    def with_fault(*args, plusargs=(), **rest):
+        run(*args, plusargs=[*plusargs, f"+fault={number}"], **rest)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulator, "run", with_fault)
+        return frames.play(jobs, built=built)
 
 
 def plant(monkeypatch, faults):

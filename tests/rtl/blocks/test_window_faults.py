@@ -11,14 +11,13 @@ from splatline.contract.raster import Raster
 from splatline.flow.verilog import generate
 from splatline.host.encode.sort_by_line import advance_word
 from splatline.rtl.blocks.window import BlockWindow
-from splatline.sim.cosim import simulator
-from splatline.sim.cosim.player import frames
 from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl import test_presets, test_variants
 from tests.support.engines import mismatches
 from tests.support.faults import switched_source
+from tests.support.planted import play_with
 from tests.support.random_frames import films, frame_of, random_tables, word
 
 
@@ -188,18 +187,12 @@ def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
     rng = np.random.default_rng(11)
     cases = (OVER, DOWN, FILMS, FEW, behind_the_sweep)
     jobs = {case: list(case(rng, config)) for case in cases}
-    run = simulator.run
 
     def is_wrong(case, number):
-        def with_fault(*args, plusargs=(), **rest):
-            run(*args, plusargs=[*plusargs, f"+fault={number}"], **rest)
-
-        with monkeypatch.context() as chosen:
-            chosen.setattr(simulator, "run", with_fault)
-            try:
-                outcomes = frames.play(jobs[case], built=built)
-            except SimulationError:  # beats outside the frame, or none for too long
-                return True
+        try:
+            outcomes = play_with(number, jobs[case], built)
+        except SimulationError:  # beats outside the frame, or none for too long
+            return True
         return any(map(mismatches, jobs[case], outcomes))
 
     assert [case.__name__ for case in jobs if is_wrong(case, 0)] == []
