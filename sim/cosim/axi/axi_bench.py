@@ -111,8 +111,7 @@ class AxiBench:
         Clock(dut.aclk, PERIOD_NS, unit="ns").start()
         for prefix, parts in IDLE:
             cocotb.start_soon(self._undefine(prefix, [f"{prefix}{part}" for part in parts]))
-        for prefix, names in CHANNELS:
-            cocotb.start_soon(self._watch(prefix, [f"{prefix[:-1]}{name}" for name in names]))
+        cocotb.start_soon(self._watch())
 
     async def reset(self, edges: int = 4) -> None:
         """Hold the reset for some clock edges."""
@@ -220,12 +219,13 @@ class AxiBench:
         moved = set()
         for _ in range(cycles):
             await FallingEdge(self.dut.aclk)
-            before = [int(port.value) for port in outputs]
-            values = [int(port.value) for port in inputs]
+            before = [str(port.value) for port in outputs]
+            values = [port.value for port in inputs]
             for port, value in zip(inputs, values, strict=True):
-                port.value = ~value & (1 << len(port)) - 1
+                bits = int(value) if value.is_resolvable else self.random.getrandbits(len(port))
+                port.value = ~bits & (1 << len(port)) - 1
             await Timer(1, "ns")
-            after = [int(port.value) for port in outputs]
+            after = [str(port.value) for port in outputs]
             moved |= {n for n, value in enumerate(before) if value != after[n]}
             for port, value in zip(inputs, values, strict=True):
                 port.value = value
@@ -234,31 +234,43 @@ class AxiBench:
     async def _undefine(self, prefix: str, names: list[str]) -> None:
         """Drive no defined payload while a channel's valid is low."""
         valid, payload = getattr(self.dut, f"{prefix}valid"), [getattr(self.dut, n) for n in names]
-        idle = False  # and undefined already
         while True:
-            offers = valid.value == 1
-            if not offers and not idle:
-                for part in payload:
-                    part.value = undefined(part, self.random)
-            idle = not offers
-            await FallingEdge(self.dut.aclk)
+            for part in payload:
+                part.value = undefined(part, self.random)
+            await RisingEdge(valid)
+            await FallingEdge(valid)
 
-    async def _watch(self, prefix: str, names: list[str]) -> None:
+    async def _watch(self) -> None:
         """Record breaches: an offered payload that changes or vanishes before it is taken."""
-        valid, ready = getattr(self.dut, f"{prefix}valid"), getattr(self.dut, f"{prefix}ready")
-        payload = [getattr(self.dut, name) for name in names]
-        waiting: list[int] | None = None
+        channels = [
+            (
+                prefix,
+                getattr(self.dut, f"{prefix}valid"),
+                getattr(self.dut, f"{prefix}ready"),
+                [getattr(self.dut, f"{prefix[:-1]}{name}") for name in names],
+            )
+            for prefix, names in CHANNELS
+        ]
+        reset = self.dut.aresetn
+        waiting: list[list[int] | None] = [None] * len(channels)
+        edge = RisingEdge(self.dut.aclk)
         while True:
-            await RisingEdge(self.dut.aclk)
-            if not int(self.dut.aresetn.value):
-                waiting = None
+            await edge
+            if not int(reset.value):
+                waiting = [None] * len(channels)
                 continue
-            offered = [int(part.value) for part in payload] if int(valid.value) else None
-            if waiting is not None and offered != waiting:
-                self.breaches.append(f"{prefix}valid: {waiting} became {offered}")
-            waiting = None if int(ready.value) else offered
-            if offered is not None and prefix.startswith("m_axis"):
-                self.raster[waiting is not None] += 1
+            for n, (prefix, valid, ready, payload) in enumerate(channels):
+                if int(valid.value):
+                    offered = [int(part.value) for part in payload]
+                elif waiting[n] is None:
+                    continue
+                else:
+                    offered = None
+                if waiting[n] is not None and offered != waiting[n]:
+                    self.breaches.append(f"{prefix}valid: {waiting[n]} became {offered}")
+                waiting[n] = None if int(ready.value) else offered
+                if offered is not None and prefix.startswith("m_axis"):
+                    self.raster[waiting[n] is not None] += 1
 
     async def _watch_engine(self) -> None:
         """Count cycles at the ports of the engine, inside the bus registers.
