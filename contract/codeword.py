@@ -7,14 +7,20 @@ from typing import Any
 import numba as nb
 
 from .config import BLOCK, ROWS
-from .presets import PAPER
+from .plane import LOW_BITS
+from .presets import PAPER, PLANE
 
-__all__ = ["COLUMN", "FIRST", "LAST", "unfold"]
+__all__ = ["COLUMN", "FIRST", "LAST", "unfold", "unfold_plane"]
 
 # The scans have the same position in every configuration, so it is a constant for the compiler.
 FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
 LAST = tuple(PAPER.last(row).lsb for row in range(ROWS))
 COLUMN = PAPER.first(0).mask
+
+# So have the fields of a plane word that shape it.
+SIDE = tuple(tuple(PLANE.side(row, end).lsb for end in range(2)) for row in range(ROWS))
+RAISED = PLANE.raised.lsb - LOW_BITS
+OUTWARDS = tuple(PLANE.outwards(end).lsb - LOW_BITS for end in range(2))
 
 
 @nb.njit(cache=True)
@@ -54,3 +60,33 @@ def unfold(word: int, rows: Any) -> int:
             rows[below, 0] = BLOCK - 1 + right - rows[row, 1]
             rows[below, 1] = BLOCK - 1 + right - rows[row, 0]
     return right
+
+
+@nb.njit(cache=True)
+def unfold_plane(low: int, high: int, rows: Any) -> None:
+    """Set the rows of a plane word's block: first and last column, first > last if it is empty.
+
+    See ``docs/contract.md``, "Plane words".
+
+    Parameters
+    ----------
+    low, high
+        The halves of a plane word that is no control word: int64, the bits of unsigned ones.
+    rows
+        Shape (8, 2), int64.
+    """
+    for row in range(ROWS):
+        rows[row, 0], rows[row, 1] = low >> FIRST[row] & COLUMN, low >> LAST[row] & COLUMN
+    rows[ROWS:, 0], rows[ROWS:, 1] = 1, 0
+    if low & 1:
+        return
+    raised = high >> RAISED & 1
+    first_way = -1 if high >> OUTWARDS[0] & 1 else 1
+    last_way = 1 if high >> OUTWARDS[1] & 1 else -1
+    for row in range(ROWS - raised):
+        if rows[row, 0] <= rows[row, 1]:
+            below = BLOCK - 1 - raised - row
+            first = BLOCK - 1 - rows[row, 1] + first_way * (low >> SIDE[row][0] & 1)
+            last = BLOCK - 1 - rows[row, 0] + last_way * (low >> SIDE[row][1] & 1)
+            rows[below, 0] = min(max(first, 0), BLOCK - 1)
+            rows[below, 1] = min(max(last, 0), BLOCK - 1)

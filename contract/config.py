@@ -10,6 +10,7 @@ import dataclasses
 from dataclasses import dataclass
 
 from .fields import Field
+from .plane import LOW_BITS, PLANE_BITS, SIDES, Z_FRACTION, PlaneFields
 
 __all__ = [
     "BLOCK",
@@ -49,7 +50,7 @@ def _is_among(value: object, choices: tuple[int, ...]) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class EngineConfig:
+class EngineConfig(PlaneFields):
     """The parameters of an engine, which are fixed when its Verilog is written.
 
     Parameters
@@ -88,12 +89,17 @@ class EngineConfig:
     shapes
         One of ``SHAPES``: the ROM that expands compact words. ``none``: no ROM, and no compact
         words.
+    plane
+        Whether a code word carries the plane of its element, in 96 bits: every pixel has a depth of
+        its own. Such an engine has no shape ROM.
+    slope_bits
+        Bits of each of a plane's two slopes, in 3..8; counts with ``plane`` alone.
 
     Raises
     ------
     ValueError
-        If a value is out of its range, if the code word does not have 64 bits, or if a beat of the
-        raster has more than 1024.
+        If a value is out of its range, if the code word does not have 64 bits, if the fields of a
+        plane word do not fit their halves, or if a beat of the raster has more than 1024 bits.
     """
 
     name: str = "custom"
@@ -110,6 +116,8 @@ class EngineConfig:
     pixels_per_word: int = 4
     raster_words: int = 1
     shapes: str = "none"
+    plane: bool = False
+    slope_bits: int = 7
 
     def __post_init__(self) -> None:
         """Check every parameter, so that components need not."""
@@ -122,6 +130,7 @@ class EngineConfig:
             "material_bits": (3, 9),  # the registers need as many addresses as six
             "coefficient_bits": (1, 12),
             "colour_shift": (1, self.coefficient_bits + self.intensity_bits),
+            "slope_bits": (3, 8),
         }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
@@ -143,13 +152,30 @@ class EngineConfig:
             )
         if self.shapes not in SHAPES:
             raise ValueError(f"shapes must be {', '.join(SHAPES)}, not {self.shapes!r}")
-        if self.z.end != 64:
-            raise ValueError(f"the code word must have 64 bits, not {self.z.end}")
+        self._check_codeword()
         if self.raster_end.end > MOST_BEAT_BITS:
             raise ValueError(
                 f"a beat of the raster must have at most {MOST_BEAT_BITS} bits,"
                 f" not {self.raster_end.end}"
             )
+
+    def _check_codeword(self) -> None:
+        """Raise ``ValueError`` unless the fields of a code word fit it."""
+        if not isinstance(self.plane, bool):
+            raise ValueError(f"plane must be True or False, not {self.plane!r}")
+        if not self.plane:
+            if self.z.end != 64:
+                raise ValueError(f"the code word must have 64 bits, not {self.z.end}")
+            return
+        if self.shapes != "none":
+            raise ValueError("an engine with planes has no shape ROM")
+        if self.x.end > LOW_BITS - SIDES:
+            raise ValueError(
+                f"MODE to X of a plane word must have at most {LOW_BITS - SIDES} bits,"
+                f" not {self.x.end}"
+            )
+        if self.z.end > PLANE_BITS:
+            raise ValueError(f"a plane word must have at most {PLANE_BITS} bits, not {self.z.end}")
 
     def replace(self, **changes: object) -> EngineConfig:
         """Return a copy with some parameters changed; the name becomes ``custom`` unless given."""
@@ -204,8 +230,15 @@ class EngineConfig:
 
     @property
     def z(self) -> Field:
-        """Depth, smaller is nearer."""
+        """Depth, smaller is nearer; of a plane word with ``Z_FRACTION`` fraction bits."""
+        if self.plane:
+            return Field(self.scale.end, self.depth_bits + Z_FRACTION)
         return Field(self.x.end, self.depth_bits)
+
+    @property
+    def codeword_bits(self) -> int:
+        """Bits of a code word: 64, or 96 with planes."""
+        return PLANE_BITS if self.plane else LOW_BITS
 
     @property
     def control_end(self) -> Field:

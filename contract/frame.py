@@ -12,7 +12,7 @@ from .config import EngineConfig
 from .errors import InputError
 from .presets import PAPER
 
-__all__ = ["Frame", "Tables", "check_tables"]
+__all__ = ["Frame", "Tables", "check_codewords", "check_tables"]
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,8 @@ class Frame:
     Parameters
     ----------
     codewords
-        The stream, its end-of-frame word included: shape (n,), uint64.
+        The stream, its end-of-frame word included: uint64, shape (n,). Plane words have the shape
+        (n, 2): the low 64 bits, then the high 32 bits, as they lie in 128 bits on AXI.
     tables
         Material table and base colour.
     width, height
@@ -70,3 +71,17 @@ def check_tables(tables: Tables, config: EngineConfig) -> None:
             raise InputError(f"the table {name!r} must have the shape {shape}, not {table.shape}")
         if table.min() < 0 or table.max() >> bits:
             raise InputError(f"the table {name!r} has values that do not fit {bits} bits")
+
+
+def check_codewords(codewords: npt.NDArray[np.uint64], config: EngineConfig) -> None:
+    """Raise ``InputError`` unless code words have the shape of a configuration's.
+
+    That is (n,), and (n, 2) for an engine with planes.
+    """
+    halves = (2,) if config.plane else ()
+    if codewords.ndim != 1 + len(halves) or codewords.shape[1:] != halves:
+        wanted = "(n, 2)" if config.plane else "(n,)"
+        raise InputError(
+            f"code words of preset {config.name} must have the shape {wanted},"
+            f" not {codewords.shape}"
+        )

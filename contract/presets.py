@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from .config import EngineConfig
 
-__all__ = ["DEFAULT", "LANES8", "PAPER", "PRESETS", "REMOVED", "RGB24", "SWIFT", "get_preset"]
+__all__ = [
+    "DEFAULT",
+    "LANES8",
+    "PAPER",
+    "PLANE",
+    "PRESETS",
+    "REMOVED",
+    "RGB24",
+    "SWIFT",
+    "get_preset",
+]
 
 PAPER = EngineConfig(name="paper")
 """The paper's machine: 512 columns, 9-bit depth, 3 + 3 + 3 bits of colour, on an XC2V250."""
@@ -17,6 +27,10 @@ SWIFT = RGB24.replace(name="swift", window="blocks", pixels_per_word=8, raster_w
 
 LANES8 = RGB24.replace(name="lanes8", pixels_per_word=8)
 """Half the cycles of ``rgb24`` for larger elements and sparse scans, and twice its block RAMs."""
+
+PLANE = RGB24.replace(name="plane", plane=True, depth_bits=12, material_bits=8)
+"""``rgb24`` with a depth for every pixel: code words of 96 bits carry the plane of their element,
+with 12 bits of depth and 256 materials. Not in ``PRESETS`` yet: only golden draws it so far."""
 
 DEFAULT = RGB24
 """The default of commands and functions."""
