@@ -16,12 +16,13 @@ import numpy.typing as npt
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.fields import Field
-from splatline.contract.frame import Frame, check_tables
+from splatline.contract.frame import Frame, check_codewords, check_tables
 from splatline.contract.presets import PAPER
 from splatline.contract.raster import Raster
 
 from .compact_words import expand_frame
 from .kernel import ABOVE, draw_bands, index_lines, layout_of
+from .plane_kernel import draw_plane_bands, plane_layout_of
 
 __all__ = ["block_rows", "decode", "render", "render_parts"]
 
@@ -53,7 +54,8 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
     Parameters
     ----------
     frame
-        Code words, tables and the size of the image. Any 64 bits are a code word; those after the
+        Code words, tables and the size of the image. Any 64 bits are a code word, or any 96 of an
+        engine with planes (bits above them do not count); those after the
         end-of-frame word are not part of the frame and are ignored. Compact words are expanded
         first (:mod:`splatline.sim.golden.compact_words`).
     initial
@@ -71,8 +73,8 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
     Raises
     ------
     InputError
-        If there is no end-of-frame word, the image does not fit the engine, or the tables have
-        another shape or larger values than the engine's.
+        If there is no end-of-frame word, the image does not fit the engine, the code words have
+        another shape than the engine's, or the tables another shape or larger values.
     ValueError
         If ``bands`` is below 1, or the initial raster has another size or configuration than the
         frame, or a value that no pixel holds.
@@ -83,28 +85,31 @@ def render(frame: Frame, initial: Raster | None = None, *, bands: int | None = N
     if bands < 1:
         raise ValueError(f"the image is drawn in at least one band of lines, not {bands}")
     _check_image(frame)
+    check_codewords(frame.codewords, config)
     check_tables(frame.tables, config)
     if initial is not None:
         _check_initial(initial, frame)
 
     layout = layout_of(config)
     words = np.ascontiguousarray(expand_frame(frame).codewords, np.uint64)
-    starts, ended = index_lines(words, frame.height + ABOVE, layout)
+    low = np.ascontiguousarray(words[:, 0]) if config.plane else words
+    starts, ended = index_lines(low, frame.height + ABOVE, layout)
     if not ended:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
 
     raster = _initial_raster(frame, initial)
     tables = frame.tables
-    draw_bands(
-        words,
+    common = (
         starts,
         _cut(starts, frame.width, frame.height, bands),
         np.ascontiguousarray(tables.ambient, np.int64),
         np.stack([tables.diffuse, tables.specular], axis=1).astype(np.int64, copy=False),
-        layout,
-        raster.depth,
-        raster.colour,
     )
+    if config.plane:
+        planes = plane_layout_of(config)
+        draw_plane_bands(words.view(np.int64), *common, planes, raster.depth, raster.colour)
+    else:
+        draw_bands(words, *common, layout, raster.depth, raster.colour)
     return raster
 
 
