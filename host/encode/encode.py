@@ -14,6 +14,7 @@ from splatline.host.visibility.occlusion import cover, new_pyramid
 from splatline.host.visibility.splats import Splats
 from splatline.host.visibility.view import View
 
+from .encode_planes import encode_planes
 from .quality import DEFAULT_QUALITY, QUALITIES
 from .shape_table import shape_table
 from .splat_loop import Fixed, Occluders, Slots, encode_splats, measure_room
@@ -39,7 +40,7 @@ class Encoded:
     Parameters
     ----------
     words
-        Shape (slots,), uint64.
+        Shape (slots,), uint64; of an engine with planes (slots, 2).
     lines
         The engine's line at which each is drawn: shape (slots,), int16.
     keys
@@ -95,7 +96,7 @@ def encode(
     config
         The engine's configuration.
     quality
-        One of ``QUALITIES``.
+        One of ``QUALITIES``; an engine with planes has one way of drawing, whichever is asked for.
     nearest_pixel
         Draw a splat that covers no pixel's centre as the pixel that holds its centre, else leave it
         out. Symmetric shapes always have a pixel.
@@ -105,6 +106,9 @@ def encode(
     compact
         Write the symmetric shapes that the engine's ROM holds as compact words.
     """
+    if config.plane:
+        fixed = _fixed(splats, view, config, "exact", nearest_pixel, False)
+        return _encoded(*encode_planes(splats, fixed, config, skip_hidden, WAVES))
     fixed = _fixed(splats, view, config, quality, nearest_pixel, compact)
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)
@@ -131,6 +135,11 @@ def encode(
         encode_splats(wave, source, fixed, to, occluders, slots)
         if skip_hidden:
             cover(pyramid, words, lines, starts[wave], slots.stops[wave], config)
+    return _encoded(words, lines, slots)
+
+
+def _encoded(words: npt.NDArray[np.uint64], lines: npt.NDArray[np.int16], slots: Slots) -> Encoded:
+    """Return the results of the compiled loops."""
     return Encoded(
         words,
         lines,

@@ -13,7 +13,7 @@ from .ellipse import CLOSED, extent, row_code, span
 from .shape_table import EMPTY_SCANS
 from .write_words import put, quantised_depth
 
-__all__ = ["STEEP", "cut", "encode_fractions", "fraction_size"]
+__all__ = ["STEEP", "cut", "encode_fractions", "fraction_size", "row_of"]
 
 STEEP = 3.0 / 512.0
 """Share of the depth range from corner to corner beyond which ``exact`` halves a fraction, whose
@@ -105,7 +105,7 @@ def encode_fractions(
         rows = min(bottom + 1, uncut_line + lines) - begin_line
         left, right = width, -1
         for row in range(rows):
-            first, last = _row(begin_line + row, column, line, square, form, plane, width)
+            first, last = row_of(begin_line + row, column, line, square, form, plane, width)
             if first <= last:
                 left, right = min(left, first), max(right, last)
         first_column, wide = cut(left, right, columns, plane[2])
@@ -113,7 +113,7 @@ def encode_fractions(
             begin, end = max(uncut, left), min(uncut + wide, right + 1)
             scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
             for row in range(rows):
-                first, last = _row(begin_line + row, column, line, square, form, plane, width)
+                first, last = row_of(begin_line + row, column, line, square, form, plane, width)
                 first, last = max(first, begin), min(last, end - 1)
                 if first <= last:
                     scans ^= (1 ^ row_code(first, last, True, begin)) << 6 * row
@@ -133,7 +133,7 @@ def encode_fractions(
 
 
 @nb.njit(error_model="numpy")
-def _row(
+def row_of(
     row: int, column: float, line: float, square: float, form: Any, plane: Any, width: int
 ) -> tuple[int, int]:
     """Return the first and last pixel of a line of the image; first > last if there is none."""

@@ -15,6 +15,7 @@ from splatline.contract.frame import Frame
 
 from .partition_methods import DEFAULT_METHOD, METHODS
 from .sort_by_line import advance_word, end_word, interleaved
+from .stand_ins import X_LSB, replace, stand_in
 
 __all__ = ["deal"]
 
@@ -55,7 +56,9 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
     if engines < 1:
         raise InputError(f"elements are dealt to at least one engine, not {engines}")
     config = frame.config
-    words = np.ascontiguousarray(frame.codewords, np.uint64)
+    words, x_lsb = np.ascontiguousarray(frame.codewords, np.uint64), config.x.lsb
+    if config.plane:
+        words, x_lsb = stand_in(words, config), X_LSB
     elements, lines, ended = _read(words, _fields(config))
     if not ended:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
@@ -64,7 +67,7 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
     elif method == "lines":
         owners = _by_line(lines, engines)
     else:
-        columns = (elements >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)).astype(np.int64)
+        columns = (elements >> np.uint64(x_lsb) & np.uint64(config.x.mask)).astype(np.int64)
         order, owners = _by_column(columns, lines, engines, config.max_width)
         elements = elements[order]
     parts, sizes = _write(
@@ -78,10 +81,13 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         config.x.lsb,
         config.x.mask,
     )
+    streams = [part[:size].copy() for part, size in zip(parts, sizes, strict=True)]
+    if config.plane:
+        streams = [replace(stream, frame.codewords) for stream in streams]
     counts = np.bincount(owners, minlength=engines)
     return [
-        dataclasses.replace(frame, codewords=part[:size].copy(), counts={"elements": int(count)})
-        for part, size, count in zip(parts, sizes, counts, strict=True)
+        dataclasses.replace(frame, codewords=stream, counts={"elements": int(count)})
+        for stream, count in zip(streams, counts, strict=True)
     ]
 
 

@@ -12,6 +12,7 @@ from splatline.contract.config import EngineConfig
 
 from .encode import Encoded
 from .shape_table import EMPTY_SCANS
+from .stand_ins import X_LSB, replace, stand_in
 
 __all__ = ["advance_word", "end_word", "interleaved", "sort_by_line"]
 
@@ -24,12 +25,12 @@ STRIPS = 4
 
 
 def advance_word(lines: int, config: EngineConfig) -> int:
-    """Return the control word that advances the engine's line."""
+    """Return the control word that advances the engine's line; of a plane word its low half."""
     return _control(config) | lines << config.x.lsb
 
 
 def end_word(config: EngineConfig) -> int:
-    """Return the control word that ends a frame."""
+    """Return the control word that ends a frame; of a plane word its low half."""
     return _control(config) | 1 << config.control_end.lsb
 
 
@@ -54,10 +55,13 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     Returns
     -------
     stream
-        Shape (n + control words,), uint64.
+        Shape (n + control words,), uint64; of an engine with planes (n + control words, 2).
     control_words
         How many of them there are.
     """
+    element_words, x_lsb = encoded.words, config.x.lsb
+    if config.plane:
+        element_words, x_lsb = stand_in(encoded.words, config), X_LSB
     before = np.cumsum(encoded.counts, axis=0, dtype=np.int64)
     counts = before[-1].copy()
     before -= encoded.counts
@@ -75,7 +79,7 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     positions = np.cumsum(counts) - counts  # of each line's words without control words
     before += positions
     _by_line(
-        encoded.words,
+        element_words,
         encoded.lines,
         encoded.keys,
         encoded.starts,
@@ -85,8 +89,10 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
         keys,
     )
     _by_key(words, keys, positions, counts, by_key)
-    _by_column(by_key, positions, counts, starts, (config.x.lsb, config.x.mask), stream)
+    _by_column(by_key, positions, counts, starts, (x_lsb, config.x.mask), stream)
     stream[-1] = end_word(config)
+    if config.plane:
+        stream = replace(stream, encoded.words)
     return stream, int(steps.sum()) + 1
 
 

@@ -29,7 +29,7 @@ from .paper_shapes import encode_symmetric
 from .quality import AS_PAPER, EXACT, FAST
 from .write_words import ONE_PIXEL, quantised_depth, write_fraction
 
-__all__ = ["Fixed", "encode_splats", "measure_room"]
+__all__ = ["Fixed", "encode_splats", "measure_room", "own_pixel", "sort_key"]
 
 SMALL = 2.0
 """Diameter in pixels of a splat that takes one word unless it is near the eye or far aslant."""
@@ -229,7 +229,7 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
             found, x, top, scans = 2, 0, 0, 0
             if true_shapes and is_tiny(radius, a, b, inverse_focal):
                 # No other pixel's centre is near enough.
-                found, x, top = _own_pixel(column, line, square, form, width, height)
+                found, x, top = own_pixel(column, line, square, form, width, height)
                 scans = ONE_PIXEL
             elif true_shapes and radius * inverse_focal < 0.5:
                 found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
@@ -245,7 +245,7 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
                 ellipse = centre_x, centre_y, square, share * share
                 at = _encode_other(splat, common, found, form, ellipse, fixed, at, to)
             drawn += at > before
-            key = _sort_key(column, line)
+            key = sort_key(column, line)
             for word in range(before, at):
                 keys[word] = key
                 counts[chunk, lines[word]] += 1
@@ -255,7 +255,7 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
 
 
 @nb.njit(inline="always")
-def _own_pixel(
+def own_pixel(
     column: float, line: float, square: float, form: Any, width: int, height: int
 ) -> tuple[int, int, int]:
     """Return whether a splat covers its own pixel's centre in the image, and the pixel."""
@@ -265,7 +265,7 @@ def _own_pixel(
 
 
 @nb.njit(inline="always")
-def _sort_key(column: float, line: float) -> int:
+def sort_key(column: float, line: float) -> int:
     """Return a splat's sort key among the words of its line: a hash of its position.
 
     The order of two words depends neither on other words nor on the order of the points. The

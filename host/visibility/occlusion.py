@@ -16,10 +16,11 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.codeword import unfold
+from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
+from splatline.contract.plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
 
-__all__ = ["Pyramid", "cover", "is_hidden", "new_pyramid"]
+__all__ = ["Pyramid", "cover", "cover_planes", "is_hidden", "new_pyramid"]
 
 WIDE, HIGH = BLOCK, ROWS
 """Pixels of a cell: those of a fraction, one for each bit of a 32-bit mask."""
@@ -119,6 +120,34 @@ def cover(
     fields = (config.x.lsb, config.x.mask, config.z.lsb, config.z.mask)
     bound, mask, gathered, coarse = pyramid
     _cover(words.view(np.int64), lines, starts, stops, fields, bound, mask, gathered)
+    _coarsen(bound, coarse)
+
+
+def cover_planes(
+    pyramid: Pyramid,
+    words: npt.NDArray[np.uint64],
+    lines: npt.NDArray[np.int16],
+    starts: npt.NDArray[np.int64],
+    stops: npt.NDArray[np.int64],
+    config: EngineConfig,
+) -> None:
+    """Add plane words, shape (slots, 2), given in chunks, to a pyramid.
+
+    A word counts as if all its pixels had the largest depth among them.
+    """
+    fields = (
+        (config.x.lsb, config.x.mask),
+        (config.slope_x.lsb - LOW_BITS, config.slope_y.lsb - LOW_BITS, config.slope_bits),
+        (config.scale.lsb - LOW_BITS, config.z.lsb - LOW_BITS, config.z.mask),
+        config.background_depth - 1,
+    )
+    bound, mask, gathered, coarse = pyramid
+    _cover_planes(words.view(np.int64), lines, starts, stops, fields, bound, mask, gathered)
+    _coarsen(bound, coarse)
+
+
+def _coarsen(bound: npt.NDArray[np.int32], coarse: npt.NDArray[np.int32]) -> None:
+    """Set the upper level of a pyramid from the lower one."""
     rows, columns = bound.shape
     padded = np.zeros((coarse.shape[0] * GROUP, coarse.shape[1] * GROUP), np.int32)
     padded[:rows, :columns] = bound
@@ -158,6 +187,63 @@ def _cover(
                     _add(both & FULL, z, row, column, bound, mask, gathered)
                     if both >> WIDE * HIGH and column + 1 < columns:
                         _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
+
+
+SHIFT = np.array(SHIFTS, np.int64)
+
+
+@nb.njit(parallel=True, cache=True)
+def _cover_planes(
+    words: Any,
+    lines: Any,
+    starts: Any,
+    stops: Any,
+    fields: Any,
+    bound: Any,
+    mask: Any,
+    gathered: Any,
+) -> None:
+    """Fill the cells with plane words, as :func:`_cover` does with others."""
+    (x_lsb, x_mask), slopes, heights, largest = fields
+    rows, columns = bound.shape
+    for band in nb.prange(BANDS):
+        first_row, end_row = rows * band // BANDS, rows * (band + 1) // BANDS
+        block = np.empty((BLOCK, 2), np.int64)
+        for chunk in range(len(starts)):
+            for i in range(starts[chunk], stops[chunk]):
+                top = lines[i] - ROWS  # of the block's first row
+                if top >= end_row * HIGH or top + BLOCK <= first_row * HIGH:
+                    continue
+                low, high = words[i, 0], words[i, 1]
+                x = low >> x_lsb & x_mask
+                unfold_plane(low, high, block)
+                z = _largest_depth(high, block, slopes, heights, largest)
+                for row in range(max(top // HIGH, first_row), end_row):
+                    if row * HIGH >= top + (ROWS if low & 1 else BLOCK):
+                        break
+                    both = _row_masks(block, top, row, x % WIDE)
+                    column = x // WIDE
+                    _add(both & FULL, z, row, column, bound, mask, gathered)
+                    if both >> WIDE * HIGH and column + 1 < columns:
+                        _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
+
+
+@nb.njit
+def _largest_depth(high: int, block: Any, slopes: Any, heights: Any, largest: int) -> int:
+    """Return the largest depth of a plane word's pixels; see ``docs/contract.md``, "Depth"."""
+    x_lsb, y_lsb, slope_bits = slopes
+    scale_lsb, z_lsb, z_mask = heights
+    shift = SHIFT[high >> scale_lsb & 3]
+    half = 1 << slope_bits - 1
+    a = ((high >> x_lsb & 2 * half - 1 ^ half) - half) << shift
+    b = ((high >> y_lsb & 2 * half - 1 ^ half) - half) << shift
+    furthest = -(1 << 40)
+    for row in range(BLOCK):
+        first, last = block[row]
+        if first <= last:
+            furthest = max(furthest, b * row + max(a * first, a * last))
+    total = ((high >> z_lsb & z_mask) << SUM_FRACTION - Z_FRACTION) + furthest
+    return min(max(total >> SUM_FRACTION, 0), largest)
 
 
 @nb.njit

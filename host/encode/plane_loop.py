@@ -1,0 +1,242 @@
+"""The compiled loop over splats for an engine with planes: one word for what fits a block."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba as nb
+import numpy as np
+
+from splatline.contract.config import BLOCK, ROWS
+from splatline.host.visibility.footprint import FLAT, SMALLEST, conic, is_tiny
+from splatline.host.visibility.occlusion import is_hidden
+from splatline.host.visibility.splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
+from splatline.host.visibility.view import LARGEST
+
+from .ellipse import CLOSED, extent, in_perspective, one_fraction, row_code
+from .large_splats import cut, row_of
+from .plane_block import TRUE_ROWS, encode_block
+from .plane_words import plane_bits, put_plane
+from .shape_table import EMPTY_SCANS
+from .splat_loop import own_pixel, sort_key
+from .write_words import ONE_PIXEL, quantised_depth
+
+__all__ = ["encode_plane_splats"]
+
+SLACK = 4.0
+"""Levels by which rounding may bring a pixel nearer where slopes have their finest scale: half a
+step over 14 pixels, 1.75, half a level and half a unit of Z, cut off."""
+
+
+@nb.njit(parallel=True, cache=True, error_model="numpy")
+def encode_plane_splats(
+    wave: Any, source: Any, fixed: Any, layout: Any, to: Any, occluders: Any, slots: Any
+) -> None:
+    """Encode chunks as plane words, each into its own slots, and count their words on each line.
+
+    Parameters
+    ----------
+    wave, source, fixed, occluders, slots
+        As for :func:`splatline.host.encode.splat_loop.encode_splats`.
+    layout
+        See :class:`splatline.host.encode.plane_words.Layout`.
+    to
+        Words, shape (slots, 2), int64; lines; width and height of the image.
+    """
+    floats, bits, doubles, begins, ends = source
+    lines, width, height = to[1], to[2], to[3]
+    skip_hidden, bound, coarse = occluders
+    starts, stops, keys, counts, elements, hidden = slots
+    inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
+    nearest_pixel, middle_x, middle_y = fixed.nearest_pixel, fixed.middle_x, fixed.middle_y
+    for number in nb.prange(len(wave)):
+        chunk = wave[number]
+        at = starts[chunk]
+        drawn, behind = 0, 0
+        rows = np.empty((TRUE_ROWS, 2), np.int64)
+        for i in range(begins[chunk], ends[chunk]):
+            before = at
+            column, line = float(floats[i, COLUMN]), float(floats[i, LINE])
+            slope_x, slope_y = float(floats[i, SLOPE_X]), float(floats[i, SLOPE_Y])
+            distance = doubles[i, DEPTH]
+            a = (column - middle_x) * inverse_focal
+            b = (line - middle_y) * inverse_focal
+            form = conic(a, b, slope_x, slope_y)
+            radius = min(max(0.5 * float(floats[i, DIAMETER]), SMALLEST), LARGEST)
+            square = radius * radius
+            in_depth = square * inverse_focal > FLAT
+            levels = inverse_span * layout.largest
+            steep = -distance * inverse_focal * levels
+            plane = (distance - low) * levels, steep * slope_x, steep * slope_y
+            disc = column, line, plane, radius
+            if skip_hidden and not in_depth and _is_hidden(disc, a, b, layout, bound, coarse):
+                behind += 1
+                continue
+            centre_x, centre_y = column, line
+            if in_depth:
+                right, down, square, form_a, form_b, form_c, determinant = in_perspective(
+                    form, slope_x, slope_y, square, inverse_focal
+                )
+                form = form_a, form_b, form_c, determinant
+                centre_x, centre_y = column + right, line + down
+            found, x, top, scans = 2, 0, 0, 0
+            if is_tiny(radius, a, b, inverse_focal):
+                found, x, top = own_pixel(column, line, square, form, width, height)
+                scans = ONE_PIXEL
+            elif radius * inverse_focal < 0.5:
+                found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
+            look = np.int64(bits[i, LOOK]) << layout.look_lsb
+            if found == 2:
+                share = radius * inverse_focal
+                ellipse = centre_x, centre_y, square, form
+                at = _encode_larger(
+                    ellipse, disc, (slope_x, slope_y, distance, share * share), look, fixed,
+                    rows, layout, at, to,
+                )  # fmt: skip
+            if found == 0 or (found == 2 and at == before):
+                x, top, scans = math.floor(column), math.floor(line), ONE_PIXEL
+                found = int(nearest_pixel and 0 <= x < width and 0 <= top < height)
+            if found == 1:
+                high = plane_bits(*plane, column - x - 0.5, line - top - 0.5, layout)
+                at = put_plane(look | scans << 1 | 1, high, x, top + ROWS, at, to, layout)
+            drawn += at > before
+            key = sort_key(column, line)
+            for word in range(before, at):
+                keys[word] = key
+                counts[chunk, lines[word]] += 1
+        stops[chunk] = at
+        elements[chunk] = drawn
+        hidden[chunk] = behind
+
+
+@nb.njit(error_model="numpy")
+def _is_hidden(disc: Any, a: float, b: float, layout: Any, bound: Any, coarse: Any) -> bool:
+    """Return whether a splat is hidden, whatever its word will be.
+
+    Its least depth is that of a plane whose slopes are rounded outwards, at a corner of its
+    rectangle. From scale to scale a slope's step grows fourfold at most, so the steeper slope has
+    at least a quarter of the largest value, and half a step is 2 / (largest + 1 / 2) of it. A Z
+    that is cut off at the largest value moves the plane nearer, but not so far that the block's
+    first pixel lies before the largest depth.
+
+    Parameters
+    ----------
+    disc
+        Column and line of its centre, its plane and its radius in pixels.
+    a, b
+        x / z and y / z of its centre.
+    """
+    column, line, plane, radius = disc
+    depth, change_x, change_y = plane
+    wide = radius * (1.0 + min(abs(a), 0.5 * a * a)) + 0.01
+    high = radius * (1.0 + min(abs(b), 0.5 * b * b)) + 0.01
+    largest = layout.largest
+    rounding = 2.0 / (layout.slope_most + 0.5) * max(abs(change_x), abs(change_y))
+    across, down = abs(change_x) + rounding, abs(change_y) + rounding
+    nearer = depth - across * wide - down * high
+    cut_off = largest - (BLOCK - 1) * (across + down)
+    z = quantised_depth((min(nearer, cut_off) - SLACK) / largest, largest)
+    return is_hidden(column, line, wide, high, z, bound, coarse)
+
+
+@nb.njit(error_model="numpy")
+def _encode_larger(
+    ellipse: Any,
+    disc: Any,
+    slant: Any,
+    look: int,
+    fixed: Any,
+    rows: Any,
+    layout: Any,
+    at: int,
+    to: Any,
+) -> int:
+    """Write a splat that is not one fraction: one symmetric word, or fractions; return the slot."""
+    centre_x, centre_y, square, form = ellipse
+    column, line, plane, _ = disc
+    slope_x, slope_y, distance, share = slant
+    width, height = to[2], to[3]
+    if share < CLOSED:
+        found, low, high, x, y = encode_block(centre_x, centre_y, square, form, rows, layout)
+        if found and x >= 0 and y >= -ROWS:
+            if x >= width or y >= height:
+                return at
+            high |= plane_bits(*plane, column - x - 0.5, line - y - 0.5, layout)
+            return put_plane(look | low, high, x, y + ROWS, at, to, layout)
+    whole = (
+        column,
+        line,
+        slope_x * fixed.inverse_focal,
+        slope_y * fixed.inverse_focal,
+        distance,
+        fixed.low,
+        fixed.inverse_span * layout.largest,
+        share,
+        fixed.near,
+    )
+    return _encode_fractions(centre_x, centre_y, square, form, whole, look, layout, at, to)
+
+
+@nb.njit(error_model="numpy")
+def _encode_fractions(
+    column: float,
+    line: float,
+    square: float,
+    form: Any,
+    plane: Any,
+    look: int,
+    layout: Any,
+    at: int,
+    to: Any,
+) -> int:
+    """Write a splat's fractions, each with the tangent plane at its pixels' mean position.
+
+    Parameters
+    ----------
+    column, line, square, form
+        As for :func:`splatline.host.encode.ellipse.one_fraction`.
+    plane
+        As for :func:`splatline.host.encode.large_splats.encode_fractions`, without ``steep``; the
+        seventh is in levels of depth.
+    """
+    width, height = to[2], to[3]
+    top, bottom = extent(line, form[0] / form[3] * square)
+    is_open = plane[7] >= CLOSED
+    top, bottom = (0, height - 1) if is_open else (max(top, 0), min(bottom, height - 1))
+    first_line, lines = cut(top, bottom, ROWS, plane[3])
+    for uncut_line in range(first_line, bottom + 1, lines):
+        begin_line = max(uncut_line, top)
+        rows = min(bottom + 1, uncut_line + lines) - begin_line
+        left, right = width, -1
+        for row in range(rows):
+            first, last = row_of(begin_line + row, column, line, square, form, plane, width)
+            if first <= last:
+                left, right = min(left, first), max(right, last)
+        first_column, wide = cut(left, right, BLOCK, plane[2])
+        for uncut in range(first_column, right + 1, wide):
+            begin, end = max(uncut, left), min(uncut + wide, right + 1)
+            scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
+            for row in range(rows):
+                first, last = row_of(begin_line + row, column, line, square, form, plane, width)
+                first, last = max(first, begin), min(last, end - 1)
+                if first <= last:
+                    scans ^= (1 ^ row_code(first, last, True, begin)) << 6 * row
+                    count = last - first + 1
+                    pixels += count
+                    across += count * (first + last + 1)  # twice their centres' sum
+                    down += count * (2 * row + 1)
+            if pixels:
+                x, y = 0.5 * across / pixels, begin_line + 0.5 * down / pixels
+                # The ray meets the plane here, but not behind the eye.
+                nearer = 1.0 + plane[2] * (x - plane[0]) + plane[3] * (y - plane[1])
+                distance = plane[4] / nearer if nearer > 0.0 else math.inf
+                steep = -distance / nearer * plane[6] if nearer > 0.0 else 0.0
+                depth = (distance - plane[5]) * plane[6]
+                high = plane_bits(
+                    depth, steep * plane[2], steep * plane[3],
+                    x - begin - 0.5, y - begin_line - 0.5, layout,
+                )  # fmt: skip
+                low = look | scans << 1 | 1
+                at = put_plane(low, high, begin, begin_line + ROWS, at, to, layout)
+    return at
