@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .config import EngineConfig
+from .config import ROWS, EngineConfig
 from .errors import InputError
 from .presets import PAPER
 
-__all__ = ["Frame", "Tables", "check_codewords", "check_tables"]
+__all__ = ["Frame", "Tables", "are_control", "check_codewords", "check_tables"]
 
 
 @dataclass(frozen=True)
@@ -85,3 +85,20 @@ def check_codewords(codewords: npt.NDArray[np.uint64], config: EngineConfig) -> 
             f"code words of preset {config.name} must have the shape {wanted},"
             f" not {codewords.shape}"
         )
+
+
+def are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
+    """Return where the control words are: they have MODE 1, and every row is empty.
+
+    Parameters
+    ----------
+    words
+        Code words, or the low halves of plane words: shape (n,), uint64.
+    """
+    control = words >> np.uint64(config.mode.lsb) & np.uint64(1) == 1
+    for row in range(ROWS):
+        first, last = config.first(row), config.last(row)
+        begins = words >> np.uint64(first.lsb) & np.uint64(first.mask)
+        ends = words >> np.uint64(last.lsb) & np.uint64(last.mask)
+        control &= begins > ends
+    return control

@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from splatline.contract.config import COMPACT, EngineConfig
 from splatline.contract.errors import InputError
-from splatline.contract.frame import Frame, Tables, check_tables
+from splatline.contract.frame import Frame, Tables, are_control, check_tables
+from splatline.contract.plane import LOW_BITS
 from splatline.host.files.atomic_write import atomic_write
 from splatline.host.visibility.view import View
 
@@ -36,6 +37,8 @@ def save_frame(
     extra: dict[str, Any] | None = None,
 ) -> None:
     """Write a frame's code words, little-endian 64-bit words, and its sidecar.
+
+    Plane words are written as little-endian 128-bit words, as on AXI.
 
     Parameters
     ----------
@@ -101,14 +104,19 @@ def load_frame(path: str | Path) -> Frame:
             f"{beside} has version {sidecar.get('version')!r}; this Splatline reads {VERSION};"
             " encode the frame again"
         )
-    if len(data) % 8:
-        raise InputError(f"{path} has {len(data)} bytes, not whole 64-bit words; it is cut short")
+    described = sidecar.get("config")
+    size = 16 if isinstance(described, dict) and described.get("plane") is True else 8
+    if len(data) % size:
+        raise InputError(
+            f"{path} has {len(data)} bytes, not whole {8 * size}-bit words; it is cut short"
+        )
     codewords = np.frombuffer(data, "<u8").astype(np.uint64)
     try:
-        frame = _frame_of(codewords, sidecar)
+        frame = _frame_of(codewords if size == 8 else codewords.reshape(-1, 2), sidecar)
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{beside} is damaged ({error}); encode the frame again") from None
-    if not len(codewords) or not _is_end(int(codewords[-1]), frame.config):
+    low = _low_halves(frame)
+    if not len(low) or not _is_end(int(low[-1]), frame.config):
         raise InputError(f"{path} does not end with an end-of-frame word; it is cut short")
     return frame
 
@@ -116,17 +124,21 @@ def load_frame(path: str | Path) -> Frame:
 def describe_frame(frame: Frame) -> dict[str, Any]:
     """Return a frame's size, preset, counts of code words by kind, and ranges of X and Z.
 
-    Compact words are a kind of symmetric words, and count as these too.
+    Compact words are a kind of symmetric words, and count as these too. Of an engine with planes Z
+    is in fractions of a level.
     """
     config = frame.config
-    words = frame.codewords
+    words = _low_halves(frame)
     mode = words >> np.uint64(config.mode.lsb) & np.uint64(1)
-    control = _are_control(words, config)
+    control = are_control(words, config)
     drawn = words[~control]
 
     def span(name: str) -> list[int] | None:
         field = getattr(config, name)
-        values = drawn >> np.uint64(field.lsb) & np.uint64(field.mask)
+        source, lsb = drawn, field.lsb
+        if lsb >= LOW_BITS:
+            source, lsb = frame.codewords[~control, 1], lsb - LOW_BITS
+        values = source >> np.uint64(lsb) & np.uint64(field.mask)
         return [int(values.min()), int(values.max())] if len(values) else None
 
     return {
@@ -143,6 +155,11 @@ def describe_frame(frame: Frame) -> dict[str, Any]:
         "z_range": span("z"),
         "counts": frame.counts,
     }
+
+
+def _low_halves(frame: Frame) -> npt.NDArray[np.uint64]:
+    """Return the low 64 bits of a frame's code words."""
+    return frame.codewords[:, 0] if frame.config.plane else frame.codewords
 
 
 def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Frame:
@@ -165,17 +182,6 @@ def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Fra
     return Frame(codewords, tables, width, height, config, counts)
 
 
-def _are_control(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
-    """Return where the control words are: they have MODE 1, and every row is empty."""
-    control = words >> np.uint64(config.mode.lsb) & np.uint64(1) == 1
-    for row in range(4):
-        first, last = config.first(row), config.last(row)
-        begins = words >> np.uint64(first.lsb) & np.uint64(first.mask)
-        ends = words >> np.uint64(last.lsb) & np.uint64(last.mask)
-        control &= begins > ends
-    return control
-
-
 def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDArray[np.bool_]:
     """Return where the compact words are: nowhere for an engine without a shape ROM."""
     if config.shapes == "none":
@@ -187,7 +193,7 @@ def _are_compact(words: npt.NDArray[np.uint64], config: EngineConfig) -> npt.NDA
 
 def _is_end(word: int, config: EngineConfig) -> bool:
     """Return whether a code word ends a frame."""
-    is_control = bool(_are_control(np.array([word], np.uint64), config)[0])
+    is_control = bool(are_control(np.array([word], np.uint64), config)[0])
     return is_control and bool(word >> config.control_end.lsb & 1)
 
 

@@ -86,7 +86,8 @@ def make_frames(
     config
         The configuration of the engine.
     quality
-        One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``.
+        One of ``QUALITIES``: ``paper``, ``fast`` or ``exact``. For an engine with planes ``fast``
+        and ``exact`` are the same, and there is no ``paper``.
     skips
         Reasons to leave points out (``SKIPS``); ``no_pixel`` is ignored if it would leave nothing.
     depth_range
@@ -143,6 +144,11 @@ def _check_request(
     check_size(view.width, view.height, config)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
+    if config.plane and quality == "paper":
+        raise InputError(
+            f"an engine of preset {config.name} draws every splat exactly; take quality exact,"
+            " or preset rgb24 for quality paper"
+        )
     check_shapes(shapes, quality, skips, config)
 
 

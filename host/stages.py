@@ -81,7 +81,7 @@ def draw_up(
         "quality": quality,
         "skips": sorted(chosen),
         "shapes": shapes,
-        "bits_sent": {shapes: 8 * stream.nbytes},
+        "bits_sent": {shapes: config.codeword_bits * len(stream)},
         "codewords": len(stream),
         "control_words": control_words,
         "depth_range": list(splats.depth_range),

@@ -135,6 +135,10 @@ def draw(
     from splatline.sim import golden
     from splatline.sim.golden.multisample import average
 
+    if engine != "golden" and frames[0].config.plane:
+        raise InputError(
+            f"there is no Verilog of preset {frames[0].config.name} yet: take --engine golden"
+        )
     parts = [[frame] for frame in frames]
     if engines is not None:
         if engine == "axi":
