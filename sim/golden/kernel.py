@@ -21,7 +21,10 @@ from numba.extending import intrinsic
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.presets import PAPER
 
-__all__ = ["Layout", "draw_bands", "index_lines", "layout_of"]
+__all__ = [
+    "ABOVE", "BELOW", "CARRY_LSB", "LANES", "ROW_BITS", "Layout", "draw_bands", "filled_rows",
+    "index_lines", "layout_of", "lowest_bit",
+]  # fmt: skip
 
 ABOVE = BLOCK // 2
 """Lines of an element's block that lie above the engine's current line."""
@@ -195,9 +198,9 @@ def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout:
         key = word | below_z
         symmetric = word & MODE == 0
         shape, raised, shifted = _middle(word) if symmetric else (word, 0, 0)
-        rows = _filled_rows(shape)  # none in a control word
+        rows = filled_rows(shape)  # none in a control word
         while rows:
-            carry = _lowest_bit(rows)
+            carry = lowest_bit(rows)
             rows &= rows - ONE
             row = carry // ROW_BITS
             lsb = np.uint64(carry - CARRY_LSB)
@@ -280,11 +283,11 @@ def _field(word: int, lsb: int, mask: int) -> Any:
 @nb.njit(cache=True, inline="always")
 def _is_control(word: int) -> Any:
     """Return whether a code word is a control word."""
-    return (word & MODE != 0) & (_filled_rows(word) == 0)
+    return (word & MODE != 0) & (filled_rows(word) == 0)
 
 
 @nb.njit(cache=True, inline="always")
-def _filled_rows(word: int) -> Any:
+def filled_rows(word: int) -> Any:
     """Return a bit for each row, at ``CARRY_LSB + ROW_BITS * row``, set if the row is not empty.
 
     One subtraction handles all four rows. A row's carry bit stays set where first <= last.
@@ -295,7 +298,7 @@ def _filled_rows(word: int) -> Any:
 
 
 @intrinsic
-def _lowest_bit(typing: Any, number: Any) -> Any:
+def lowest_bit(typing: Any, number: Any) -> Any:
     """Return the position of the lowest set bit of a number, by the processor's instruction."""
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -2,8 +2,7 @@
 
 It is written from ``docs/contract.md``, "Plane words", and shares with the hardware only the
 positions of the fields. Lines, bands and the moving canvas are as in :mod:`.kernel`; a pixel of the
-canvas holds its depth, and the look of the code word that drew it. The eight columns of a row are
-tested together, in one vector register of the processor.
+canvas holds its depth, and below it the look of the code word that drew it.
 """
 
 from __future__ import annotations
@@ -16,17 +15,23 @@ import numpy as np
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
 
-from .kernel import ABOVE, BELOW
+from .kernel import ABOVE, BELOW, LANES, ROW_BITS, filled_rows, lowest_bit
 
 __all__ = ["PlaneLayout", "draw_plane_bands", "plane_layout_of"]
 
-EMPTY_LOOK = -1
-"""Look of a pixel that nothing was drawn into; those of code words are at least 0."""
+DEPTH_LSB = 32
+"""Lowest bit of a pixel's depth in the canvas. Below it lies the look of its code word, which
+has at most 27 bits."""
+
+LOOK_MASK = (1 << DEPTH_LSB) - 1
+"""All ones: the look of a pixel that nothing was drawn into."""
 
 FRACTIONS = SUM_FRACTION - Z_FRACTION
 """Bits by which Z is shifted left to have the fraction bits of the sum."""
 
 SHIFT = np.array(SHIFTS, np.int64)
+
+ONE = np.uint64(1)
 
 
 class PlaneLayout(NamedTuple):
@@ -103,22 +108,20 @@ def draw_plane_bands(
     width = depth.shape[1]
     for band in nb.prange(len(cuts) - 1):
         begin, end = cuts[band], cuts[band + 1]
-        # A block may reach beyond the right border.
-        depths = np.zeros((BLOCK, width + BLOCK), np.int32)
-        looks = np.zeros((BLOCK, width + BLOCK), np.int32)
-        rows = np.empty((BLOCK, 2), np.int32)
+        # A block may reach beyond the right border, and the vector of pixels tested beyond it.
+        canvas = np.zeros((BLOCK, width + 2 * BLOCK), np.int64)
         for y in range(begin - BELOW, end + ABOVE):
             if y + BELOW < end:
                 line = y + BELOW
                 for column in range(width):
-                    depths[line % BLOCK, column] = depth[line, column]
-                    looks[line % BLOCK, column] = EMPTY_LOOK
+                    stored = np.int64(depth[line, column])
+                    canvas[line % BLOCK, column] = stored << DEPTH_LSB | LOOK_MASK
             if y >= 0:
                 for index in range(starts[y], starts[y + 1]):
                     low, high = words[index, 0], words[index, 1]
-                    _draw_word(low, high, y, layout, rows, depths, looks)
+                    _draw_word(low, high, y, layout, canvas)
             if y - ABOVE >= begin:
-                _close_line(depths, looks, y - ABOVE, ambient, coefficients, layout, depth, colour)
+                _close_line(canvas, y - ABOVE, ambient, coefficients, layout, depth, colour)
 
 
 @nb.njit(cache=True, inline="always")
@@ -128,66 +131,64 @@ def _bits(word: int, lsb: int, width: int) -> int:
 
 
 @nb.njit(cache=True)
-def _draw_word(
-    low: int, high: int, y: int, layout: PlaneLayout, rows: Any, depths: Any, looks: Any
-) -> None:
+def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) -> None:
     """Draw a code word into the canvas; a control word has no row and draws nothing."""
     x = _bits(low, layout.x_lsb, layout.x_bits)
-    if x >= depths.shape[1] - BLOCK:
+    if x >= canvas.shape[1] - 2 * BLOCK:
         return
-    below = _find_rows(low, high, layout, rows)
     shift = SHIFT[_bits(high, layout.scale_lsb, 2)]
     # A slope is brought to the top of 64 bits and back, which copies its sign.
     top = 64 - layout.slope_bits
     a = (high << top - layout.slope_x_lsb >> top) << shift
     b = (high << top - layout.slope_y_lsb >> top) << shift
     start = _bits(high, layout.z_lsb, layout.z_bits) << FRACTIONS
-    look = np.int32(_bits(low, layout.diffuse_lsb, layout.look_bits))
-    largest = np.int32(layout.largest)
-    step = np.int32(a)
-    for row in range(below):
-        first, last = rows[row, 0], rows[row, 1]
-        if first > last:
-            continue
-        line = (y - ABOVE + row) % BLOCK
-        # 16 bits hold the sums of the preset. Of any configuration, a slope has less than
-        # 2^(8 - 1 + 4) and 2 Z has 18 bits: the sum is below 2^18 + 14 * 2^11 < 2^31.
-        total = np.int32(start + b * row)
-        for column in range(BLOCK):
-            z = total + step * np.int32(column) >> np.int32(SUM_FRACTION)
-            z = min(max(z, np.int32(0)), largest)
-            old = depths[line, x + column]
-            passes = (column >= first) & (column <= last) & (z < old)
-            depths[line, x + column] = z if passes else old
-            looks[line, x + column] = look if passes else looks[line, x + column]
-
-
-@nb.njit(cache=True)
-def _find_rows(low: int, high: int, layout: PlaneLayout, rows: Any) -> int:
-    """Set first and last column of the block's rows; return how many rows there are."""
-    for row in range(ROWS):
-        rows[row, 0], rows[row, 1] = _bits(low, 1 + 6 * row, 3), _bits(low, 4 + 6 * row, 3)
-    if low & 1:
-        return ROWS
+    look = _bits(low, layout.diffuse_lsb, layout.look_bits)
+    pixels, stride = canvas.reshape(-1), canvas.shape[1]
+    symmetric = low & 1 == 0
     raised = high >> layout.raised_lsb & 1
-    first_out = high >> layout.outwards_lsb & 1
-    last_out = high >> layout.outwards_lsb + 1 & 1
-    sides = low >> layout.side_lsb
-    rows[BLOCK - 1, 0], rows[BLOCK - 1, 1] = 1, 0
-    for row in range(ROWS - raised):
-        first = BLOCK - 1 - rows[row, 1] + (sides >> 2 * row & 1) * (1 - 2 * first_out)
-        last = BLOCK - 1 - rows[row, 0] - (sides >> 2 * row + 1 & 1) * (1 - 2 * last_out)
-        empty = rows[row, 0] > rows[row, 1]
-        below = BLOCK - 1 - raised - row
-        rows[below, 0] = 1 if empty else min(max(first, 0), BLOCK - 1)
-        rows[below, 1] = 0 if empty else min(max(last, 0), BLOCK - 1)
-    return BLOCK
+    first_way = 1 - 2 * (high >> layout.outwards_lsb & 1)
+    last_way = 2 * (high >> layout.outwards_lsb + 1 & 1) - 1
+    rows = filled_rows(np.uint64(low))
+    while rows:
+        carry = lowest_bit(rows)
+        rows &= rows - ONE
+        row = np.int64(carry // ROW_BITS)
+        first, last = low >> 1 + 6 * row & 7, low >> 4 + 6 * row & 7
+        begin = (y - ABOVE + row) % BLOCK * stride + x + first
+        total = start + b * row + a * first
+        _draw_row(pixels, begin, last - first + 1, total, a, look, layout.largest)
+        if symmetric and not (raised and row == ROWS - 1):
+            below = BLOCK - 1 - raised - row
+            sides = low >> layout.side_lsb + 2 * row
+            rotated = BLOCK - 1 - last + first_way * (sides & 1)
+            last = BLOCK - 1 - first + last_way * (sides >> 1 & 1)
+            first, last = min(max(rotated, 0), BLOCK - 1), min(max(last, 0), BLOCK - 1)
+            begin = (y - ABOVE + below) % BLOCK * stride + x + first
+            total = start + b * below + a * first
+            _draw_row(pixels, begin, last - first + 1, total, a, look, layout.largest)
+
+
+@nb.njit(cache=True, inline="always")
+def _draw_row(
+    pixels: Any, begin: int, count: int, total: int, a: int, look: int, largest: int
+) -> None:
+    """Draw ``count`` pixels of a line, the first of them at the sum ``total``.
+
+    Int64 holds the sums of every configuration: a shifted slope has at most 12 bits, 2 Z has 18.
+    """
+    for offset in range(0, count, LANES):
+        # Pixels past the row are written back unchanged, which avoids branches.
+        for lane in range(LANES):
+            old = pixels[begin + offset + lane]
+            z = total + a * (offset + lane) >> SUM_FRACTION
+            z = min(max(z, 0), largest) << DEPTH_LSB
+            passes = (z | LOOK_MASK < old) & (offset + lane < count)
+            pixels[begin + offset + lane] = z | look if passes else old
 
 
 @nb.njit(cache=True)
 def _close_line(
-    depths: Any,
-    looks: Any,
+    canvas: Any,
     line: int,
     ambient: Any,
     coefficients: Any,
@@ -198,10 +199,11 @@ def _close_line(
     """Store depth and colour of a line's pixels; see ``kernel._close_line`` for the sums' range."""
     bits = layout.intensity_bits
     for column in range(depth.shape[1]):
-        look = looks[line % BLOCK, column]
-        if look == EMPTY_LOOK:
+        pixel = canvas[line % BLOCK, column]
+        look = pixel & LOOK_MASK
+        if look == LOOK_MASK:
             continue
-        depth[line, column] = depths[line % BLOCK, column]
+        depth[line, column] = pixel >> DEPTH_LSB
         d, s, material = _bits(look, 0, bits), _bits(look, bits, bits), look >> 2 * bits
         for channel in range(3):
             kd, ks = coefficients[material, 0, channel], coefficients[material, 1, channel]
