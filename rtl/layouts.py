@@ -8,6 +8,7 @@ from amaranth.hdl import signed
 from amaranth.lib import data
 
 from splatline.contract.config import EngineConfig
+from splatline.contract.plane import PLANE_BITS, SHIFTS, SIDES
 
 __all__ = [
     "CodeWordLayout",
@@ -17,6 +18,7 @@ __all__ = [
     "PixelLayout",
     "PixelsLayout",
     "PlaceLayout",
+    "PlaneLayout",
     "RasterLayout",
     "TableWriteLayout",
     "WordLayout",
@@ -28,17 +30,26 @@ class CodeWordLayout(data.StructLayout):
 
     def __init__(self, config: EngineConfig):
         row = data.StructLayout({"first": 3, "last": 3})
-        super().__init__(
-            {
-                "mode": config.mode.width,
-                "scans": data.ArrayLayout(row, 4),
-                "diffuse": config.diffuse.width,
-                "specular": config.specular.width,
-                "material": config.material.width,
-                "x": config.x.width,
-                "z": config.z.width,
+        fields = {
+            "mode": config.mode.width,
+            "scans": data.ArrayLayout(row, 4),
+            "diffuse": config.diffuse.width,
+            "specular": config.specular.width,
+            "material": config.material.width,
+            "x": config.x.width,
+        }
+        if config.plane:
+            fields |= {
+                "unused": config.side(0, 0).lsb - config.x.end,
+                "sides": SIDES,
+                "raised": 1,
+                "outwards": 2,
+                **_slopes(config),
             }
-        )
+        fields |= {"z": config.z.width}
+        if config.plane:
+            fields |= {"unused_above": PLANE_BITS - config.z.end}
+        super().__init__(fields)
 
 
 class TableWriteLayout(data.StructLayout):
@@ -110,14 +121,21 @@ class LoadLayout(data.StructLayout):
         super().__init__({"pixels": pixels, **place, "end": 1})
 
 
+def _slopes(config: EngineConfig) -> dict:
+    """Return the fields of a plane word that tell the slopes of its plane."""
+    slope = signed(config.slope_bits)
+    return {"slope_x": slope, "slope_y": slope, "scale": 2}
+
+
 def _geometry(config: EngineConfig) -> dict:
     """Return the fields of an element's shape and position, and of its line.
 
     ``top`` is the line of the block's first row, y - 4. It is at least -4.
     """
     codeword = CodeWordLayout(config).members
+    sides = ("sides", "raised", "outwards") if config.plane else ()
     return {
-        **{name: codeword[name] for name in ("mode", "scans", "x", "z")},
+        **{name: codeword[name] for name in ("mode", "scans", "x", "z", *sides)},
         "top": signed(config.line_bits + 2),
         "end": 1,
     }
@@ -133,6 +151,27 @@ class ElementLayout(data.StructLayout):
                 "specular": config.specular.width,
                 "material": config.material.width,
                 **_geometry(config),
+                **(_slopes(config) if config.plane else {}),
+            }
+        )
+
+
+class PlaneLayout(data.StructLayout):
+    """What an element's plane is made of, in quarters of a level.
+
+    - ``across``, ``down``: change of depth from column to column, and from line to line.
+    - ``before``: change from the first column of the window word that X lies in to X.
+    - ``above``: change from the last line that is a multiple of four to the block's first.
+    """
+
+    def __init__(self, config: EngineConfig):
+        slope = config.slope_bits + SHIFTS[-1]
+        super().__init__(
+            {
+                "across": signed(slope),
+                "down": signed(slope),
+                "before": signed(slope + config.pixel_bits),
+                "above": signed(slope + 2),
             }
         )
 
@@ -141,4 +180,5 @@ class GeometryLayout(data.StructLayout):
     """An element without its colour, which follows later; or the end of the frame."""
 
     def __init__(self, config: EngineConfig):
-        super().__init__(_geometry(config))
+        plane = {"plane": PlaneLayout(config)} if config.plane else {}
+        super().__init__({**_geometry(config), **plane})

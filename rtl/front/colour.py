@@ -8,6 +8,7 @@ from splatline.contract.config import EngineConfig
 from splatline.rtl.layouts import ElementLayout, GeometryLayout
 
 from .material_table import MaterialTable
+from .plane import plane_of
 from .tables import MaterialWriteLayout
 
 __all__ = ["ColourUnit"]
@@ -72,7 +73,10 @@ class ColourUnit(wiring.Component):
             table.address.eq(self.i.payload.material),
         ]
         for name in self.o.payload.shape().members:
-            m.d.comb += self.o.payload[name].eq(looked_up[name])
+            if name != "plane":
+                m.d.comb += self.o.payload[name].eq(looked_up[name])
+        if config.plane:
+            m.d.comb += self.o.payload.plane.eq(plane_of(m, self.i.payload, step, config))
 
         # With c bits of a coefficient and i of an intensity a product is at most
         #     (2^c - 1)(2^i - 1) = 2^(c+i) - 2^c - 2^i + 1           and fits c + i bits,

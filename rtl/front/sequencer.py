@@ -72,8 +72,9 @@ class Sequencer(wiring.Component):
             element.end.eq(control),
             element.top.eq(Mux(control, lowest, top)),
         ]
-        for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
-            m.d.comb += element[name].eq(codeword[name])
+        for name in element.shape().members:
+            if name not in ("top", "end"):
+                m.d.comb += element[name].eq(codeword[name])
         with m.If(self.i.valid & self.i.ready):
             m.d.sync += self.open.eq(~(control & end))
             with m.If(control):

@@ -36,6 +36,9 @@ class ShapeRows:
 
     def __init__(self, m, element):
         scans = element.scans
+        if "raised" in element.shape().members:
+            self._of_plane_word(m, element)
+            return
         self.rows = [Signal.like(scan, name=f"row_{k}") for k, scan in enumerate(scans)]
         self.filled = Signal(4)
         self.raised = Signal()
@@ -57,3 +60,15 @@ class ShapeRows:
         ]
         with m.If(self.raised):
             m.d.comb += self.filled[3].eq(1)
+
+    def _of_plane_word(self, m, element):
+        """Take a plane word's rows as they are. It says if it is raised, and is not shifted."""
+        self.rows = [Signal.like(scan, name=f"row_{k}") for k, scan in enumerate(element.scans)]
+        self.filled = Signal(4)
+        self.raised = Signal()
+        self.shifted = Signal()
+        m.d.comb += [
+            *(row.eq(scan) for row, scan in zip(self.rows, element.scans, strict=True)),
+            self.filled.eq(Cat(scan.first <= scan.last for scan in element.scans)),
+            self.raised.eq(~element.mode & element.raised),
+        ]

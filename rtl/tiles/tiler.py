@@ -1,6 +1,6 @@
 """The tiler of the tiles engine: cuts elements into tiles."""
 
-from amaranth.hdl import Cat, Module, Mux, Signal, signed
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, signed
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -9,7 +9,7 @@ from splatline.rtl.layouts import GeometryLayout
 from splatline.rtl.lib.mux import number_of, pick
 from splatline.rtl.shapes.rows import ShapeRows
 
-from .layouts import TileLayout
+from .layouts import TileLayout, sum_bits
 
 __all__ = ["Tiler"]
 
@@ -82,9 +82,10 @@ class Tiler(wiring.Component):
         may = Signal()  # the lines of the next tile are
         step = Signal()
         valid = Signal()
+        depth = ("plane",) if self.config.plane else ("z",)
         held = {
             name: Signal.like(getattr(element, name), name=name, reset_less=True)
-            for name in ("x", "z", "top", "end")
+            for name in ("x", *depth, "top", "end")
         }
         m.d.comb += [
             first.eq(left & (~left + 1)),
@@ -92,7 +93,7 @@ class Tiler(wiring.Component):
             step.eq(~valid | self.o.ready),
             self.moves.eq(step),
             self.i.ready.eq(~there | (step & may & ~rest.any())),
-            *(tile[name].eq(held[name]) for name in ("z", "end")),
+            tile.end.eq(held["end"]),
         ]
         with m.If(self.i.ready):
             m.d.sync += [held[name].eq(getattr(element, name)) for name in held]
@@ -119,10 +120,14 @@ class Tiler(wiring.Component):
             place.eq(held["x"][: self.config.pixel_bits] + (lower & shifted)),
             turn.eq(held["top"][:2] - (lower & raised)),
         ]
-        rows = self._rows(m, element, shape, left)
-        pixels = self._turn(m, rows, turn, place[:-1], lower, raised, column)
-        lines = self._lines(m, element, tile, held["top"], lower)
+        rows, halves = self._rows(m, element, shape, left)
+        pixels = self._turn(m, rows, halves, turn, place[:-1], lower, raised, column)
+        lines, past = self._lines(m, element, tile, held["top"], lower)
         columns = self._columns(m, element, tile, held["x"], place, column)
+        if self.config.plane:
+            self._plane(m, element, tile, held["plane"], lower, past, column)
+        else:
+            m.d.comb += tile.z.eq(held["z"])
         for i in range(SIDE):
             for j in range(self.config.pixels_per_word):
                 m.d.comb += tile.mask[i][j].eq(pixels[i][j] & lines[i] & columns[j])
@@ -179,7 +184,7 @@ class Tiler(wiring.Component):
         return shape, raised, shifted
 
     def _rows(self, m, element, shape, left):
-        """Return the upper rows as masks, and note which tiles have a pixel."""
+        """Return the upper rows and their half turns as masks; note which tiles have a pixel."""
         masks = [Signal(BLOCK, name=f"mask_{k}", reset_less=True) for k in range(SIDE)]
         upper = Signal(self.across)  # the upper tiles that have a pixel, from the left
         turned = Signal(self.across)  # those whose half turn has one
@@ -195,15 +200,47 @@ class Tiler(wiring.Component):
                 upper[n].eq(reached.any()),
                 turned[n].eq(reached[:3].any() | (reached[3] & ~shape.raised)),
             ]
+        halves = [mask[::-1] for mask in masks]
+        # The lower half is the upper one's half turn: its left is the upper one's right.
+        lower = turned[::-1]
+        if self.config.plane:
+            halves, lower = self._halves(m, element, shape)
         with m.If(self.i.ready):
             for row, mask in zip(shape.rows, masks, strict=True):
                 m.d.sync += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
-            # The lower half is the upper one's half turn: its left is the upper one's right.
-            lower = turned[::-1] & ~element.mode.replicate(self.across)
+            lower &= ~element.mode.replicate(self.across)
             m.d.sync += left.eq(Cat(upper, lower) & ~element.end.replicate(len(left)))
-        return masks
+        return masks, halves
 
-    def _turn(self, m, rows, turn_line, turn_column, lower, raised, column):
+    def _halves(self, m, element, shape):
+        """Return the half turns of a plane word's rows as masks, and the tiles that have a pixel.
+
+        An end that is moved stays in the block.
+        """
+        halves, now = [], []
+        for k, row in enumerate(shape.rows):
+            ends = []
+            for end, place in enumerate((row.last, row.first)):
+                turned = Signal(3, name=f"turned_{k}_{end}")
+                moved = element.sides[2 * k + end] & shape.filled[k]
+                out = element.outwards[end] if end else ~element.outwards[end]
+                # The half turn of a place is its complement; out is to the right.
+                stays = Mux(out, place == 0, place == BLOCK - 1)
+                step = Mux(moved & ~stays, Mux(out, -1, 1), 0)
+                m.d.comb += turned.eq(~(place + step))
+                ends.append(turned)
+            half = Signal(BLOCK, name=f"half_{k}", reset_less=True)
+            mask = Signal(BLOCK, name=f"half_mask_{k}")
+            m.d.comb += mask.eq(Cat((ends[0] <= c) & (ends[1] >= c) for c in range(BLOCK)))
+            with m.If(self.i.ready):
+                m.d.sync += half.eq(mask)
+            halves.append(half)
+            now.append(mask & ~shape.raised.replicate(BLOCK) if k == SIDE - 1 else mask)
+        wide = self.config.pixels_per_word
+        tiles = range(0, BLOCK, wide)
+        return halves, Cat(Cat(mask[n : n + wide] for mask in now).any() for n in tiles)
+
+    def _turn(self, m, rows, halves, turn_line, turn_column, lower, raised, column):
         """Select the tile from the rows; return its pixels by residue of line and column."""
         wide = self.config.pixels_per_word
         tile, by_line, turned = (
@@ -214,7 +251,7 @@ class Tiler(wiring.Component):
         for k in range(SIDE):
             row, other = (
                 pick([pixels[place : place + wide] for place in places], column)
-                for pixels in (rows[k], rows[SIDE - 1 - k][::-1])
+                for pixels in (rows[k], halves[SIDE - 1 - k])
             )
             if k == 0:  # a raised shape's row 3 has no half turn
                 other = Mux(raised, 0, other)
@@ -232,7 +269,10 @@ class Tiler(wiring.Component):
         return turned
 
     def _lines(self, m, element, tile, top, lower):
-        """Set the slots of the tile's lines; return the lines in the image, by residue."""
+        """Set the slots of the tile's lines.
+
+        Return the lines in the image, by residue, and the lines in the second group of four.
+        """
         # Groups of four lines from the block's first to the image's last, at most 4. It is 0 if the
         # image ends above the block.
         groups = Signal(signed(len(top)))
@@ -242,10 +282,11 @@ class Tiler(wiring.Component):
             m.d.sync += left.eq(Mux(groups < 0, 0, Mux(groups > 4, 4, groups)))
         here = Signal(3)
         m.d.comb += here.eq(Mux(lower & left.any(), left - 1, left))
-        inside = Signal(SIDE)
+        inside, past_lines = Signal(SIDE), []
         for i in range(SIDE):
             # Past a multiple of 4: the line is in the group after the first row's.
             past = Signal(name=f"past_{i}")
+            past_lines.append(past)
             low = self.last_line[:2] >= i
             m.d.comb += [
                 past.eq(top[:2] > i),
@@ -259,7 +300,30 @@ class Tiler(wiring.Component):
                     & (~top[-1] | lower | past)
                 ),
             ]
-        return inside
+        return inside, past_lines
+
+    def _plane(self, m, element, tile, plane, lower, past, column):
+        """Set the tile's depth at its corner, and what each line and column adds to it.
+
+        The corner is the first column of the tile's first word and the first line of its first
+        group of four. What lanes add takes multipliers: a slope times 0 to 7, or to 15 in words of
+        eight pixels.
+        """
+        wide = self.config.pixels_per_word
+        corner = Signal(sum_bits(self.config), name="corner", reset_less=True)
+        with m.If(self.i.ready):
+            given = element.plane
+            m.d.sync += corner.eq((element.z << 1) - given.before - given.above)
+        m.d.comb += tile.corner.eq(
+            corner
+            + Mux(lower, plane.down << 2, 0)
+            + sum(Mux(column == n, plane.across * (n * wide), 0) for n in range(1, self.across))
+        )
+        for i in range(SIDE):
+            m.d.comb += tile.down[i].eq(plane.down * Cat(Const(i, 2), past[i]))
+        for j in range(wide):
+            number = Cat(Const(j, self.config.pixel_bits), tile.next[j])
+            m.d.comb += tile.across[j].eq(plane.across * number)
 
     def _columns(self, m, element, tile, x, place, column):
         """Set the words of the tile's columns; return the columns in the image, by residue."""

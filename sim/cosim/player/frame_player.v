@@ -15,6 +15,7 @@
 `timescale 1ns / 1ps
 module frame_player #(
     parameter ENGINES = 1,
+    parameter WORD_BITS = 64,
     parameter TABLE_BITS = 44,
     parameter RASTER_BITS = 90
 ) (
@@ -38,7 +39,7 @@ module frame_player #(
     output [31:0] breaches
 );
     reg [31:0] tables_taken;
-    wire [64*ENGINES-1:0] codewords;
+    wire [WORD_BITS*ENGINES-1:0] codewords;
     wire [ENGINES-1:0] codeword_valid, codeword_ready;
     wire [TABLE_BITS-1:0] table_write;
     wire table_valid, table_ready;
@@ -111,7 +112,7 @@ module frame_player #(
     genvar n;
     generate
         for (n = 0; n < ENGINES; n = n + 1) begin : engine
-            wire [63:0] word = codewords[64*n +: 64];
+            wire [WORD_BITS-1:0] word = codewords[WORD_BITS*n +: WORD_BITS];
             // An end word: mode 1, four empty rows, and the bit for the end of the frame.
             wire ends = word[0] && word[25] && word[3:1] > word[6:4] && word[9:7] > word[12:10]
                 && word[15:13] > word[18:16] && word[21:19] > word[24:22];
@@ -124,10 +125,10 @@ module frame_player #(
             assign opens[n] = takes[n] && !open;
             localparam [7:0] TENS = 48 + n / 10;
             localparam [7:0] ONES = 48 + n % 10;
-            stream_source #(.WIDTH(64), .NAME({"codewords_", TENS, ONES}), .SALT(22 + 101 * n)) source (
+            stream_source #(.WIDTH(WORD_BITS), .NAME({"codewords_", TENS, ONES}), .SALT(22 + 101 * n)) source (
                 .clk(clk), .rst(rst), .start(start), .frame(frame), .seed(seed), .rate(codeword_rate),
                 .run(tables_taken >= tables_first && may),
-                .valid(codeword_valid[n]), .payload(codewords[64*n +: 64]), .ready(codeword_ready[n]));
+                .valid(codeword_valid[n]), .payload(codewords[WORD_BITS*n +: WORD_BITS]), .ready(codeword_ready[n]));
             always @(posedge clk) begin
                 if (rst || start) begin
                     open <= 0;

@@ -111,7 +111,8 @@ def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict
     """Write the files that the player reads for a job; return the job's entry in ``jobs.json``."""
     for engine, parts in enumerate(zip(*job.parts, strict=True)):
         words = np.concatenate([part.codewords for part in parts])
-        write_hex(folder / f"{index}.codewords_{engine:02}", words[:, np.newaxis], 64)
+        limbs = words.reshape(len(words), -1)
+        write_hex(folder / f"{index}.codewords_{engine:02}", limbs, parts[0].config.codeword_bits)
     writes = job.table_writes()
     if writes:
         write_hex(folder / f"{index}.tables", np.concatenate(writes), config.table_address.end)

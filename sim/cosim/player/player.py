@@ -41,6 +41,7 @@ def wrap(
     }
     parameters = {
         "ENGINES": len(names),
+        "WORD_BITS": config.codeword_bits,
         "TABLE_BITS": config.table_address.end,
         "RASTER_BITS": config.raster_end.end,
     }
@@ -59,10 +60,10 @@ def _ports(config: EngineConfig, names: list[str]) -> str:
         "initial": ("input", config.raster_end.end),
         "raster": ("output", config.raster_end.end),
     }
-    count = len(names)
+    count, word = len(names), config.codeword_bits
     ports = [
         "input clk, input rst",
-        f"input [{64 * count - 1}:0] codewords, input [{count - 1}:0] codewords_valid"
+        f"input [{word * count - 1}:0] codewords, input [{count - 1}:0] codewords_valid"
         f", output [{count - 1}:0] codewords_ready",
     ]
     links = [".clk(clk), .rst(rst)"]
@@ -75,7 +76,7 @@ def _ports(config: EngineConfig, names: list[str]) -> str:
             f", .{name}__ready({name}_ready)"
         )
     links += [
-        f".{name}__payload(codewords[{64 * n + 63}:{64 * n}])"
+        f".{name}__payload(codewords[{word * n + word - 1}:{word * n}])"
         f", .{name}__valid(codewords_valid[{n}])"
         f", .{name}__ready(codewords_ready[{n}])"
         for n, name in enumerate(names)

@@ -1,0 +1,102 @@
+"""Engines with planes against golden: every 96-bit word draws the depth that the contract says."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from splatline.contract.presets import PLANE
+from splatline.flow.verilog import generate
+from splatline.rtl.tiles.tiler import Tiler
+from splatline.rtl.tiles.window import TileWindow
+from splatline.sim import golden
+from splatline.sim.cosim.player import frames
+from splatline.sim.cosim.player.jobs import STREAMS
+from splatline.sim.cosim.player.player import wrap
+from tests.support import plane_words as pw
+from tests.support.planted import plant, play_with
+
+FAULTS = {
+    "a slope of the lower half": (Tiler, "_plane", r"plane\.down << 2", "plane.down << 1"),
+    "the wrong group of lines": (Tiler, "_plane", r"past\[i\]", "past[0]"),
+    "columns of the word before": (Tiler, "_plane", r"tile\.next\[j\]", "0"),
+    "the block's own column": (Tiler, "_plane", r" - given\.before", ""),
+    "the block's own line": (Tiler, "_plane", r" - given\.above", ""),
+    "moved beyond the block": (Tiler, "_halves", r"moved & ~stays", "moved"),
+    "an end moved the other way": (Tiler, "_halves", r"Mux\(out, -1, 1\)", "Mux(out, 1, -1)"),
+    "an empty row's half turn": (Tiler, "_halves", r" & shape\.filled\[k\]", ""),
+    "nothing before depth 0": (TileWindow, "_draw_planes", r"total\[-1\] \| ", ""),
+    "the background's depth": (TileWindow, "_draw_planes", r" \| level\[:bits\]\.all\(\)", ""),
+    "nothing beyond": (TileWindow, "_draw_planes", r"level\[bits:-1\]\.any\(\) \| ", ""),
+}
+
+
+def jobs(config, seeds, stalls=(0.0, 0.4), count=400):
+    """Frames of random words, without and with stalls."""
+    size = (40, 30) if config.x_bits > 6 else (33, 32)
+    found = []
+    for seed in seeds:
+        frame = pw.random_frame(np.random.default_rng(seed), count, size, config)
+        rates = dict.fromkeys(STREAMS, 1.0 - stalls[seed % len(stalls)])
+        found.append(frames.Job(frame=frame, rates=rates, seed=seed))
+    return found
+
+
+def mismatches(played, outcomes):
+    return [
+        outcome.rasters[0].mismatches(golden.render(job.frame))
+        for job, outcome in zip(played, outcomes, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
+def test_random_words_are_drawn_as_golden_draws_them(config):
+    played = jobs(config, range(6))
+    assert mismatches(played, frames.play(played)) == [0] * 6
+
+
+def test_a_frame_starts_from_a_raster_and_another_follows():
+    one, other = (job.frame for job in jobs(PLANE, (7, 8)))
+    first = golden.render(one)
+    (outcome,) = frames.play([frames.Job(frame=other, initial=first)])
+    assert outcome.rasters[0].mismatches(golden.render(other, first)) == 0
+    (outcome,) = frames.play([frames.Job(frame=one, followed_by=[other])])
+    for frame, raster in zip((one, other), outcome.rasters, strict=True):
+        assert raster.mismatches(golden.render(frame)) == 0
+
+
+@pytest.mark.parametrize("scale", range(4))
+def test_slopes_and_depths_at_their_ends_saturate(scale):
+    ends = [
+        (a, b, z) for a in (-64, 63, 0) for b in (-64, 63, -1) for z in (0, 1, 4096, 8190, 8191)
+    ]
+    words = []
+    for number, (a, b, z) in enumerate(ends):
+        if number % 5 == 0:
+            words.append(pw.advance(9 if number else 4))
+        x = 9 * (number % 5) + number % 4
+        words.append(pw.encode([(0, 7)] * 4, mode=0, x=x, z=z, a=a, b=b, scale=scale, d=9))
+    frame = pw.make_frame(words, (56, 90))
+    (outcome,) = frames.play([frames.Job(frame=frame)])
+    expected = golden.render(frame)
+    assert outcome.rasters[0].mismatches(expected) == 0
+    assert {0, 4094} <= set(np.unique(expected.depth))
+
+
+@functools.cache
+def planted():
+    with pytest.MonkeyPatch.context() as patch:
+        edit = plant(patch, [(part, *rest) for part, *rest in FAULTS.values()])
+        return wrap(edit(generate(PLANE)[0]), PLANE)
+
+
+def test_without_a_fault_the_build_with_faults_is_right():
+    played = jobs(PLANE, range(4))
+    assert mismatches(played, play_with(0, played, planted())) == [0] * 4
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_noticed(name):
+    played = jobs(PLANE, range(4))
+    number = list(FAULTS).index(name) + 1
+    assert any(mismatches(played, play_with(number, played, planted())))
