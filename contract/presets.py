@@ -30,7 +30,7 @@ LANES8 = RGB24.replace(name="lanes8", pixels_per_word=8)
 
 PLANE = RGB24.replace(name="plane", plane=True, depth_bits=12, material_bits=8)
 """``rgb24`` with a depth for every pixel: code words of 96 bits carry the plane of their element,
-with 12 bits of depth and 256 materials. Not in ``PRESETS`` yet: only golden draws it so far."""
+with 12 bits of depth and 256 materials. Not in ``PRESETS`` yet: it has no AXI top so far."""
 
 DEFAULT = RGB24
 """The default of commands and functions."""

@@ -101,11 +101,11 @@ def accuracy(
             views,
             size or (64, 64),
             splats=(None, 3.5),
-            presets=("paper", "rgb24"),
+            presets=("paper", "rgb24", "plane"),
             fewer_presets=("paper",),
             ladders=(None,),
-            sampled=(3.5,),
-            samples={"paper": (4,)},
+            sampled=(None, 3.5),
+            samples={"paper": (4,), "plane": (4,)},
             repeats=1,
         )
     with Counter(sweep.total()) as counter:

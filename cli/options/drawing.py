@@ -135,9 +135,9 @@ def draw(
     from splatline.sim import golden
     from splatline.sim.golden.multisample import average
 
-    if engine != "golden" and frames[0].config.plane:
+    if frames[0].config.plane and engine == "axi":
         raise InputError(
-            f"there is no Verilog of preset {frames[0].config.name} yet: take --engine golden"
+            f"there is no AXI top of preset {frames[0].config.name} yet: take --engine rtl"
         )
     parts = [[frame] for frame in frames]
     if engines is not None:

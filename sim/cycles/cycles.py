@@ -44,9 +44,11 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     Raises
     ------
     InputError
-        If there is no end-of-frame word.
+        If there is no end-of-frame word, or for an engine with planes, which have no model yet.
     """
     config = frame.config
+    if config.plane:
+        raise InputError(f"no cycle model of preset {config.name} yet; simulate its Verilog")
     clearing = clearing_cycles(config) if after_reset else 0
     words = slots(np.ascontiguousarray(frame.codewords, np.uint64), config)
     machine = machine_of(config, frame.width, frame.height, clearing)

@@ -130,6 +130,12 @@ def _bits(word: int, lsb: int, width: int) -> int:
     return word >> lsb & (1 << width) - 1
 
 
+@nb.njit(inline="always")
+def _inside(place: Any) -> Any:
+    """Return the nearest column of a block."""
+    return min(max(place, 0), BLOCK - 1)
+
+
 @nb.njit(cache=True)
 def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) -> None:
     """Draw a code word into the canvas; a control word has no row and draws nothing."""
@@ -152,7 +158,7 @@ def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) ->
     while rows:
         carry = lowest_bit(rows)
         rows &= rows - ONE
-        row = np.int64(carry // ROW_BITS)
+        row: Any = np.int64(carry // ROW_BITS)
         first, last = low >> 1 + 6 * row & 7, low >> 4 + 6 * row & 7
         begin = (y - ABOVE + row) % BLOCK * stride + x + first
         total = start + b * row + a * first
@@ -162,7 +168,7 @@ def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) ->
             sides = low >> layout.side_lsb + 2 * row
             rotated = BLOCK - 1 - last + first_way * (sides & 1)
             last = BLOCK - 1 - first + last_way * (sides >> 1 & 1)
-            first, last = min(max(rotated, 0), BLOCK - 1), min(max(last, 0), BLOCK - 1)
+            first, last = _inside(rotated), _inside(last)
             begin = (y - ABOVE + below) % BLOCK * stride + x + first
             total = start + b * below + a * first
             _draw_row(pixels, begin, last - first + 1, total, a, look, layout.largest)

@@ -55,7 +55,8 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
     ----------
     quality
         One of ``LADDERS``. ``paper`` has one depth a splat, whole positions and diameters and the
-        shape table; ``exact`` has one depth a fraction and exact footprints.
+        shape table; ``exact`` has one depth a fraction and exact footprints, or with an engine
+        with planes a depth for every pixel.
     config
         The engine's configuration: bits of depth, intensity and colour, number of materials.
 
@@ -71,6 +72,14 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
         (f"one depth a {per}", {"depth": per}),
         (f"{config.depth_bits}-bit depth", {"depth_bits": config.depth_bits}),
     ]
+    if config.plane and quality == "exact":
+        changes = [
+            changes[1],
+            (
+                f"{config.slope_bits}-bit slopes",
+                {"depth": "plane", "slope_bits": config.slope_bits},
+            ),
+        ]
     if quality == "paper":
         changes += [
             ("whole places", {"place": "whole", "never_empty": True}),

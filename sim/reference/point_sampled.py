@@ -42,9 +42,12 @@ class Steps:
     ----------
     depth
         Where depth is sampled: at every ``pixel`` of the sloped disc, at the mean position of each
-        ``fraction`` of the host's quality ``exact``, or at the centre of the ``splat``.
+        ``fraction`` of the host's quality ``exact``, at the centre of the ``splat``, or at every
+        pixel of the ``plane`` that a plane word holds, which needs ``depth_bits``.
     depth_bits
         Bits of a stored depth, whose largest value is the background's; None: not quantised.
+    slope_bits
+        Bits of a slope, for planes.
     reciprocal
         Depth codes are even steps of 1 / z instead of z.
     place
@@ -71,8 +74,9 @@ class Steps:
         Bits of a stored colour channel; None: not quantised.
     """
 
-    depth: Literal["pixel", "fraction", "splat"] = "pixel"
+    depth: Literal["pixel", "fraction", "splat", "plane"] = "pixel"
     depth_bits: int | None = None
+    slope_bits: int = 7
     reciprocal: bool = False
     place: Literal["true", "quarter", "whole"] = "true"
     size: Literal["true", "half", "whole"] = "true"
@@ -135,7 +139,14 @@ def render(
         The approximations.
     depth_range
         Nearest and furthest distance of the depth codes; by default those of the visible centres.
+
+    Raises
+    ------
+    ValueError
+        If planes have no bits of depth, or codes of 1 / z.
     """
+    if steps.depth == "plane" and (steps.depth_bits is None or steps.reciprocal):
+        raise ValueError("planes need bits of depth, whose codes are linear")
     radii = np.ascontiguousarray(radii, np.float64)
     centres = (cloud.positions - view.eye) @ view.axes.T
     normals, facing = face_eye(cloud, view, centres)
@@ -154,7 +165,8 @@ def render(
     if steps.reciprocal:
         low, high = 1.0 / low, 1.0 / high
     largest = 0 if steps.depth_bits is None else (1 << steps.depth_bits) - 2
-    coding = (largest, steps.reciprocal, low, high - low if high != low else 1.0)
+    slope = (1 << steps.slope_bits - 1) - 1 if steps.depth == "plane" else 0
+    coding = (largest, steps.reciprocal, low, high - low if high != low else 1.0, slope)
 
     codes = np.full((view.height, view.width), np.inf)
     seen = np.full((view.height, view.width), -1, np.int64)

@@ -9,14 +9,17 @@ import numba
 import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.contract.plane import SHIFTS, SUM_FRACTION, Z_FRACTION
 from splatline.host.encode.large_splats import STEEP, cut, fraction_size
 
 from .footprints import meet, plane_depth
 
-__all__ = ["DEPTHS", "draw_bands"]
+__all__ = ["DEPTHS", "draw_bands", "round_slopes"]
 
-DEPTHS = {"pixel": 0, "fraction": 1, "splat": 2}
-PER_PIXEL, PER_FRACTION = DEPTHS["pixel"], DEPTHS["fraction"]
+DEPTHS = {"pixel": 0, "fraction": 1, "splat": 2, "plane": 3}
+PER_PIXEL, PER_FRACTION, PER_PLANE = DEPTHS["pixel"], DEPTHS["fraction"], DEPTHS["plane"]
+
+SHIFT = np.array(SHIFTS, np.int64)
 
 BAND = 16
 """Lines of the image in a band."""
@@ -51,8 +54,8 @@ def draw_bands(
     splats, discs, camera
         As for ``place_splats``.
     coding
-        Largest depth code (0: not quantised), whether codes are steps of 1 / z, the value of code 0
-        and the span of the codes.
+        Largest depth code (0: not quantised), whether codes are steps of 1 / z, the value of code
+        0, the span of the codes, and the largest slope of a plane (0: planes are not drawn).
     depth
         A value of ``DEPTHS``.
     codes
@@ -83,7 +86,7 @@ def _draw_bands(
         for member in range(starts[band], starts[band + 1]):
             i = members[member]
             disc = (centres[i], normals[i], radii[i])
-            if depth == PER_FRACTION:
+            if depth in (PER_FRACTION, PER_PLANE):
                 _draw_fractions(i, splats[i], disc, camera, coding, lines, codes, seen)
             else:
                 _draw(i, splats[i], disc, camera, coding, depth, lines, codes, seen)
@@ -92,7 +95,7 @@ def _draw_bands(
 @numba.njit(error_model="numpy")
 def _code(z: float, coding: Any) -> float:
     """Return the code of a depth, or the depth itself if it is not quantised."""
-    largest, reciprocal, low, span = coding
+    largest, reciprocal, low, span, _ = coding
     if largest == 0:
         return z
     share = ((1.0 / z if reciprocal else z) - low) / span
@@ -129,14 +132,20 @@ def _draw(
 def _draw_fractions(
     i: int, splat: Any, disc: Any, camera: Any, coding: Any, lines: Any, codes: Any, seen: Any
 ) -> None:
-    """Draw a splat by the host's fractions, each at the depth of its pixels' mean position."""
-    centre = disc[0]
+    """Draw a splat by the host's fractions, each at the depth of its pixels' mean position.
+
+    With planes a splat of up to 8 x 8 pixels is one part, and no part is halved.
+    """
+    centre, has_planes = disc[0], coding[4] > 0
     top, bottom = splat.top, min(splat.bottom, codes.shape[0] - 1)
     left, right = _columns(top, bottom, splat, disc, camera)
     wide, high = BLOCK, ROWS
     if bottom - top >= ROWS or right - left >= BLOCK:
         change = centre[2] / (camera[0] * coding[3])
-        wide, high = fraction_size(change * splat.slope_x, change * splat.slope_y, STEEP)
+        steep = math.inf if has_planes else STEEP
+        wide, high = fraction_size(change * splat.slope_x, change * splat.slope_y, steep)
+        if has_planes and bottom - top < BLOCK and right - left < BLOCK:
+            high = BLOCK
     first_line, high = cut(top, bottom, high, splat.slope_y)
     for line in range(first_line, bottom + 1, high):
         rows = max(line, top), min(line + high - 1, bottom)
@@ -187,10 +196,44 @@ def _draw_fraction(
     x = across / pixels * splat.scale + splat.across
     y = down / pixels * splat.scale + splat.down
     code = _code(plane_depth(x, y, centre, normal, camera), coding)
+    slope_x, slope_y, first = 0.0, 0.0, code
+    if coding[4]:
+        levels = coding[0] / coding[3]
+        half = 0.5 * splat.scale
+        before = plane_depth(x - half, y, centre, normal, camera)
+        after = plane_depth(x + half, y, centre, normal, camera)
+        above = plane_depth(x, y - half, centre, normal, camera)
+        below = plane_depth(x, y + half, centre, normal, camera)
+        slope_x, slope_y = round_slopes(
+            (after - before) * levels, (below - above) * levels, coding[4]
+        )
+        middle = (plane_depth(x, y, centre, normal, camera) - coding[2]) * levels
+        middle += slope_x * (block[2] + 0.5 - across / pixels)
+        middle += slope_y * (block[0] + 0.5 - down / pixels)
+        first = math.floor((middle + 0.5) * (1 << Z_FRACTION) + 0.5) / (1 << Z_FRACTION)
     for line in range(max(block[0], lines[0]), min(block[1] + 1, lines[1])):
         for column in range(block[2], block[3] + 1):
+            if coding[4]:
+                total = first + slope_x * (column - block[2]) + slope_y * (line - block[0])
+                code = min(max(math.floor(total), 0.0), float(coding[0]))
             if code < codes[line, column] and (
                 meet(line, column, splat, centre, normal, radius, camera) < np.inf
             ):
                 codes[line, column] = code
                 seen[line, column] = i
+
+
+@numba.njit(error_model="numpy")
+def round_slopes(slope_x: float, slope_y: float, most: int) -> tuple[float, float]:
+    """Return two slopes in levels a pixel as a plane word holds them.
+
+    ``most`` is the largest slope before the shift, whose finest step is a quarter of a level.
+    """
+    unit = float(1 << SUM_FRACTION)
+    steepest, scale = unit * max(abs(slope_x), abs(slope_y)), 0
+    while scale < len(SHIFT) - 1 and not steepest < (most + 0.5) * (1 << SHIFT[scale]):
+        scale += 1
+    step = (1 << SHIFT[scale]) / unit
+    x = min(max(math.floor(slope_x / step + 0.5), float(-most)), float(most))
+    y = min(max(math.floor(slope_y / step + 0.5), float(-most)), float(most))
+    return x * step, y * step

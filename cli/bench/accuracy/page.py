@@ -56,10 +56,10 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
         "![Run time against error](pareto.png)",
         "![Each scene](pareto_scenes.png)",
         "## Error budget",
-        "PSNR in dB after each step, from one exact sample a pixel to the engine's picture (preset"
-        " `paper`). Each column has all approximations of the columns to its left. The last column"
-        " is the golden renderer's picture of the code words. Its difference from the column before"
-        " is the effect of approximations that the budget leaves out.",
+        "PSNR in dB after each step, from one exact sample a pixel to the engine's picture. Each"
+        " column has all approximations of the columns to its left. The last column is the golden"
+        " renderer's picture of the code words. Its difference from the column before is the effect"
+        " of approximations that the budget leaves out.",
         "![Error budget, mean over the scenes](waterfall.png)",
         *_budget_tables(results),
         "## Splats of the points' spacing",
@@ -104,14 +104,14 @@ def fitted(runs: Iterable[_Run]) -> dict[str, list[_Run]]:
     return scenes
 
 
-def budgets(results: Mapping[str, Any]) -> dict[tuple[Any, str], dict[str, dict[str, float]]]:
-    """Return error budgets: PSNR by (splats, quality), scene and step; the engine's comes last."""
-    found: dict[tuple[Any, str], dict[str, dict[str, float]]] = {}
+def budgets(results: Mapping[str, Any]) -> dict[tuple[Any, str, str], dict[str, dict[str, float]]]:
+    """Return error budgets: PSNR by (splats, quality, preset), scene and step; golden is last."""
+    found: dict[tuple[Any, str, str], dict[str, dict[str, float]]] = {}
     for row in results["ladders"]:
-        scenes = found.setdefault((row["splats"], row["quality"]), {})
+        scenes = found.setdefault((row["splats"], row["quality"], row["preset"]), {})
         scenes.setdefault(title(row), {})[row["step"]] = row["psnr_db"]
-    for run in pick(results["runs"], switched=None, preset="paper", samples=1):
-        scenes = found.get((run["splats"], run["quality"]), {})
+    for run in pick(results["runs"], switched=None, samples=1):
+        scenes = found.get((run["splats"], run["quality"], run["preset"]), {})
         if title(run) in scenes:
             scenes[title(run)]["golden"] = run["psnr_db"]
     return found
@@ -133,8 +133,8 @@ def _targets(runs: list[_Run]) -> str:
 
 
 def _budget_tables(results: Mapping[str, Any]) -> Iterable[str]:
-    for (splats, quality), scenes in budgets(results).items():
-        yield f"Quality `{quality}`, splats of {size_name(splats)}:"
+    for (splats, quality, preset), scenes in budgets(results).items():
+        yield f"Preset `{preset}`, quality `{quality}`, splats of {size_name(splats)}:"
         steps = list(next(iter(scenes.values())))
         rows = [
             [name, *(f"{values[step]:.2f}" if values.get(step) is not None else "-"

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-__all__ = ["FLOAT", "FLOAT_ONE_DEPTH", "Run", "Sweep", "plan", "way"]
+__all__ = [
+    "FLOAT",
+    "FLOAT_ONE_DEPTH",
+    "Run",
+    "Sweep",
+    "budgeted",
+    "plan",
+    "qualities_of",
+    "way",
+]
 
 FLOAT = "float"
 FLOAT_ONE_DEPTH = "float, one depth a splat"
@@ -51,12 +60,12 @@ class Sweep:
     views: tuple[tuple[float, float], ...]
     size: tuple[int, int] = (512, 512)
     splats: tuple[float | None, ...] = (None, 1.5, 3.5, 7.0, 14.0)
-    presets: tuple[str, ...] = ("paper", "rgb24", "depth12")
-    fewer_presets: tuple[str, ...] = ("paper", "rgb24")
+    presets: tuple[str, ...] = ("paper", "rgb24", "depth12", "plane")
+    fewer_presets: tuple[str, ...] = ("paper", "rgb24", "plane")
     ladders: tuple[float | None, ...] = (None, 3.5, 7.0)
     sampled: tuple[float | None, ...] = (None, 3.5, 7.0)
     samples: Mapping[str, tuple[int, ...]] = field(
-        default_factory=lambda: {"paper": (4, 16), "rgb24": (4, 16)}
+        default_factory=lambda: {"paper": (4, 16), "rgb24": (4, 16), "plane": (4, 16)}
     )
     repeats: int = 3
 
@@ -95,23 +104,44 @@ def plan(sweep: Sweep, splats: float | None) -> list[Run]:
 
     presets = sweep.presets if splats is None else sweep.fewer_presets
     runs = [Run(FLOAT), Run(FLOAT_ONE_DEPTH)]
-    runs += [Run(quality, preset) for preset in presets for quality in QUALITIES]
+    runs += [
+        Run(quality, preset) for preset in presets for quality in qualities_of(preset, QUALITIES)
+    ]
     if splats in sweep.sampled:
         runs += [
             Run(quality, preset, samples=samples)
             for preset in presets
             for samples in sweep.samples.get(preset, ())
-            for quality in ("paper", DEFAULT_QUALITY)
+            for quality in qualities_of(preset, ("paper", DEFAULT_QUALITY))
         ]
     if splats is None:
         runs += [Run(DEFAULT_QUALITY, presets[0], skip) for skip in SKIPS]
     return runs
 
 
-def _budget_steps(sweep: Sweep, splats: float | None) -> int:
-    """Return the number of pictures in the error budgets for a size of splats."""
-    from splatline.sim.reference.error_budget import LADDERS, ladder
+def qualities_of(preset: str, qualities: Iterable[str]) -> list[str]:
+    """Return the qualities that an engine is measured with; with planes there is but one."""
+    from splatline.contract.variants import CONFIGS
+    from splatline.host.encode.quality import DEFAULT_QUALITY
+
+    return [DEFAULT_QUALITY] if CONFIGS[preset].plane else list(qualities)
+
+
+def budgeted(sweep: Sweep, splats: float | None) -> list[tuple[str, str]]:
+    """Return the qualities and presets that get an error budget for a size of splats."""
+    from splatline.host.encode.quality import DEFAULT_QUALITY
+    from splatline.sim.reference.error_budget import LADDERS
 
     if splats not in sweep.ladders:
-        return 0
-    return sum(len(ladder(quality)) for quality in LADDERS)
+        return []
+    drawn = sweep.presets if splats is None else sweep.fewer_presets
+    planes = [(DEFAULT_QUALITY, "plane")] if "plane" in drawn else []
+    return [*((quality, "paper") for quality in LADDERS), *planes]
+
+
+def _budget_steps(sweep: Sweep, splats: float | None) -> int:
+    """Return the number of pictures in the error budgets for a size of splats."""
+    from splatline.contract.variants import CONFIGS
+    from splatline.sim.reference.error_budget import ladder
+
+    return sum(len(ladder(quality, CONFIGS[name])) for quality, name in budgeted(sweep, splats))

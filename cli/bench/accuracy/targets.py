@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from .sweep import FLOAT, FLOAT_ONE_DEPTH
@@ -19,6 +19,8 @@ TARGETS = {
     "fast": "fast within 0.5 dB of exact, splats of 3.5 px",
     "one_word": "fast with one code word an element, splats of 3.5 px",
     "holes": "exact's holes at most 1.1 times those of float",
+    "plane": "plane at most 1.2 dB below float, splats of every size",
+    "plane_samples": "plane at least 37 dB with four samples a pixel, at the points' spacing",
 }
 """Targets: name and meaning."""
 
@@ -93,9 +95,26 @@ def _figures(runs: list[_Run], preset: str) -> dict[str, tuple[float | None, boo
         figures["fast"] = loss, loss <= 0.5
         words = (fast["codewords"] - fast["control_words"]) / fast["elements"]
         figures["one_word"] = round(words, 4), words < MOST_WORDS
+    if preset == "plane":
+        figures |= _plane_figures(runs, apart)
     exact, sampled = find("exact", "auto"), find(FLOAT, "auto")
     if exact is not None and sampled is not None:
         figures["holes"] = _holes(exact["hole_fraction"], sampled["hole_fraction"])
+    return figures
+
+
+def _plane_figures(
+    runs: list[_Run], apart: Callable[[str, str, Any], float | None]
+) -> dict[str, tuple[float | None, bool]]:
+    """Return the figures of an engine with planes; ``apart`` is that of :func:`_figures`."""
+    figures: dict[str, tuple[float | None, bool]] = {}
+    sizes = dict.fromkeys(run["splats"] for run in runs)
+    losses = [gain for splats in sizes if (gain := apart("exact", FLOAT, splats)) is not None]
+    if losses:
+        figures["plane"] = min(losses), min(losses) >= -1.2
+    for run in pick(runs, preset="plane", splats="auto", samples=4):
+        if run["psnr_db"] is not None:
+            figures["plane_samples"] = round(run["psnr_db"], 3), run["psnr_db"] >= 37.0
     return figures
 
 

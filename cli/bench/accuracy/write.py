@@ -82,14 +82,15 @@ def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, A
 def _panels(results: Mapping[str, Any]) -> list[tuple[str, dict[str, list[float]]]]:
     """Return the panels of the error budget, for the first and the last size of splats."""
     found = budgets(results)
-    sizes = list(dict.fromkeys(splats for splats, _ in found))
+    sizes = list(dict.fromkeys(splats for splats, _, _ in found))
     panels = []
     for splats in dict.fromkeys((sizes[0], sizes[-1])):
-        for (size, quality), scenes in found.items():
+        for (size, quality, preset), scenes in found.items():
             if size == splats:
                 steps = next(iter(scenes.values()))
                 heights = {step: [scene[step] for scene in scenes.values()] for step in steps}
-                panels.append((f"quality {quality}, splats of {size_name(splats)}", heights))
+                name = f"preset {preset}, quality {quality}, splats of {size_name(splats)}"
+                panels.append((name, heights))
     return panels
 
 

@@ -109,3 +109,22 @@ def test_a_frame_that_was_cut_short_is_refused(run, frame, folder):
         assert result.exit_code == 2, (result.stderr, result.exception)
         assert result.stderr.splitlines()[-1].startswith("splatline: ")
     assert not (folder / "ball.png").exists()
+
+
+def test_a_frame_of_plane_words_is_encoded_played_and_described(run, folder, cloud):
+    options = ("--size", "32x32", "--preset", "plane")
+    assert run("encode", cloud, *options, "-o", "a.frame").exit_code == 0
+    assert (folder / "a.frame").stat().st_size % 16 == 0
+    result = run("play", "a.frame", "-o", "a.png")
+    assert result.exit_code == 0, result.stderr
+    described = run("info", "a.frame", "--json")
+    facts = json.loads(described.stdout)
+    assert facts["preset"] == "plane"
+    assert facts["bits_sent"] == {"table": 96 * facts["codewords"]}
+    assert run("render", cloud, *options, "-o", "b.png", "--engines", "2").exit_code == 0
+    for refused in (
+        run("render", cloud, *options, "--engine", "axi", "-o", "c.png"),
+        run("verilog", "--preset", "plane", "--top", "axi", "-o", "plane.v"),
+    ):
+        assert refused.exit_code == 2
+        assert "there is no AXI top of preset plane yet" in refused.stderr

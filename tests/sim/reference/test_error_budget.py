@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from splatline.contract.presets import PRESETS
+from splatline.contract.presets import PLANE, PRESETS
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import splat_radii
 from splatline.host.pipeline import make_frame
@@ -18,6 +18,7 @@ from splatline.sim import golden, reference
 from splatline.sim.reference import error_budget as budget
 from splatline.sim.reference import metrics
 from splatline.sim.reference.point_sampled import Steps, render
+from splatline.sim.reference.point_sampled_kernel import round_slopes
 from tests.support.variants import variant
 
 FLAT = Lighting(lights=(), ambient=1.0, gloss=0.0)
@@ -289,3 +290,49 @@ def test_a_front_is_what_nothing_dominates(points):
     assert sorted(members) == [i for i in range(len(points)) if not dominated(i)]
     costs = [points[i][0] for i in members]
     assert costs == sorted(costs)
+
+
+def test_the_ladder_of_an_engine_with_planes_ends_near_the_golden_renderer():
+    scene = load_scene("knot")
+    view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up, size=(160, 160))
+    lighting = Lighting()
+    for size in (1.0, 3.0):
+        radii = size * splat_radii(scene.cloud)
+        exact = reference.render(scene.cloud, view, radii, lighting, background=BLACK)
+        rungs = budget.ladder("exact", PLANE)
+        rows = list(budget.walk(rungs, scene.cloud, view, radii, lighting, exact, BLACK))
+        assert [row["step"] for row in rows] == [
+            "one sample a pixel", "12-bit depth", "7-bit slopes", "shading table", "materials",
+            "8-bit colour",
+        ]  # fmt: skip
+        frame = make_frame(scene.cloud, view, radii=radii, config=PLANE)
+        drawn = metrics.compare(
+            golden.render(frame), exact, background=BLACK, depth_range=frame.counts["depth_range"]
+        )
+        assert rows[-1]["psnr_db"] == pytest.approx(drawn["psnr_db"], abs=0.25)
+        assert rows[-1]["depth_rmse"] == pytest.approx(drawn["depth_rmse"], abs=0.001)
+        loss = rows[1]["psnr_db"] - rows[2]["psnr_db"]
+        assert loss < 0.15 if size == 1.0 else loss < 0.3
+
+
+@pytest.mark.parametrize(
+    ("slopes", "most", "expected"),
+    [
+        ((0.0, 0.0), 63, (0.0, 0.0)),
+        ((0.3, -0.3), 63, (0.25, -0.25)),
+        ((15.75, 0.1), 63, (15.75, 0.0)),
+        ((16.0, 0.1), 63, (16.0, 0.0)),
+        ((252.0, -1.0), 63, (252.0, 0.0)),
+        ((1000.0, -1000.0), 63, (252.0, -252.0)),
+        ((3.0, -100.0), 3, (4.0, -12.0)),
+    ],
+)
+def test_slopes_are_rounded_as_a_plane_word_holds_them(slopes, most, expected):
+    assert round_slopes(*slopes, most) == expected
+
+
+def test_planes_need_bits_of_depth():
+    scene = load_scene("knot")
+    view = fit_view(scene.cloud, size=(16, 16))
+    with pytest.raises(ValueError, match="planes need bits of depth"):
+        render(scene.cloud, view, np.full(len(scene.cloud), 0.1), Lighting(), Steps(depth="plane"))
