@@ -148,7 +148,14 @@ def decode(codewords: npt.NDArray[np.uint64], config: EngineConfig = PAPER) -> n
         ``x`` and ``z``. Four more are bool: ``raised`` and ``shifted`` (the centre of a symmetric
         word lies half a line up, half a pixel to the right), ``control`` (a control word) and
         ``end`` (the end-of-frame word).
+
+    Raises
+    ------
+    ValueError
+        If the engine has planes.
     """
+    if config.plane:
+        raise ValueError("plane words are not decoded here")
     words = np.asarray(codewords, np.uint64)
     fields = np.empty(words.shape, CODEWORD)
 

@@ -7,14 +7,15 @@ import pytest
 
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
-from splatline.contract.presets import PLANE, RGB24
+from splatline.contract.presets import PLANE
 from splatline.host.encode.encode import encode
 from splatline.host.encode.partition import deal
 from splatline.host.encode.plane_block import row_ends
-from splatline.host.encode.sort_by_line import sort_by_line
+from splatline.host.encode.sort_by_line import interleaved, sort_by_line
 from splatline.host.frame_file import describe_frame, load_frame, save_frame
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility.footprint import conic
+from splatline.host.visibility.occlusion import cover_planes, new_pyramid
 from splatline.host.visibility.splats import SPLAT, Splats
 from splatline.host.visibility.view import View, fit_view
 from splatline.sim import golden
@@ -213,24 +214,59 @@ def test_fast_and_exact_are_one_and_paper_is_refused(cloud):
         frame_of(cloud, quality="paper")
 
 
-def test_the_words_are_sorted_as_those_of_64_bits(cloud):
+def test_each_line_s_words_come_from_four_strips_of_columns(cloud):
     frame = frame_of(cloud)
-    small = frame_of(cloud, config=RGB24)
-    fields = golden.decode(frame.codewords[:, 0].copy(), low_half())
-    of_small = golden.decode(small.codewords, RGB24)
-    elements, others = (found[~found["control"]] for found in (fields, of_small))
-    fractions = len(elements) == len(others) and (others["mode"] == 1).all()
-    assert frame.counts["elements"] == small.counts["elements"]
-    assert frame.counts["codewords"] <= small.counts["codewords"]
-    if fractions:
-        assert np.array_equal(elements["x"], others["x"])
-    assert fields["end"].tolist().index(True) == len(fields) - 1
+    lines, here = [], []
+    for word in pw.integers_of(frame.codewords):
+        if pw.is_control(word):
+            lines.append(here)
+            here = []
+        else:
+            here.append(bits(word, 47, 9))
+    assert max(map(len, lines)) > 20
+    for found in lines:
+        rank_of = [interleaved(rank, len(found), 4) for rank in range(len(found))]
+        assert [found[position] for position in rank_of] == sorted(found)
     assert frame.counts["bits_sent"] == {"table": 96 * len(frame.codewords)}
 
 
-def low_half():
-    """A configuration of 64 bits whose fields up to X lie as in the low half of a plane word."""
-    return RGB24.replace(material_bits=8, depth_bits=8)
+def test_a_cell_of_the_pyramid_hides_nothing_that_is_seen():
+    rng = np.random.default_rng(8)
+    size = 32, 24
+    tight = 0
+    for _ in range(10):
+        # A word for every cell, which it covers, and others at random.
+        words = [
+            pw.encode(
+                [(0, 7)] * 4, x=8 * (cell % 4), z=int(rng.integers(8192)),
+                scale=int(rng.integers(4)),
+                a=int(rng.integers(-64, 64)), b=int(rng.integers(-64, 64)),
+            )
+            for cell in range(24)
+        ]  # fmt: skip
+        at = [4 * (cell // 4) + 4 for cell in range(24)]
+        while len(words) < 60:
+            word = pw.random_word(rng, size)
+            if not pw.is_control(word) and bits(word, 47, 9) < 32:  # as a host's
+                words.append(word)
+                at.append(int(rng.integers(0, 24)))
+        order = np.argsort(at, kind="stable")
+        words, lines = [words[i] for i in order], np.array(at, np.int16)[order]
+        codewords = pw.array_of(words)
+        pyramid = new_pyramid(*size, PLANE)
+        chunk = np.array([0]), np.array([len(words)])
+        cover_planes(pyramid, codewords, lines, *chunk, PLANE)
+        stream, y = [], 0
+        for word, line in zip(words, lines.tolist(), strict=True):
+            if line > y:
+                stream.append(pw.advance(line - y))
+            stream.append(word)
+            y = line
+        depth = golden.render(pw.make_frame(stream, size)).depth
+        largest = depth.reshape(6, 4, 4, 8).max(axis=(1, 3))
+        assert (pyramid.bound >= largest).all()
+        tight += np.count_nonzero(pyramid.bound < 4095)
+    assert tight > 50
 
 
 @pytest.mark.parametrize("method", ["columns", "elements", "lines"])
