@@ -180,7 +180,7 @@ FAULTS = (
     Fault("right border", Tiler, r"words_left >= k", "words_left + 1 >= k", "_columns"),
     Fault("a tile lost", Tiler, r"left\.eq\(rest\)", "left.eq(0)"),
     Fault("a line misplaced", Tiler, r"past\.eq\(top\[:2\] > i\)", "past.eq(0)", "_lines"),
-    Fault("not turned", Tiler, r"\[::-1\]", "", "_turn"),
+    Fault("not turned", Tiler, r"mask\[::-1\]", "mask", "_rows"),
     Fault("not raised", Tiler, r"lower & raised", "0"),
     Fault("not shifted", Tiler, r"lower & shifted", "0"),
     Fault("the middle drawn twice", Tiler, r"Mux\(raised, 0, other\)", "other", "_turn"),
