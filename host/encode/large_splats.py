@@ -13,7 +13,7 @@ from .ellipse import CLOSED, extent, row_code, span
 from .shape_table import EMPTY_SCANS
 from .write_words import put, quantised_depth
 
-__all__ = ["STEEP", "cut", "encode_fractions", "fraction_size", "row_of"]
+__all__ = ["STEEP", "cut", "encode_fractions", "fraction_of", "fraction_size", "row_of"]
 
 STEEP = 3.0 / 512.0
 """Share of the depth range from corner to corner beyond which ``exact`` halves a fraction, whose
@@ -111,25 +111,56 @@ def encode_fractions(
         first_column, wide = cut(left, right, columns, plane[2])
         for uncut in range(first_column, right + 1, wide):
             begin, end = max(uncut, left), min(uncut + wide, right + 1)
-            scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
-            for row in range(rows):
-                first, last = row_of(begin_line + row, column, line, square, form, plane, width)
-                first, last = max(first, begin), min(last, end - 1)
-                if first <= last:
-                    scans ^= (1 ^ row_code(first, last, True, begin)) << 6 * row
-                    count = last - first + 1
-                    pixels += count
-                    across += count * (first + last + 1)  # twice their centres' sum
-                    down += count * (2 * row + 1)
-            if pixels:
-                du = 0.5 * across / pixels - plane[0]
-                dv = begin_line + 0.5 * down / pixels - plane[1]
+            scans, x, y = fraction_of(
+                begin, end, begin_line, rows, (column, line, square, form), plane, width
+            )
+            if scans != EMPTY_SCANS:
                 # The ray meets the plane here, but not behind the eye.
-                nearer = 1.0 + plane[2] * du + plane[3] * dv
+                nearer = 1.0 + plane[2] * (x - plane[0]) + plane[3] * (y - plane[1])
                 distance = plane[4] / nearer if nearer > 0.0 else math.inf
                 z = quantised_depth((distance - plane[5]) * plane[6], largest)
                 at = put(common | z << z_lsb, scans, begin, begin_line, at, to)
     return at
+
+
+@nb.njit(error_model="numpy")
+def fraction_of(
+    begin: int, end: int, top: int, rows: int, ellipse: Any, plane: Any, width: int
+) -> tuple[int, float, float]:
+    """Return the rows of a splat's fraction, and the mean position of its pixels.
+
+    Parameters
+    ----------
+    begin, end
+        First column, and the column behind the last.
+    top, rows
+        First line, and their number.
+    ellipse
+        Column, line, square and form, as for :func:`encode_fractions`.
+    plane, width
+        The same, and the image's width.
+
+    Returns
+    -------
+    scans
+        ``EMPTY_SCANS`` if it has no pixel; then the position is 0.
+    x, y
+        In pixels.
+    """
+    column, line, square, form = ellipse
+    scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
+    for row in range(rows):
+        first, last = row_of(top + row, column, line, square, form, plane, width)
+        first, last = max(first, begin), min(last, end - 1)
+        if first <= last:
+            scans ^= (1 ^ row_code(first, last, True, begin)) << 6 * row
+            count = last - first + 1
+            pixels += count
+            across += count * (first + last + 1)  # twice their centres' sum
+            down += count * (2 * row + 1)
+    if not pixels:
+        return scans, 0.0, 0.0
+    return scans, 0.5 * across / pixels, top + 0.5 * down / pixels
 
 
 @nb.njit(error_model="numpy")

@@ -14,8 +14,8 @@ from splatline.host.visibility.occlusion import is_hidden
 from splatline.host.visibility.splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 from splatline.host.visibility.view import LARGEST
 
-from .ellipse import CLOSED, extent, in_perspective, one_fraction, row_code
-from .large_splats import cut, row_of
+from .ellipse import CLOSED, extent, in_perspective, one_fraction
+from .large_splats import cut, fraction_of, row_of
 from .plane_block import TRUE_ROWS, encode_block
 from .plane_words import plane_bits, put_plane
 from .shape_table import EMPTY_SCANS
@@ -216,18 +216,10 @@ def _encode_fractions(
         first_column, wide = cut(left, right, BLOCK, plane[2])
         for uncut in range(first_column, right + 1, wide):
             begin, end = max(uncut, left), min(uncut + wide, right + 1)
-            scans, pixels, across, down = EMPTY_SCANS, 0, 0, 0
-            for row in range(rows):
-                first, last = row_of(begin_line + row, column, line, square, form, plane, width)
-                first, last = max(first, begin), min(last, end - 1)
-                if first <= last:
-                    scans ^= (1 ^ row_code(first, last, True, begin)) << 6 * row
-                    count = last - first + 1
-                    pixels += count
-                    across += count * (first + last + 1)  # twice their centres' sum
-                    down += count * (2 * row + 1)
-            if pixels:
-                x, y = 0.5 * across / pixels, begin_line + 0.5 * down / pixels
+            scans, x, y = fraction_of(
+                begin, end, begin_line, rows, (column, line, square, form), plane, width
+            )
+            if scans != EMPTY_SCANS:
                 # The ray meets the plane here, but not behind the eye.
                 nearer = 1.0 + plane[2] * (x - plane[0]) + plane[3] * (y - plane[1])
                 distance = plane[4] / nearer if nearer > 0.0 else math.inf

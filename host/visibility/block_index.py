@@ -16,6 +16,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cells import limits
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.curve import spread_bits
 from splatline.host.shading.materials import Materials, find_materials
 
 __all__ = ["BLOCK_POINTS", "Index", "build_index"]
@@ -179,17 +180,8 @@ def _curve_keys(positions: Any, low: Any, extent: float, keys: Any) -> None:
         for axis in range(3):
             # Divided first: the product of a tiny cloud's inverse extent would overflow.
             cell = int(min((positions[i, axis] - low[axis]) / extent, 1.0) * cells)
-            key |= _spread(cell) << axis
+            key |= spread_bits(cell) << axis
         keys[i] = key << 32 | i
-
-
-@nb.njit
-def _spread(cell: int) -> int:
-    """Return ten bits with two zeros between each and the next."""
-    cell = (cell | cell << 16) & 0x030000FF
-    cell = (cell | cell << 8) & 0x0300F00F
-    cell = (cell | cell << 4) & 0x030C30C3
-    return (cell | cell << 2) & 0x09249249
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")

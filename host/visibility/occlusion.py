@@ -154,6 +154,33 @@ def _coarsen(bound: npt.NDArray[np.int32], coarse: npt.NDArray[np.int32]) -> Non
     coarse[:] = padded.reshape(coarse.shape[0], GROUP, coarse.shape[1], GROUP).max(axis=(1, 3))
 
 
+@nb.njit
+def _add_block(
+    block: Any, top: int, x: int, z: int, first: int, end: int, bound: Any, mask: Any, gathered: Any
+) -> None:
+    """Add a word's block, with the largest depth of its pixels, to the cells of some rows.
+
+    Parameters
+    ----------
+    block
+        First and last column of each of its rows; see ``contract.codeword.unfold``.
+    top, x
+        Its first line and column.
+    z
+        The depth.
+    first, end
+        Rows of cells.
+    bound, mask, gathered
+        See :class:`Pyramid`.
+    """
+    column = x // WIDE
+    for row in range(first, end):
+        both = _row_masks(block, top, row, x % WIDE)
+        _add(both & FULL, z, row, column, bound, mask, gathered)
+        if both >> WIDE * HIGH and column + 1 < bound.shape[1]:
+            _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
+
+
 @nb.njit(parallel=True, cache=True)
 def _cover(
     words: Any,
@@ -167,7 +194,7 @@ def _cover(
 ) -> None:
     """Fill the cells: each band reads all words and takes those that touch it."""
     x_lsb, x_mask, z_lsb, z_mask = fields
-    rows, columns = bound.shape
+    rows = len(bound)
     for band in nb.prange(BANDS):
         first_row, end_row = rows * band // BANDS, rows * (band + 1) // BANDS
         block = np.empty((BLOCK, 2), np.int64)
@@ -179,14 +206,9 @@ def _cover(
                 word = words[i]
                 x, z = word >> x_lsb & x_mask, word >> z_lsb & z_mask
                 unfold(word, block)
-                for row in range(max(top // HIGH, first_row), end_row):
-                    if row * HIGH >= top + (ROWS if word & 1 else BLOCK):
-                        break
-                    both = _row_masks(block, top, row, x % WIDE)
-                    column = x // WIDE
-                    _add(both & FULL, z, row, column, bound, mask, gathered)
-                    if both >> WIDE * HIGH and column + 1 < columns:
-                        _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
+                end = min(-(-(top + (ROWS if word & 1 else BLOCK)) // HIGH), end_row)
+                first = max(top // HIGH, first_row)
+                _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
 SHIFT = np.array(SHIFTS, np.int64)
@@ -205,7 +227,7 @@ def _cover_planes(
 ) -> None:
     """Fill the cells with plane words, as :func:`_cover` does with others."""
     (x_lsb, x_mask), slopes, heights, largest = fields
-    rows, columns = bound.shape
+    rows = len(bound)
     for band in nb.prange(BANDS):
         first_row, end_row = rows * band // BANDS, rows * (band + 1) // BANDS
         block = np.empty((BLOCK, 2), np.int64)
@@ -218,14 +240,9 @@ def _cover_planes(
                 x = low >> x_lsb & x_mask
                 unfold_plane(low, high, block)
                 z = _largest_depth(high, block, slopes, heights, largest)
-                for row in range(max(top // HIGH, first_row), end_row):
-                    if row * HIGH >= top + (ROWS if low & 1 else BLOCK):
-                        break
-                    both = _row_masks(block, top, row, x % WIDE)
-                    column = x // WIDE
-                    _add(both & FULL, z, row, column, bound, mask, gathered)
-                    if both >> WIDE * HIGH and column + 1 < columns:
-                        _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
+                end = min(-(-(top + (ROWS if low & 1 else BLOCK)) // HIGH), end_row)
+                first = max(top // HIGH, first_row)
+                _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
 @nb.njit

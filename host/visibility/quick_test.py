@@ -35,8 +35,8 @@ SLACK = 1.001
 CROWDED = 0.5
 """Pixels between neighbours below which points are crowded: more than four of them a pixel."""
 
-OUTSIDE, CROWDED_OUT = REASONS["outside"], REASONS["crowded"]
 NO_PIXEL, FACING_AWAY = REASONS["no_pixel"], REASONS["facing_away"]
+CROWDED_OUT = REASONS["crowded"]
 
 # In the type of what is written, so that the loop is made of vectors.
 _NO_PIXEL, _FACING_AWAY = np.uint8(REASONS["no_pixel"]), np.uint8(REASONS["facing_away"])
