@@ -20,6 +20,7 @@ from splatline.host.shading.materials import Materials, find_materials, material
 from splatline.host.shading.normal_levels import LEVELS
 from splatline.host.shading.shade import SHADE_LEVELS, shade_bits
 from splatline.host.visibility.block_index import Index, build_index
+from splatline.host.visibility.depth_extent import depth_extent
 from splatline.host.visibility.project import project
 from splatline.host.visibility.view import View
 
@@ -57,6 +58,10 @@ def draw_up(
     splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
     if depth_range is not None:
         splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
+    elif config.plane:  # each pixel has its own depth, and beyond the range none
+        splats = dataclasses.replace(
+            splats, depth_range=depth_extent(splats, 1.0 / view.focal, config.background_depth - 1)
+        )
     clock.lap("project")
     encoded = encode(
         splats,

@@ -12,6 +12,7 @@ from splatline.rtl.front.colour import ColourUnit
 from splatline.rtl.front.sequencer import Sequencer
 from splatline.rtl.front.tables import Tables
 from splatline.rtl.shapes.rom import ROM_LATENCY, ShapeRom
+from splatline.rtl.tiles.plane_depths import PlaneDepths
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
 
@@ -22,7 +23,7 @@ __all__ = ["Engine", "engine_latency"]
 
 def engine_latency(config: EngineConfig) -> int:
     """Return ``Engine(config).latency`` without building the engine."""
-    latency = 8 if config.draws_blocks else 4
+    latency = 8 if config.draws_blocks else 5 if config.plane else 4
     return latency + (ROM_LATENCY if config.shapes != "none" else 0)
 
 
@@ -33,9 +34,9 @@ class Engine(wiring.Component):
     frame may open right after the end word, while the last lines still leave. A table write waits
     until the open frames are closed, and no further frame opens while it is offered.
 
-    **Latency**: 4 cycles from a code word to its pixels, 8 with a window of blocks, and 3 more with
-    a shape ROM. A line retires when a code word five or more lines below it follows, or the end
-    word.
+    **Latency**: 4 cycles from a code word to its pixels, 5 with planes, 8 with a window of blocks,
+    and 3 more with a shape ROM. A line retires when a code word five or more lines below it
+    follows, or the end word.
     **Throughput**: a window of blocks takes one code word a cycle, without hazards. A window of
     tiles takes one tile of ``pixels_per_word`` x 4 pixels a cycle: 1 to 4 cycles a code word with
     words of four pixels, up to 8 with two. A tile stalls for one cycle if it shares a pixel with
@@ -107,14 +108,22 @@ class Engine(wiring.Component):
             connect(m, sequencer.o, shapes.i)
             connect(m, shapes.o, colour.i)
         connect(m, colour.o, tiler.i)
-        connect(m, tiler.o, window.i)
+        shade = colour.shade
+        if config.plane and not config.draws_blocks:
+            m.submodules.depths = depths = PlaneDepths(config)
+            connect(m, tiler.o, depths.i)
+            connect(m, depths.o, window.i)
+            m.d.comb += [tiler.ending.eq(depths.ending), depths.shade.eq(shade)]
+            shade = depths.shaded
+        else:
+            connect(m, tiler.o, window.i)
         connect(m, flipped(self.initial), window.initial)
         connect(m, window.raster, flipped(self.raster))
 
         m.d.comb += [
             tiler.oldest.eq(window.oldest),
             colour.moves.eq(tiler.moves),
-            window.shade.eq(colour.shade),
+            window.shade.eq(shade),
         ]
         if config.draws_blocks:
             m.d.comb += [tiler.cleared.eq(window.cleared), tiler.empties.eq(window.empties)]

@@ -139,7 +139,7 @@ def cover_planes(
         (config.x.lsb, config.x.mask),
         (config.slope_x.lsb - LOW_BITS, config.slope_y.lsb - LOW_BITS, config.slope_bits),
         (config.scale.lsb - LOW_BITS, config.z.lsb - LOW_BITS, config.z.mask),
-        config.background_depth - 1,
+        config.background_depth,
     )
     bound, mask, gathered, coarse = pyramid
     _cover_planes(words.view(np.int64), lines, starts, stops, fields, bound, mask, gathered)
@@ -226,7 +226,7 @@ def _cover_planes(
     gathered: Any,
 ) -> None:
     """Fill the cells with plane words, as :func:`_cover` does with others."""
-    (x_lsb, x_mask), slopes, heights, largest = fields
+    (x_lsb, x_mask), slopes, heights, background = fields
     rows = len(bound)
     for band in nb.prange(BANDS):
         first_row, end_row = rows * band // BANDS, rows * (band + 1) // BANDS
@@ -239,14 +239,14 @@ def _cover_planes(
                 low, high = words[i, 0], words[i, 1]
                 x = low >> x_lsb & x_mask
                 unfold_plane(low, high, block)
-                z = _largest_depth(high, block, slopes, heights, largest)
+                z = _largest_depth(high, block, slopes, heights, background)
                 end = min(-(-(top + (ROWS if low & 1 else BLOCK)) // HIGH), end_row)
                 first = max(top // HIGH, first_row)
                 _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
 @nb.njit
-def _largest_depth(high: int, block: Any, slopes: Any, heights: Any, largest: int) -> int:
+def _largest_depth(high: int, block: Any, slopes: Any, heights: Any, background: int) -> int:
     """Return the largest depth of a plane word's pixels; see ``docs/contract.md``, "Depth"."""
     x_lsb, y_lsb, slope_bits = slopes
     scale_lsb, z_lsb, z_mask = heights
@@ -260,7 +260,7 @@ def _largest_depth(high: int, block: Any, slopes: Any, heights: Any, largest: in
         if first <= last:
             furthest = max(furthest, b * row + max(a * first, a * last))
     total = ((high >> z_lsb & z_mask) << SUM_FRACTION - Z_FRACTION) + furthest
-    return min(max(total >> SUM_FRACTION, 0), largest)
+    return min(max(total >> SUM_FRACTION, 0), background)
 
 
 @nb.njit

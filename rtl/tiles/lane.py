@@ -58,7 +58,8 @@ class Lane(wiring.Component):
     request : In(LaneRequestLayout)
         The request.
     new : In(PixelLayout)
-        The pixel to draw, in the cycle after the request.
+        The pixel to draw, in the cycle after the request; with planes, at the background's depth
+        after a clear.
     loaded : In(PixelLayout)
         The pixel to load, in the cycle of the request; with ``flush_words`` 2 background at a
         clear.
@@ -115,7 +116,11 @@ class Lane(wiring.Component):
             ),
             write.addr.eq(taken.address),
             write.data.colour.eq(self.new.colour),
-            write.data.depth.eq(self.new.depth | taken.clear.replicate(config.depth_bits)),
+            write.data.depth.eq(
+                self.new.depth
+                if config.plane
+                else self.new.depth | taken.clear.replicate(config.depth_bits)
+            ),
             # Written every cycle while standing still, the pixel comes out the same each time.
             write.en.eq(difference[-1]),
         ]

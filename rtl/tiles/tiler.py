@@ -9,7 +9,8 @@ from splatline.rtl.layouts import GeometryLayout
 from splatline.rtl.lib.mux import number_of, pick
 from splatline.rtl.shapes.rows import ShapeRows
 
-from .layouts import TileLayout, sum_bits
+from .layouts import PlaneTileLayout, TileLayout, sum_bits
+from .overlap import overlap
 
 __all__ = ["Tiler"]
 
@@ -40,7 +41,7 @@ class Tiler(wiring.Component):
     -------
     i : In(stream of GeometryLayout)
         Elements, and ``end`` tokens.
-    o : Out(stream of TileLayout)
+    o : Out(stream of TileLayout, or of PlaneTileLayout)
         Tiles. An ``end`` token becomes one without pixels, to be taken when the frame before is
         out.
     moves : Out(1)
@@ -53,19 +54,23 @@ class Tiler(wiring.Component):
         Width of the image less 1; steady during a frame, as is the height.
     last_line : In(line_bits)
         Height of the image less 1.
+    ending : In(1)
+        With planes: an ``end`` token that was taken from ``o`` is not yet in the window.
     """
 
     def __init__(self, config: EngineConfig):
         self.config = config
         self.across = BLOCK // config.pixels_per_word  # tiles that lie side by side
+        self.tile = PlaneTileLayout(config) if config.plane else TileLayout(config)
         super().__init__(
             {
                 "i": In(stream.Signature(GeometryLayout(config))),
-                "o": Out(stream.Signature(TileLayout(config))),
+                "o": Out(stream.Signature(self.tile)),
                 "moves": Out(1),
                 "oldest": In(signed(config.line_bits + 2)),
                 "last_column": In(config.x_bits),
                 "last_line": In(config.line_bits),
+                **({"ending": In(1)} if config.plane else {}),
             }
         )
 
@@ -73,7 +78,7 @@ class Tiler(wiring.Component):
         """Build the circuit."""
         m = Module()
         element = self.i.payload
-        tile = Signal(TileLayout(self.config))
+        tile = Signal(self.tile)
         there = Signal()  # an element or an end token waits
         left = Signal(2 * self.across)  # tiles still to give: upper ones from the left, lower ones
         first = Signal.like(left)  # the next one
@@ -111,6 +116,8 @@ class Tiler(wiring.Component):
         ]
         # Until an end token is taken, ``oldest`` is of the frame that it ends.
         ending = (there & held["end"]) | (valid & given.end)
+        if self.config.plane:
+            ending |= self.ending
         self._compare(m, near, held["top"], there, ending)
         shape, raised, shifted = self._shape(m, element)
         # First column of the tile, from the left edge of the word that X lies in, and its first
@@ -135,15 +142,16 @@ class Tiler(wiring.Component):
 
     def _give(self, m, tile, held, there, may, left, step, valid):
         """Give a tile, or an end token, and its ``top``; return the register that holds it."""
-        given = Signal(TileLayout(self.config), reset_less=True)
+        given = Signal(self.tile, reset_less=True)
         top = Signal(self.i.payload.top.shape(), name="given_top", init=-SIDE)
         m.d.comb += [self.o.valid.eq(valid), self.o.payload.eq(given), self.o.payload.top.eq(top)]
         with m.If(step):
             m.d.sync += [
                 valid.eq(there & may & (left.any() | held["end"])),
                 given.eq(tile),
-                given.meets.eq(self._meets(m, tile, given) & valid & self.o.ready),
             ]
+            if not self.config.plane:
+                m.d.sync += given.meets.eq(overlap(m, tile, given) & valid & self.o.ready)
             with m.If(there):
                 m.d.sync += top.eq(held["top"])
             with m.Elif(valid & given.end):
@@ -303,27 +311,30 @@ class Tiler(wiring.Component):
         return inside, past_lines
 
     def _plane(self, m, element, tile, plane, lower, past, column):
-        """Set the tile's depth at its corner, and what each line and column adds to it.
+        """Set the depth at the block's corner, and what each line and column of the tile adds.
 
-        The corner is the first column of the tile's first word and the first line of its first
-        group of four. What lanes add takes multipliers: a slope times 0 to 7, or to 15 in words of
-        eight pixels.
+        The corner is the first column of the block's first word and the first line of its first
+        group of four. What lanes add takes multipliers: a slope times the lane's column or line
+        from there.
         """
         wide = self.config.pixels_per_word
         corner = Signal(sum_bits(self.config), name="corner", reset_less=True)
         with m.If(self.i.ready):
             given = element.plane
             m.d.sync += corner.eq((element.z << 1) - given.before - given.above)
-        m.d.comb += tile.corner.eq(
-            corner
-            + Mux(lower, plane.down << 2, 0)
-            + sum(Mux(column == n, plane.across * (n * wide), 0) for n in range(1, self.across))
-        )
+        m.d.comb += tile.corner.eq(corner)
         for i in range(SIDE):
-            m.d.comb += tile.down[i].eq(plane.down * Cat(Const(i, 2), past[i]))
+            group = Signal(2, name=f"group_{i}")
+            m.d.comb += [
+                group.eq(lower + past[i]),
+                tile.down[i].eq(plane.down * Cat(Const(i, 2), group)),
+            ]
         for j in range(wide):
-            number = Cat(Const(j, self.config.pixel_bits), tile.next[j])
-            m.d.comb += tile.across[j].eq(plane.across * number)
+            word = Signal(range(self.across + 1), name=f"word_{j}")
+            m.d.comb += [
+                word.eq(column + tile.next[j]),
+                tile.across[j].eq(plane.across * Cat(Const(j, self.config.pixel_bits), word)),
+            ]
 
     def _columns(self, m, element, tile, x, place, column):
         """Set the words of the tile's columns; return the columns in the image, by residue."""
@@ -350,20 +361,3 @@ class Tiler(wiring.Component):
                 ),
             ]
         return columns
-
-    def _meets(self, m, tile, before):
-        """Return whether two tiles overlap: whether they share a pixel of the image."""
-        same, after, ahead = Signal(), Signal(), Signal()
-        m.d.comb += [
-            same.eq(tile.words[0] == before.words[0]),
-            after.eq(tile.words[1] == before.words[0]),
-            ahead.eq(tile.words[0] == before.words[1]),
-        ]
-        # The masks are not compared: they come too late, and would avoid few stalls.
-        lines, columns = Signal(SIDE), Signal(self.config.pixels_per_word)
-        for i in range(SIDE):
-            m.d.comb += lines[i].eq(tile.group[i] == before.group[i])
-        for j in range(len(columns)):
-            new, old = tile.next[j], before.next[j]
-            m.d.comb += columns[j].eq(Mux(new == old, same, Mux(new, after, ahead)))
-        return lines.any() & columns.any()

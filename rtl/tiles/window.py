@@ -7,7 +7,6 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from splatline.contract.config import EngineConfig
-from splatline.contract.plane import SUM_FRACTION
 from splatline.rtl.layouts import PixelLayout, RasterLayout
 from splatline.rtl.window.loader import Loader
 from splatline.rtl.window.service import (
@@ -20,7 +19,7 @@ from splatline.rtl.window.service import (
 
 from .flush_scan import TileFlushScan
 from .lane import Lane, lane_address_bits
-from .layouts import TileLayout, sum_bits
+from .layouts import TileLayout
 from .readout import TileReadout
 
 __all__ = ["TileWindow"]
@@ -300,7 +299,6 @@ class TileWindow(wiring.Component):
         tile = self.i.payload
         sweeping, sweep, _ = clearing
         drawing = self._draw(m, readout.running)
-        depths = self._draw_planes(m, readout.running) if self.config.plane else None
         cleared = (~service.serving | sweeping).replicate(self.config.depth_bits)
         for i, row in enumerate(lanes):
             loads, clears = grants.loading & service.row[i], grants.flushing & service.row[i]
@@ -314,8 +312,10 @@ class TileWindow(wiring.Component):
                     lane.request.clear.eq(clears | sweeping),
                     lane.new.eq(drawing),
                 ]
-                if depths is not None:
-                    m.d.comb += lane.new.depth.eq(depths[i][j])
+                if self.config.plane:
+                    depth = Signal(self.config.depth_bits, name=f"depth_{i}_{j}", reset_less=True)
+                    self._draw_depth(m, depth, tile.depth[i][j], readout.running, clears | sweeping)
+                    m.d.comb += lane.new.depth.eq(depth)
                 if self.config.flush_words == 2:
                     # Clearing after reset takes one pixel a cycle.
                     m.d.comb += [
@@ -336,41 +336,15 @@ class TileWindow(wiring.Component):
                 m.d.sync += drawing.depth.eq(Mux(self.i.valid, tile.z, 0))
         return drawing
 
-    def _draw_planes(self, m, running):
-        """Return the depth that each lane draws: the plane at its pixel, saturated.
+    def _draw_depth(self, m, depth, given, running, clears):
+        """Set a lane's depth: that of its pixel, or at a clear the background's.
 
-        A depth below 0 is 0, and one beyond the largest that draws is that one. Registers hold the
-        depth, whether it lies before 0, and whether it lies beyond.
+        The flip-flops have a synchronous set, which takes no LUT.
         """
-        tile, bits = self.i.payload, self.config.depth_bits
-        depths = []
-        for i in range(SIDE):
-            line = Signal(sum_bits(self.config), name=f"line_{i}")
-            m.d.comb += line.eq(tile.corner + tile.down[i])
-            row = []
-            for j in range(self.config.pixels_per_word):
-                total = Signal(sum_bits(self.config), name=f"depth_{i}_{j}")
-                level = total[SUM_FRACTION:]
-                depth = Signal(bits, name=f"drawn_{i}_{j}", reset_less=True)
-                beyond = Signal(name=f"beyond_{i}_{j}", reset_less=True)
-                before = Signal(name=f"before_{i}_{j}", reset_less=True)
-                m.d.comb += total.eq(line + tile.across[j])
-                with m.If(running):
-                    m.d.sync += [
-                        depth.eq(level[:bits]),
-                        # On an idle input the depth may be undefined; then these are not.
-                        before.eq(total[-1] | ~self.i.valid),
-                        beyond.eq(
-                            self.i.valid & ~total[-1] & (level[bits:-1].any() | level[:bits].all())
-                        ),
-                    ]
-                # The largest depth is the background's less 1. Four inputs a bit, with the lane's.
-                kept = ~before.replicate(bits - 1)
-                row.append(
-                    Cat(depth[0] & ~before & ~beyond, depth[1:] & kept | beyond.replicate(bits - 1))
-                )
-            depths.append(row)
-        return depths
+        with m.If(running & clears):
+            m.d.sync += depth.eq(~0)
+        with m.Elif(running):
+            m.d.sync += depth.eq(given)
 
     def _address(self, m, i, j, busy, place):
         """Return the address of a lane: of the tile's pixel, or of the word that is served."""

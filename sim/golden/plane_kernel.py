@@ -55,7 +55,7 @@ class PlaneLayout(NamedTuple):
     scale_lsb: int
     z_lsb: int
     z_bits: int
-    largest: int
+    background: int
     colour_shift: int
     channel_max: int
 
@@ -77,7 +77,7 @@ def plane_layout_of(config: EngineConfig) -> PlaneLayout:
         scale_lsb=config.scale.lsb - LOW_BITS,
         z_lsb=config.z.lsb - LOW_BITS,
         z_bits=config.z.width,
-        largest=config.background_depth - 1,
+        background=config.background_depth,
         colour_shift=config.colour_shift,
         channel_max=config.channel_max,
     )
@@ -162,7 +162,7 @@ def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) ->
         first, last = low >> 1 + 6 * row & 7, low >> 4 + 6 * row & 7
         begin = (y - ABOVE + row) % BLOCK * stride + x + first
         total = start + b * row + a * first
-        _draw_row(pixels, begin, last - first + 1, total, a, look, layout.largest)
+        _draw_row(pixels, begin, last - first + 1, total, a, look, layout.background)
         if symmetric and not (raised and row == ROWS - 1):
             below = BLOCK - 1 - raised - row
             sides = low >> layout.side_lsb + 2 * row
@@ -171,12 +171,12 @@ def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) ->
             first, last = _inside(rotated), _inside(last)
             begin = (y - ABOVE + below) % BLOCK * stride + x + first
             total = start + b * below + a * first
-            _draw_row(pixels, begin, last - first + 1, total, a, look, layout.largest)
+            _draw_row(pixels, begin, last - first + 1, total, a, look, layout.background)
 
 
 @nb.njit(cache=True, inline="always")
 def _draw_row(
-    pixels: Any, begin: int, count: int, total: int, a: int, look: int, largest: int
+    pixels: Any, begin: int, count: int, total: int, a: int, look: int, background: int
 ) -> None:
     """Draw ``count`` pixels of a line, the first of them at the sum ``total``.
 
@@ -187,7 +187,7 @@ def _draw_row(
         for lane in range(LANES):
             old = pixels[begin + offset + lane]
             z = total + a * (offset + lane) >> SUM_FRACTION
-            z = min(max(z, 0), largest) << DEPTH_LSB
+            z = min(max(z, 0), background) << DEPTH_LSB
             passes = (z | LOOK_MASK < old) & (offset + lane < count)
             pixels[begin + offset + lane] = z | look if passes else old
 

@@ -138,7 +138,8 @@ def render(
     steps
         The approximations.
     depth_range
-        Nearest and furthest distance of the depth codes; by default those of the visible centres.
+        Nearest and furthest distance of the depth codes. By default those of the visible discs'
+        rims if each pixel has a depth, else of their centres.
 
     Raises
     ------
@@ -158,8 +159,14 @@ def render(
     slopes = level_slopes() if steps.normal_levels else np.empty(0)
     place_splats(discs, camera, rounding, slopes, splats)
     if depth_range is None:
-        depths = centres[splats["left"] <= splats["right"], 2]
-        depth_range = (float(depths.min()), float(depths.max())) if len(depths) else (0.0, 0.0)
+        visible = splats["left"] <= splats["right"]
+        depths = centres[visible, 2]
+        reach = np.zeros(len(depths))
+        if steps.depth in ("pixel", "plane"):
+            across = 1.0 - normals[visible, 2].astype(np.float64) ** 2
+            reach = radii[visible] * np.sqrt(np.maximum(across, 0.0))
+        limits = float((depths - reach).min(initial=np.inf)), float((depths + reach).max(initial=0))
+        depth_range = (max(limits[0], 0.0), limits[1]) if len(depths) else (0.0, 0.0)
     # Depths are compared as codes, which rise with distance.
     low, high = depth_range
     if steps.reciprocal:

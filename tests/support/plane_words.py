@@ -137,7 +137,7 @@ def depth_at(word, row, column, config=PLANE):
     shift = [0, 1, 2, 4][fields["scale"]]
     a, b = (((fields[name] ^ half) - half) * 2**shift for name in ("a", "b"))
     total = 2 * fields["z"] + column * a + row * b
-    return min(max(total // 4, 0), 2**config.depth_bits - 2)
+    return min(max(total // 4, 0), 2**config.depth_bits - 1)
 
 
 def draw(frame, initial=None):

@@ -163,7 +163,7 @@ def test_a_frame_without_a_depth_range_is_flat():
     words, _ = words_of(one_splat(20.0, 20.0, 6.0, (0.5, 0.2)), (1.0, 1.0))
     assert [bits(word, 67, 14) for word in words] == [0]
     words, _ = words_of(one_splat(20.0, 20.0, 60.0, (1e6, -1e6), depth=0.011), (0.0, 1e-300))
-    assert all(0 <= pw.depth_at(word, row, 0) <= 4094 for word in words for row in range(8))
+    assert all(0 <= pw.depth_at(word, row, 0) <= 4095 for word in words for row in range(8))
 
 
 @pytest.fixture(scope="module")

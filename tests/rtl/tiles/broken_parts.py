@@ -4,6 +4,7 @@ import pytest
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.front.colour import ColourUnit
+from splatline.rtl.tiles import tiler
 from splatline.rtl.tiles.dirty_bits import TileDirtyBits
 from splatline.rtl.tiles.flush_scan import TileFlushScan
 from splatline.rtl.tiles.lane import Lane
@@ -18,6 +19,7 @@ from tests.support.faults import rewrite
 BENCHES = {
     Lane: (Lane, test_lane),
     Tiler: (Tiler, test_tiler),
+    tiler: (Tiler, test_tiler),  # what it calls
     TileFlushScan: (TileFlushScan, test_flush_scan),
     TileDirtyBits: (TileDirtyBits, test_dirty_bits),
     ColourUnit: (test_colour.Painter, test_colour),

@@ -4,6 +4,7 @@ import pytest
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.front.colour import ColourUnit
+from splatline.rtl.tiles import tiler
 from splatline.rtl.tiles.dirty_bits import TileDirtyBits
 from splatline.rtl.tiles.flush_scan import TileFlushScan
 from splatline.rtl.tiles.lane import Lane
@@ -229,19 +230,19 @@ REWRITTEN = {
         "_give",
     ),
     "meets on any line": (
-        Tiler,
+        tiler,
         r"lines\.any\(\) & ",
         "",
         "a_window_that_lags_behind",
-        "_meets",
+        "overlap",
     ),
-    "meets in any column": (Tiler, r" & columns\.any\(\)", "", "one_tile_a_cycle", "_meets"),
+    "meets in any column": (tiler, r" & columns\.any\(\)", "", "one_tile_a_cycle", "overlap"),
     "meets on the wrong side": (
-        Tiler,
+        tiler,
         r"Mux\(new, after, ahead\)",
         "Mux(new, ahead, after)",
         "one_tile_a_cycle",
-        "_meets",
+        "overlap",
     ),
     "colour of the next": (ColourUnit, r"If\(self\.moves\)", "If(1)", "random_materials"),
     "coefficients of the next": (ColourUnit, r"If\(self\.o\.ready\)", "If(1)", "random_materials"),

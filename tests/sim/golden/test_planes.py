@@ -53,15 +53,20 @@ def test_every_sum_saturates_at_both_ends(scale, a, b, z):
         for column in range(8):
             total = 2 * z + factor * (a * column + b * row)
             assert -(1 << 15) <= total < 1 << 15  # as the contract says
-            assert found.depth[row, column + 2] == min(max(total // 4, 0), 4094)
+            assert found.depth[row, column + 2] == min(max(total // 4, 0), 4095)
     assert (found.depth[:, [0, 1, 10, 11]] == 4095).all()
 
 
-def test_a_plane_never_gives_the_depth_of_the_background():
-    word = pw.encode([(0, 7)] * 4, x=0, z=8191, a=63, b=63, scale=3)
+def test_a_pixel_at_the_depth_of_the_background_or_beyond_is_not_drawn():
+    word = pw.encode([(0, 7)] * 4, x=0, z=8184, a=1)  # 4092, 4092 1/4, ...
     found = golden.render(pw.make_frame([pw.advance(4), word], (8, 4)))
-    assert (found.depth == 4094).all()
-    assert found.drawn.all()
+    assert found.depth[0].tolist() == [4092] * 4 + [4093] * 4
+    word = pw.encode([(0, 7)] * 4, x=0, z=8184, a=3)
+    found = golden.render(pw.make_frame([pw.advance(4), word], (8, 4)))
+    assert found.depth[0].tolist() == [4092, 4092, 4093, 4094] + [4095] * 4
+    assert found.drawn[0].tolist() == [True] * 4 + [False] * 4
+    word = pw.encode([(0, 7)] * 4, x=0, z=8191, a=63, b=63, scale=3)
+    assert not golden.render(pw.make_frame([pw.advance(4), word], (8, 4))).drawn.any()
 
 
 def test_of_equal_depths_the_first_drawn_stays_pixel_by_pixel():

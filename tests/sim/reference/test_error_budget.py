@@ -309,7 +309,7 @@ def test_the_ladder_of_an_engine_with_planes_ends_near_the_golden_renderer():
         drawn = metrics.compare(
             golden.render(frame), exact, background=BLACK, depth_range=frame.counts["depth_range"]
         )
-        assert rows[-1]["psnr_db"] == pytest.approx(drawn["psnr_db"], abs=0.25)
+        assert rows[-1]["psnr_db"] == pytest.approx(drawn["psnr_db"], abs=0.3)
         assert rows[-1]["depth_rmse"] == pytest.approx(drawn["depth_rmse"], abs=0.001)
         loss = rows[1]["psnr_db"] - rows[2]["psnr_db"]
         assert loss < 0.15 if size == 1.0 else loss < 0.3
