@@ -136,12 +136,12 @@ def _close(
     few = len(cells.first) < FEWEST
     for cuts in parts_of(cells, progress):
         _measure(search_of(cells), cuts, few, *arrays)
-    even = np.empty_like(raw)
+    even, alone = np.empty_like(raw), np.empty_like(thin)
     for cuts in parts_of(cells):
-        _even_out(cells.starts, cuts, raw, even)
+        _even_out(cells.starts, cuts, raw, thin, even, alone)
     radii = np.empty(len(positions))
     _spread_out(even, cells.number, cells.unit, radii)
-    return Discs(radii, thin[cells.number])
+    return Discs(radii, alone[cells.number])
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
@@ -206,12 +206,20 @@ def _nearest(away: Any, count: int, x: float, y: float, z: float) -> float:
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
-def _even_out(starts: Any, cuts: Any, raw: Any, even: Any) -> None:
-    """Limit each radius by the median of those about its cell, along the curve."""
+def _even_out(starts: Any, cuts: Any, raw: Any, thin: Any, even: Any, alone: Any) -> None:
+    """Limit each radius by the median of those about its cell, along the curve.
+
+    A thin point among points of a surface belongs to the surface, as a chance of its sampling.
+    """
     for chunk in nb.prange(len(cuts) - 1):
         for cell in range(cuts[chunk], cuts[chunk + 1]):
             start, stop = starts[cell], starts[cell + 1]
-            around = raw[max(start - AROUND, 0) : min(stop + AROUND, len(raw)) : 4]
+            first, last = max(start - AROUND, 0), min(stop + AROUND, len(raw))
+            around = raw[first:last:4]
+            share = 0
+            for i in range(first, last):
+                share += thin[i]
+            is_surface = 2 * share < last - first
             most = raw[start:stop].max()
             # Sorting takes time. Where more than half are large enough, so is the median.
             enough = 0
@@ -220,6 +228,7 @@ def _even_out(starts: Any, cuts: Any, raw: Any, even: Any) -> None:
             limit = most if 2 * enough > len(around) + 1 else MOST_UNEVEN * np.median(around)
             for i in range(start, stop):
                 even[i] = min(raw[i], limit)
+                alone[i] = thin[i] and not is_surface
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
