@@ -19,9 +19,13 @@ from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.curve import spread_bits
 from splatline.host.shading.materials import Materials, find_materials
 
-__all__ = ["BLOCK_POINTS", "Index", "build_index"]
+from .groups import GROUP_POINTS, bound_group
 
-BLOCK_POINTS = 128
+__all__ = ["BLOCK_BITS", "BLOCK_POINTS", "Index", "build_index"]
+
+BLOCK_BITS = 7
+
+BLOCK_POINTS = 1 << BLOCK_BITS
 """Points of a block: so many that testing blocks is cheap, so few that bounds are tight
 (decision 0014)."""
 
@@ -46,7 +50,7 @@ BOUND = np.dtype(
 class Index:
     """A cloud's points along a space-filling curve, in blocks of ``BLOCK_POINTS``.
 
-    It takes 67 bytes a point and 88 a block beyond the cloud itself.
+    It takes 69 bytes a point and 88 a block beyond the cloud itself.
 
     Parameters
     ----------
@@ -59,14 +63,19 @@ class Index:
     radii
         Of the discs, in the cloud's unit: shape (n,), float64.
     discs
-        Of the quick test, rounded, shape (7, n), float32: positions relative to the middle of the
-        block's bounding sphere, in its radii; the disc's radius over the block's largest; normals.
+        Of the quick test, rounded, by group: shape (ceil(n / GROUP_POINTS), 7, GROUP_POINTS),
+        float32. Of each point its position relative to the middle of the block's bounding sphere,
+        in its radii; the disc's radius over the block's largest; the normal. The radius of a thin
+        point is infinite, and that of a two-sided one has a minus.
     two_sided, thin
         Of the cloud and its ``Discs``, in this order: shape (n,), bool.
     materials
         The palette, and each point's colour of it in this order.
     bounds
         Of each block: shape (ceil(n / BLOCK_POINTS),), structured, see ``BOUND``.
+    groups
+        Spheres about the discs of each group of a block: shape
+        (blocks, 4, BLOCK_POINTS // GROUP_POINTS), float32; see ``bound_group``.
     """
 
     cloud: Cloud
@@ -78,6 +87,7 @@ class Index:
     thin: npt.NDArray[np.bool_]
     materials: Materials
     bounds: npt.NDArray[Any]
+    groups: npt.NDArray[np.float32]
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -86,7 +96,7 @@ class Index:
     @property
     def nbytes(self) -> int:
         """Bytes that the index takes beyond the cloud."""
-        parts = ("point", "positions", "radii", "discs", "two_sided", "thin", "bounds")
+        parts = "point", "positions", "radii", "discs", "two_sided", "thin", "bounds", "groups"
         return self.materials.index.nbytes + sum(getattr(self, part).nbytes for part in parts)
 
 
@@ -121,16 +131,18 @@ def build_index(
         materials = find_materials(cloud)
     order = _curve_order(cloud.positions)
     count = len(order)
+    blocks = -(-count // BLOCK_POINTS)
     index = Index(
         cloud=cloud,
         point=order,
         positions=np.empty((count, 3)),
         radii=np.empty(count),
-        discs=np.empty((7, count), np.float32),
+        discs=np.zeros((-(-count // GROUP_POINTS), 7, GROUP_POINTS), np.float32),
         two_sided=np.empty(count, np.bool_),
         thin=np.zeros(count, np.bool_) if thin is None else thin[order],
         materials=Materials(materials.palette, np.empty(count, np.uint8)),
-        bounds=np.empty(-(-count // BLOCK_POINTS), BOUND),
+        bounds=np.empty(blocks, BOUND),
+        groups=np.empty((blocks, 4, BLOCK_POINTS // GROUP_POINTS), np.float32),
     )
     _gather(
         order,
@@ -146,6 +158,7 @@ def build_index(
         index.thin,
         index.materials.index,
         index.bounds,
+        index.groups,
     )
     return index
 
@@ -199,8 +212,9 @@ def _gather(
     thin: Any,
     material: Any,
     bounds: Any,
+    groups: Any,
 ) -> None:
-    """Copy the points in the index's order, and bound each block."""
+    """Copy the points in the index's order, and bound each block and its groups."""
     for block in nb.prange(len(bounds)):
         normals = np.empty((BLOCK_POINTS, 3), np.float32)
         start = block * BLOCK_POINTS
@@ -218,12 +232,19 @@ def _gather(
         _bound_cone(bounds[block], normals[:count], two_sided[start:stop])
         bounds[block].thin = thin[start:stop].any()
         reach, largest = bounds[block].reach, bounds[block].largest
-        for i in range(count):
+        for i in range(start, stop):
+            group, at = i // GROUP_POINTS, i % GROUP_POINTS
             for axis in range(3):
-                offset = positions[start + i, axis] - bounds[block].centre[axis]
-                discs[axis, start + i] = offset / reach if reach > 0.0 else 0.0
-                discs[4 + axis, start + i] = normals[i, axis]
-            discs[3, start + i] = radii[start + i] / largest if largest > 0.0 else 0.0
+                offset = positions[i, axis] - bounds[block].centre[axis]
+                discs[group, axis, at] = offset / reach if reach > 0.0 else 0.0
+                discs[group, 4 + axis, at] = normals[i - start, axis]
+            share = radii[i] / largest if largest > 0.0 else 0.0
+            share = np.inf if thin[i] else share
+            discs[group, 3, at] = -share if two_sided[i] else share
+        for first in range(start, stop, GROUP_POINTS):
+            last = min(first + GROUP_POINTS, stop)
+            group = groups[block, :, (first - start) // GROUP_POINTS]
+            bound_group(discs[first // GROUP_POINTS], last - first, bounds[block], group)
 
 
 @nb.njit(cache=True, error_model="numpy")

@@ -125,7 +125,7 @@ def lies_outside(position: float, slope: float, radius: float, share: float, siz
 
 
 @nb.njit(error_model="numpy")
-def lies_inside(bound: Any, middle: Any, growth: float, camera: Any) -> bool:
+def lies_inside(bound: Any, middle: Any, camera: Any) -> bool:
     """Return whether all discs of a block lie in the image for certain.
 
     Parameters
@@ -134,13 +134,11 @@ def lies_inside(bound: Any, middle: Any, growth: float, camera: Any) -> bool:
         The block's bounds.
     middle
         The middle of its sphere, in camera coordinates.
-    growth
-        Factor of the radii.
     camera
         The view.
     """
     x, y, z = middle
-    size = bound.reach + growth * bound.largest
+    size = bound.reach + bound.largest
     nearest = z - size
     if not nearest > max(size, camera.near):
         return False
@@ -246,8 +244,11 @@ def _all_face_away(dx: float, dy: float, dz: float, bound: Any) -> bool:
     if not (bound.sine <= 1.0 and bound.reach < distance):
         return False
     lean = (bound.axis[0] * dx + bound.axis[1] * dy + bound.axis[2] * dz) / distance
-    apart = math.asin(bound.sine) + math.asin(bound.reach / distance)
-    return apart < 0.5 * math.pi and lean > math.sin(apart) + 1e-6
+    # Sine and cosine of the two angles' sum, which must be below 90 degrees.
+    sine, share = bound.sine, bound.reach / distance
+    cosine, other = math.sqrt(1.0 - sine * sine), math.sqrt(1.0 - share * share)
+    is_acute = cosine * other - sine * share > 0.0
+    return is_acute and lean > sine * other + cosine * share + 1e-6
 
 
 @nb.njit

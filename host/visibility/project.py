@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from .block_index import BLOCK_POINTS, Index
 from .cull import Camera, cull_blocks
+from .look_over import Blocks, Points, look_over
 from .project_loop import WINDOW, Look, Slots, project_blocks
-from .quick_test import Blocks, Points, look_over
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
 from .splats import SPLAT, Splats
 from .view import View
@@ -73,9 +73,11 @@ def project(
         index.materials.index,
         index.positions,
         index.radii,
+        index.groups,
     )
-    found = np.empty(BLOCK_POINTS * len(visible), np.uint8)
-    blocks = Blocks(index.bounds, visible, cuts, found)
+    # With one place more, as the list is written without branches.
+    kept = np.empty(BLOCK_POINTS * len(visible) + 1, np.int32)
+    blocks = Blocks(index.bounds, visible, cuts, kept)
     reasons = np.zeros((CHUNKS, 1 + len(SKIPS)), np.int64)
     look_over(points, blocks, camera, rules, reasons)
 

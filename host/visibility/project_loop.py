@@ -12,11 +12,13 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .block_index import BLOCK_POINTS
+from .block_index import BLOCK_BITS, BLOCK_POINTS
 from .cull import from_eye, lies_inside
 from .disc_image import project_disc, shade_of, turn_to_eye
 from .footprint import SMALLEST, conic, covers_own_pixel, is_tiny
-from .quick_test import middle_of, stride_of
+from .groups import GROUP_BITS, GROUP_BYTES, GROUP_POINTS
+from .look_over import middle_of
+from .prefetch import AHEAD, prefetch
 from .skips import REASONS
 from .splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 
@@ -30,8 +32,7 @@ NO_RIVAL = -1
 """Slot of a splat that is not there."""
 
 OUTSIDE, FACING_AWAY = REASONS["outside"], REASONS["facing_away"]
-NO_PIXEL, CROWDED_OUT = REASONS["no_pixel"], REASONS["crowded"]
-OVERDRAWN = REASONS["overdrawn"]
+NO_PIXEL, OVERDRAWN = REASONS["no_pixel"], REASONS["overdrawn"]
 
 
 class Look(NamedTuple):
@@ -84,8 +85,8 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
     Tuples of arrays are unpacked before the loops: inside, numba would count references for every
     point.
     """
-    bounds, visible, cuts, found = blocks
-    discs, two_sided, thin, material, positions, radii = points
+    bounds, _, cuts, kept = blocks
+    discs, two_sided, thin, material, positions, radii, _ = points
     rules, shades, material_shift = look
     floats, bits, doubles, starts, stops, limits, reasons, nearest = slots
     inverse_focal = 1.0 / camera.focal
@@ -95,70 +96,79 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
         rivals = nearest[nb.get_thread_id()]
         low, high = np.inf, -np.inf
         tally = np.zeros(reasons.shape[1], np.int64)
-        for number in range(cuts[chunk], cuts[chunk + 1]):
-            bound = bounds[visible[number]]
-            start = BLOCK_POINTS * visible[number]
-            stop = min(start + BLOCK_POINTS, len(two_sided))
-            growth = math.sqrt(stride_of(bound, camera)) if rules[CROWDED_OUT] else 1.0
-            middle = middle_of(bound, camera)
-            at_border = rules[OUTSIDE] and not lies_inside(bound, middle, growth, camera)
-            for i in range(start, stop):
-                if found[BLOCK_POINTS * number + i - start]:
-                    continue
-                x, y, z = from_eye(camera, positions[i, 0], positions[i, 1], positions[i, 2])
-                may_miss = rules[NO_PIXEL] and not thin[i]
-                reason, image = project_disc(
-                    x, y, z, growth * radii[i], camera, may_miss, at_border
+        block, at_border = -1, False
+        begin = BLOCK_POINTS * cuts[chunk]
+        end = begin + reasons[chunk, 0]
+        for k in range(begin, end):
+            i = kept[k]
+            ahead = kept[min(k + AHEAD, end - 1)]
+            if ahead - i > AHEAD:  # else the processor itself reads on
+                prefetch(positions, 24 * ahead)
+                prefetch(radii, 8 * ahead)
+                prefetch(material, ahead)
+                prefetch(two_sided, ahead)
+                prefetch(thin, ahead)
+                prefetch(discs, GROUP_BYTES * (ahead >> GROUP_BITS) + 128)
+                prefetch(discs, GROUP_BYTES * (ahead >> GROUP_BITS) + 192)
+            if i >> BLOCK_BITS != block:
+                block = i >> BLOCK_BITS
+                bound = bounds[block]
+                at_border = rules[OUTSIDE] and not lies_inside(
+                    bound, middle_of(bound, camera), camera
                 )
-                if reason != 0:
-                    tally[reason] += 1
+            x, y, z = from_eye(camera, positions[i, 0], positions[i, 1], positions[i, 2])
+            may_miss = rules[NO_PIXEL] and not thin[i]
+            reason, image = project_disc(x, y, z, radii[i], camera, may_miss, at_border)
+            if reason != 0:
+                tally[reason] += 1
+                continue
+            # As the encoder will compute it from the splat, to the last bit.
+            a = (image.column - camera.middle_x) * inverse_focal
+            b = (image.line - camera.middle_y) * inverse_focal
+            rival, place = NO_RIVAL, 0
+            tiny = is_tiny(image.radius, a, b, inverse_focal)
+            alone = tiny and rules[OVERDRAWN]
+            if alone:
+                rival, place = _find_rival(image, rivals, floats, first, at)
+                if rival != NO_RIVAL and doubles[rival, DEPTH] <= image.z:
+                    tally[OVERDRAWN] += 1
                     continue
-                # As the encoder will compute it from the splat, to the last bit.
-                a = (image.column - camera.middle_x) * inverse_focal
-                b = (image.line - camera.middle_y) * inverse_focal
-                rival, place = NO_RIVAL, 0
-                tiny = is_tiny(image.radius, a, b, inverse_focal)
-                alone = tiny and rules[OVERDRAWN]
-                if alone:
-                    rival, place = _find_rival(image, rivals, floats, first, at)
-                    if rival != NO_RIVAL and doubles[rival, DEPTH] <= image.z:
-                        tally[OVERDRAWN] += 1
-                        continue
-                normal = discs[4, i], discs[5, i], discs[6, i]
-                reason, facing, nx, ny, nz = turn_to_eye(
-                    normal, two_sided[i], thin[i], image, camera, rules[FACING_AWAY]
-                )
-                slope_x, slope_y = np.float32(nx / facing), np.float32(ny / facing)
-                column, line, radius = image.column, image.line, image.radius
-                if (
-                    reason == 0
-                    and tiny
-                    and (alone or thin[i])
-                    and not _covers(image, a, b, slope_x, slope_y)
-                ):
-                    if thin[i]:
-                        # The pixel that it lies in.
-                        column, line = math.floor(column) + 0.5, math.floor(line) + 0.5
-                        radius = max(radius, SMALLEST)
-                        slope_x = slope_y = np.float32(0.0)
-                    else:
-                        reason, alone = NO_PIXEL if rules[NO_PIXEL] else 0, False
-                if reason != 0:
-                    tally[reason] += 1
-                    continue
-                low, high = min(low, z), max(high, z)
-                replaces = alone and rival != NO_RIVAL
-                slot = rival if replaces else at
-                at += not replaces
-                tally[OVERDRAWN] += replaces
-                if alone:
-                    rivals[place] = slot
-                shade = shade_of(nx, ny, nz, facing, image, shades)
-                floats[slot, COLUMN], floats[slot, LINE] = column, line
-                floats[slot, DIAMETER] = 2.0 * radius
-                floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slope_x, slope_y
-                bits[slot, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
-                doubles[slot, DEPTH] = z
+            group, own = i >> GROUP_BITS, i & GROUP_POINTS - 1
+            normal = discs[group, 4, own], discs[group, 5, own], discs[group, 6, own]
+            reason, facing, nx, ny, nz = turn_to_eye(
+                normal, two_sided[i], thin[i], image, camera, rules[FACING_AWAY]
+            )
+            slope_x, slope_y = np.float32(nx / facing), np.float32(ny / facing)
+            column, line, radius = image.column, image.line, image.radius
+            if (
+                reason == 0
+                and tiny
+                and (alone or thin[i])
+                and not _covers(image, a, b, slope_x, slope_y)
+            ):
+                if thin[i]:
+                    # The pixel that it lies in.
+                    column, line = math.floor(column) + 0.5, math.floor(line) + 0.5
+                    radius = max(radius, SMALLEST)
+                    slope_x = slope_y = np.float32(0.0)
+                else:
+                    reason, alone = NO_PIXEL if rules[NO_PIXEL] else 0, False
+            if reason != 0:
+                tally[reason] += 1
+                continue
+            low, high = min(low, z), max(high, z)
+            replaces = alone and rival != NO_RIVAL
+            slot = rival if replaces else at
+            at += not replaces
+            tally[OVERDRAWN] += replaces
+            if alone:
+                rivals[place] = slot
+            shade = shade_of(nx, ny, nz, facing, image, shades)
+            floats[slot, COLUMN], floats[slot, LINE] = column, line
+            floats[slot, DIAMETER] = 2.0 * radius
+            floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slope_x, slope_y
+            bits[slot, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
+            doubles[slot, DEPTH] = z
         stops[chunk] = at
         limits[chunk, 0], limits[chunk, 1] = low, high
         # One at a time: numba may drop the copy of a whole row here.

@@ -15,7 +15,6 @@ SKIPS = {
     " pixel that holds it",
     "overdrawn": "points of one pixel that a nearer point of one pixel covers",
     "hidden": "points wholly behind nearer ones",
-    "crowded": "points beyond a few a pixel; the others grow to cover them (lossy)",
 }
 """Names and meanings, in the order in which they are tested."""
 

@@ -30,9 +30,7 @@ MEDIUM = 436_000
 VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
     "whole": (1.0, ()),
     "whole, what is hidden skipped": (1.0, ("hidden",)),
-    "whole, crowds thinned": (1.0, ("crowded",)),
     "from ten times as far": (0.1, ()),
-    "from ten times as far, crowds thinned": (0.1, ("crowded",)),
     "a corner, 8 times as near": (8.0, ()),
     "a corner, 30 times as near": (30.0, ()),
 }
@@ -82,6 +80,7 @@ def host(
     from splatline.host.cloud.resample import resample
 
     from . import first_picture as firsts
+    from .distances import DISTANCES, measure_distances
     from .page import page
     from .peers import PEERS
     from .race import Subject, race
@@ -89,20 +88,18 @@ def host(
     subjects = _subjects(clouds, size)
     cloud, view, radii = subjects[-1]
     kinds = firsts.kinds(points) if first_picture else ()
-    steps = 2 * len(subjects) + 2 * len(VIEWS) + len(kinds)
+    steps = 2 * len(subjects) + 2 * len(VIEWS) + len(DISTANCES) + len(kinds)
     steps += 3 * len(PEERS) + len(kinds) * len(firsts.PEERS) if peers else 0
     with Counter(steps) as counter:
         large, small = resample(cloud, radii, points)
         runs = _wholes(subjects, preset, repeats, counter.advance)
-        runs += _views(Subject(large, view, small), preset, repeats, counter.advance)
+        far = Subject(large, view, small)
+        runs += _views(far, preset, repeats, counter.advance)
+        distances = measure_distances(far, preset, repeats, counter.advance)
         rivals: list[dict[str, Any]] = []
         if peers:
             medium, middling = resample(cloud, radii, min(MEDIUM, points))
-            racing = (
-                subjects[-1],
-                Subject(medium, view, middling),
-                Subject(large, view, small),
-            )
+            racing = subjects[-1], Subject(medium, view, middling), far
             rivals = race(racing, preset, counter.advance)
         options = ("--preset", preset.name)
         first = firsts.first_pictures(cloud, radii, kinds, options, size, peers, counter.advance)
@@ -112,6 +109,7 @@ def host(
         "cores": len(os.sched_getaffinity(0)),
         "versions": tool_versions("golden"),
         "runs": runs,
+        "distances": distances,
         "peers": rivals,
         "first_pictures": first,
     }

@@ -6,6 +6,7 @@ from typing import Any
 
 from splatline.cli.bench.markdown import table
 
+from .distance_page import by_distance
 from .first_page import first_pictures
 from .race_page import rivals
 
@@ -56,6 +57,7 @@ def page(report: dict[str, Any]) -> str:
             WORDS,
         ),
     ]
+    parts += by_distance(report["distances"])
     parts += rivals(report["peers"]) + first_pictures(report["first_pictures"])
     return "\n".join(parts) + "\n"
 

@@ -8,6 +8,7 @@ from splatline.cli.bench.host import first_picture as bench_first
 from splatline.cli.bench.host import frames as bench_frames
 from splatline.cli.bench.host import measure as bench_host
 from splatline.cli.bench.host import peers as bench_peers
+from splatline.cli.bench.host.distances import DISTANCES
 from splatline.cli.bench.host.race_page import rivals
 from splatline.cli.main import main
 from splatline.host.cloud.resample import resample
@@ -58,12 +59,22 @@ def test_every_run_has_its_rates_and_what_was_left_out(outcome):
         assert run["index_bytes_per_point"] <= 72
 
 
-def test_a_corner_takes_fewer_elements_and_thinning_leaves_points_out(outcome):
+def test_a_corner_leaves_out_points(outcome):
     folder, _ = outcome
     runs = json.loads((folder / "host.json").read_text())["runs"]
     large = {run["view"]: run for run in runs[4:] if run["quality"] == "exact"}
     assert large["a corner, 8 times as near"]["culled"]["outside"] > 0
-    assert large["from ten times as far, crowds thinned"]["culled"]["crowded"] > 0
+
+
+def test_distances_have_times_and_errors(outcome):
+    folder, _ = outcome
+    runs = json.loads((folder / "host.json").read_text())["distances"]
+    assert [run["distance"] for run in runs] == list(DISTANCES)
+    assert runs[0]["elements"] > runs[1]["elements"]
+    for run in runs:
+        assert set(run["errors"]) == {"1", "16"}
+        assert run["errors"]["16"]["psnr_db"] > 25.0
+    assert "## By distance" in (folder / "host.md").read_text()
 
 
 def test_peers_are_ratios_and_those_that_are_missing_say_so(outcome):

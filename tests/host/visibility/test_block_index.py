@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from splatline.contract.errors import InputError
 from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
+from splatline.host.visibility.groups import GROUP_POINTS
 from tests.support.clouds import cloud_of, sphere
 
 
@@ -13,12 +14,17 @@ def of_blocks(index, field):
     return np.repeat(index.bounds[field], BLOCK_POINTS, axis=0)[: len(index)]
 
 
+def discs_of(index):
+    """The discs as rows: shape (7, n)."""
+    return index.discs.transpose(1, 0, 2).reshape(7, -1)[:, : len(index)]
+
+
 def positions_of(index):
-    return of_blocks(index, "centre") + of_blocks(index, "reach")[:, None] * index.discs[:3].T
+    return of_blocks(index, "centre") + of_blocks(index, "reach")[:, None] * discs_of(index)[:3].T
 
 
 def radii_of(index):
-    return of_blocks(index, "largest") * index.discs[3]
+    return of_blocks(index, "largest") * np.abs(discs_of(index)[3])
 
 
 def test_it_holds_every_point_once_with_all_that_is_its_own():
@@ -29,7 +35,7 @@ def test_it_holds_every_point_once_with_all_that_is_its_own():
     assert np.array_equal(index.positions, cloud.positions[index.point])
     assert np.array_equal(index.radii, radii[index.point])
     assert np.allclose(positions_of(index), index.positions, rtol=0, atol=1e-6)
-    assert np.array_equal(index.discs[4:].T, cloud.normals[index.point])
+    assert np.array_equal(discs_of(index)[4:].T, cloud.normals[index.point])
     assert np.allclose(radii_of(index), index.radii, rtol=1e-6)
     colours = index.materials.palette[index.materials.index]
     assert np.array_equal(colours, cloud.colours[index.point])
@@ -56,10 +62,36 @@ def test_bounds_hold_their_points(seed, magnitude, count):
         far = np.linalg.norm(cloud.positions[points] - bound["centre"], axis=1)
         assert far.max() <= bound["reach"]
         assert radii[points].max() == bound["largest"]
-        assert np.abs(index.discs[:4, part]).max() <= 1.0
+        assert np.abs(discs_of(index)[:4, part]).max() <= 1.0
         if bound["sine"] <= 1.0:
-            cosine = index.discs[4:, part].T.astype(float) @ bound["axis"]
+            cosine = discs_of(index)[4:, part].T.astype(float) @ bound["axis"]
             assert cosine.min() >= np.sqrt(1 - bound["sine"] ** 2)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(-9, 9), st.integers(1, 600))
+@settings(max_examples=40, deadline=None)
+def test_groups_hold_the_discs_of_their_points(seed, magnitude, count):
+    rng = np.random.default_rng(seed)
+    cloud = cloud_of(rng.normal(size=(count, 3)) * 10.0**magnitude, [[0, 0, 1]] * count)
+    radii = rng.uniform(0, 1, count) * 10.0**magnitude
+    thin = rng.random(count) < 0.02
+    index = build_index(cloud, radii, None, thin)
+    for start in range(0, count, GROUP_POINTS):
+        bound, at = index.bounds[start // BLOCK_POINTS], start % BLOCK_POINTS // GROUP_POINTS
+        *middle, reach = index.groups[start // BLOCK_POINTS, :, at].astype(float)
+        points = index.point[start : start + GROUP_POINTS]
+        away = cloud.positions[points] - bound["centre"] - np.array(middle) * bound["reach"]
+        far = np.linalg.norm(away, axis=1) + radii[points]
+        assert np.isinf(reach) == (thin[points].any() or bound["reach"] == 0.0)
+        assert np.isinf(reach) or far.max() <= reach * bound["reach"]
+
+
+def test_a_disc_tells_whether_its_point_is_thin_or_two_sided():
+    cloud = cloud_of(np.eye(3), [[0, 0, 1]] * 3, two_sided=True)
+    index = build_index(cloud, np.ones(3), None, np.array([True, False, False]))
+    shares = discs_of(index)[3]
+    assert (shares < 0.0).all()
+    assert np.array_equal(np.isinf(shares), index.thin)
 
 
 def test_blocks_are_small_and_their_cones_narrow():

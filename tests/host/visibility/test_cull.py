@@ -1,6 +1,7 @@
 """Whole blocks are left out only where each of their points would be."""
 
 import dataclasses
+import itertools
 
 import numba
 import numpy as np
@@ -11,8 +12,8 @@ from hypothesis import strategies as st
 from splatline.contract.errors import InputError
 from splatline.host.encode.quality import QUALITIES
 from splatline.host.pipeline import make_frame
+from splatline.host.visibility import look_over as look_over_module
 from splatline.host.visibility import project as project_module
-from splatline.host.visibility import quick_test
 from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 from splatline.host.visibility.view import fit_view
@@ -104,8 +105,12 @@ def test_the_quick_test_leaves_out_no_point_that_would_be_drawn(
 
 def no_point(points, blocks, camera, rules, reasons):
     """Leave every point to the exact tests."""
-    blocks.found[:] = 0
-    reasons[:, 0] = BLOCK_POINTS * np.diff(blocks.cuts)
+    count = len(points.positions)
+    for chunk, (begin, end) in enumerate(itertools.pairwise(blocks.cuts)):
+        every = np.arange(BLOCK_POINTS) + BLOCK_POINTS * blocks.visible[begin:end, np.newaxis]
+        every = every[every < count]
+        blocks.kept[BLOCK_POINTS * begin : BLOCK_POINTS * begin + len(every)] = every
+        reasons[chunk, 0] = len(every)
 
 
 def test_the_quick_test_leaves_out_most_points_of_a_dense_cloud(monkeypatch):
@@ -114,7 +119,7 @@ def test_the_quick_test_leaves_out_most_points_of_a_dense_cloud(monkeypatch):
     kept = []
 
     def look_over(points, blocks, camera, rules, reasons):
-        quick_test.look_over(points, blocks, camera, rules, reasons)
+        look_over_module.look_over(points, blocks, camera, rules, reasons)
         kept.append(reasons[:, 0].sum())
 
     monkeypatch.setattr(project_module, "look_over", look_over)
@@ -202,16 +207,6 @@ def test_skipping_what_covers_no_pixel_leaves_no_hole_in_a_closed_surface():
     from_middle = np.hypot(x - 32, y - 32)
     reach = from_middle[golden.render(without).drawn].max()
     assert golden.render(with_it).drawn[from_middle < reach - 1.5].all()
-
-
-def test_thinning_a_crowd_keeps_the_surface_closed_and_says_how_many_it_left_out():
-    cloud = sphere(200_000)
-    view = fit_view(cloud, size=(48, 48))
-    all_of_it, thinned = frames(cloud, view, 0.01, DEFAULT_SKIPS, DEFAULT_SKIPS | {"crowded"})
-    assert thinned.counts["culled"]["crowded"] > 50_000
-    assert sum(thinned.counts["culled"].values()) + thinned.counts["elements"] == 200_000
-    before, after = golden.render(all_of_it), golden.render(thinned)
-    assert (before.drawn & ~after.drawn).sum() <= 0.01 * before.drawn.sum()
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))

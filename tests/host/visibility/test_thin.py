@@ -1,5 +1,7 @@
 """Points of no surface, on curves or alone, are seen at any distance."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -73,6 +75,30 @@ def test_no_point_of_a_surface_is_thin():
     rng = np.random.default_rng(1)
     points = np.column_stack([rng.random((5000, 2)), 0.002 * rng.normal(size=5000)])
     assert measure_discs(cloud_of(points)).thin.mean() < 0.02
+
+
+def test_a_wire_at_a_surface_is_whole_and_the_surface_is_not_thin():
+    rng = np.random.default_rng(1)
+    sheet = np.column_stack([rng.random((40_000, 2)), np.zeros(40_000)])
+    wire = np.linspace(0.0, 1.0, 4000)[:, None] * [1.0, 0.0, 0.0] + [1.0, 0.5, 0.0]
+    cloud = cloud_of(np.concatenate([sheet, wire]))
+    thin = measure_discs(cloud).thin
+    assert not thin[:40_000].any()
+    assert thin[40_000:].mean() > 0.98
+    columns = np.flatnonzero(drawn(cloud, view={"orbit": (0.0, 0.0)}).any(axis=0))
+    assert len(columns) == columns[-1] - columns[0] + 1 > 80
+
+
+@pytest.mark.parametrize("distance", [5, 10])
+def test_a_surface_from_afar_grows_no_fatter(distance):
+    rng = np.random.default_rng(2)
+    cloud = cloud_of(np.column_stack([rng.random((200_000, 2)), np.zeros(200_000)]))
+    discs = measure_discs(cloud)
+    view = fit_view(cloud, size=(96, 80), orbit=(0.0, 0.0))
+    view = dataclasses.replace(view, focal=view.focal / distance)
+    side = view.focal / np.abs(view.eye[2])
+    seen = golden.render(make_frame(cloud, view, **discs._asdict())).drawn
+    assert abs(np.sqrt(seen.sum()) - side) < 0.5
 
 
 def test_points_at_one_position_are_one_pixel_at_least():
