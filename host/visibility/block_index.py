@@ -50,7 +50,7 @@ BOUND = np.dtype(
 class Index:
     """A cloud's points along a space-filling curve, in blocks of ``BLOCK_POINTS``.
 
-    It takes 69 bytes a point and 88 a block beyond the cloud itself.
+    It takes 70 bytes a point, those of blocks included, beyond the cloud itself.
 
     Parameters
     ----------
