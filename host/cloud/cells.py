@@ -14,24 +14,16 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .curve import common_levels, spread_bits
+from .curve import common_levels
+from .curve_order import Curve, sort_along_curve
 
-__all__ = ["CELL_POINTS", "Cells", "build_cells", "limits", "parts_of", "search_of"]
+__all__ = ["CELL_POINTS", "Cells", "build_cells", "parts_of", "search_of"]
 
 CELL_POINTS = 16
 """Most points of a cell. Its parent has more, so some of the 27 cubes hold at least as many."""
 
-MOST_LEVELS = 20
-"""Levels of the octree: its smallest cube is a millionth of the cloud."""
-
 TABLE_LEVELS = 6
 """Levels whose cubes are looked up in a table; within them a binary search goes on."""
-
-SAMPLED = 4096
-"""Points that tell where the bulk of a cloud lies."""
-
-TAIL = 50
-"""One in so many points on either side may lie outside the bulk."""
 
 CHUNKS = 1024
 """Pieces of the work, each for one thread."""
@@ -84,31 +76,28 @@ class Cells(NamedTuple):
     depths: npt.NDArray[np.int32]
 
 
-def build_cells(positions: _Floats) -> Cells:
+def build_cells(positions: _Floats, curve: Curve | None = None) -> Cells:
     """Return the cells of a cloud.
 
     Parameters
     ----------
     positions
         Shape (n, 3), float64, finite; n at least 1.
+    curve
+        The points along Morton's curve; None: they are sorted here.
     """
     positions = np.ascontiguousarray(positions, np.float64)
-    count = len(positions)
-    low, unit = _bulk(positions)
-    number_bits = max((count - 1).bit_length(), 1)
-    levels = min((63 - number_bits) // 3, MOST_LEVELS)
-    sorted_keys = np.empty(count, np.int64)
-    _sort_keys(positions, low, unit, levels, number_bits, sorted_keys)
-    # Each key ends in its point's number, so any sort gives the same order.
-    sorted_keys.sort()
+    if curve is None:
+        curve = sort_along_curve(positions)
+    count, levels = len(positions), curve.levels
     number = np.empty(count, np.int32)
     first = np.empty(count, np.int32)
     keys = np.empty(count + 1, np.int64)
-    distinct = _find_distinct(sorted_keys, number_bits, number, first, keys)
+    distinct = _find_distinct(curve.order, curve.keys, number, first, keys)
     keys[distinct] = -1  # ends every search
     first, keys = first[:distinct].copy(), keys[: distinct + 1].copy()
     scaled = np.empty((distinct, 3))
-    _take_positions(positions, first, low, unit, scaled)
+    _take_positions(positions, first, curve.low, curve.unit, scaled)
     table_levels = min(TABLE_LEVELS, levels)
     cubes = np.arange((1 << 3 * table_levels) + 1, dtype=np.int64)
     table = np.searchsorted(keys[:-1] >> 3 * (levels - table_levels), cubes).astype(np.int32)
@@ -119,7 +108,7 @@ def build_cells(positions: _Floats) -> Cells:
         number,
         first,
         scaled,
-        unit,
+        curve.unit,
         keys,
         levels,
         table,
@@ -160,57 +149,12 @@ def search_of(cells: Cells) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def _bulk(positions: _Floats) -> tuple[_Floats, float]:
-    """Return the low corner and the extent of a cube about nearly all points.
-
-    A few points far away must not make all others share a cube. They count in the cube's outermost
-    cells.
-    """
-    sampled = np.sort(positions[:: -(-len(positions) // SAMPLED)], axis=0)
-    tail = len(sampled) // TAIL
-    low, high = sampled[tail], sampled[len(sampled) - 1 - tail]
-    # Half of the range again, as the tails of the bulk belong to it.
-    margin = 0.5 * (high - low).max()
-    least, most = limits(positions)
-    if margin > 0.0:
-        least, most = np.maximum(least, low - margin), np.minimum(most, high + margin)
-    extent = float((most - least).max())
-    return least, extent if extent > 0.0 else 1.0
-
-
 @nb.njit(cache=True)
-def limits(positions: Any) -> tuple[Any, Any]:
-    """Return the least and greatest coordinates (numpy takes four times as long by columns)."""
-    low, high = positions[0].copy(), positions[0].copy()
-    for i in range(len(positions)):
-        for axis in range(3):
-            value = positions[i, axis]
-            low[axis] = value if value < low[axis] else low[axis]
-            high[axis] = value if value > high[axis] else high[axis]
-    return low, high
-
-
-@nb.njit(parallel=True, cache=True, error_model="numpy")
-def _sort_keys(
-    positions: Any, low: Any, unit: float, levels: int, number_bits: int, keys: Any
-) -> None:
-    """Set each point's position along the curve, with its number in the lower bits."""
-    most = float((1 << levels) - 1)
-    for i in nb.prange(len(positions)):
-        key = 0
-        for axis in range(3):
-            share = (positions[i, axis] - low[axis]) / unit * (most + 1.0)
-            key |= spread_bits(int(min(max(share, 0.0), most))) << axis
-        keys[i] = key << number_bits | i
-
-
-@nb.njit(cache=True)
-def _find_distinct(sorted_keys: Any, number_bits: int, number: Any, first: Any, keys: Any) -> int:
+def _find_distinct(order: Any, all_keys: Any, number: Any, first: Any, keys: Any) -> int:
     """Number the points by distinct keys; return how many there are."""
-    mask = (1 << number_bits) - 1
     distinct, last = 0, -1
-    for i in range(len(sorted_keys)):
-        point, key = sorted_keys[i] & mask, sorted_keys[i] >> number_bits
+    for i in range(len(order)):
+        point, key = order[i], all_keys[i]
         if key != last:
             first[distinct], keys[distinct] = point, key
             distinct += 1

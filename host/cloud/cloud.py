@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+
+from .cells import Cells, build_cells
+from .curve_order import Curve, sort_along_curve
 
 __all__ = ["Cloud"]
 
@@ -54,3 +58,13 @@ class Cloud:
     def __len__(self) -> int:
         """Return the number of points."""
         return len(self.positions)
+
+    @cached_property
+    def curve(self) -> Curve:
+        """The points along Morton's curve, sorted when it is first asked for."""
+        return sort_along_curve(self.positions)
+
+    @cached_property
+    def cells(self) -> Cells:
+        """The cells of the octree for searches of neighbours, made when first asked for."""
+        return build_cells(self.positions, self.curve)

@@ -9,7 +9,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .cells import CELL_POINTS, build_cells, parts_of, search_of
+from .cells import CELL_POINTS, Cells, build_cells, parts_of, search_of
 from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
 from .thinnest import thinnest
 
@@ -62,6 +62,7 @@ def estimate_normals(
     positions: _Floats,
     wanted: npt.NDArray[np.bool_] | None = None,
     *,
+    cells: Cells | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> npt.NDArray[np.float32]:
     """Return the direction in which each point's neighbourhood is thinnest.
@@ -79,6 +80,8 @@ def estimate_normals(
     wanted
         Shape (n,), bool: the points whose normals are returned; all, if not given. Every point
         counts as a neighbour.
+    cells
+        The cells of the cloud; None: they are made here.
     progress
         Called now and then with the share of the work that is done.
 
@@ -91,7 +94,8 @@ def estimate_normals(
         wanted = np.ones(len(positions), np.bool_)
     if not wanted.any():
         return np.empty((0, 3), np.float32)
-    cells = build_cells(positions)
+    if cells is None:
+        cells = build_cells(positions)
     needed = np.zeros(len(cells.first), np.bool_)
     needed[cells.number[wanted]] = True
     normals = np.zeros((len(cells.first), 3), np.float32)

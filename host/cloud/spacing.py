@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .cells import build_cells, parts_of, search_of
+from .cells import Cells, build_cells, parts_of, search_of
 from .closing import APART, COSINES, DIRECTIONS, SINES, closing_radius, pull_neighbours, strongest
 from .cloud import Cloud
 from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
@@ -83,7 +83,7 @@ def measure_discs(
         If ``size`` is not a finite number above 0.
     """
     if size is None:
-        radii, thin = _close(cloud.positions, cloud.normals, progress)
+        radii, thin = _close(cloud.cells, cloud.normals, progress)
         return Discs(COVER * radii, thin)
     if not (math.isfinite(size) and size > 0.0):
         raise InputError(f"the splat size must be above 0, not {size:g}")
@@ -119,18 +119,18 @@ def closing_radii(
     ndarray
         Shape (n,), float64, above 0: ``SINGLE`` if all points are at one position.
     """
-    return _close(positions, normals, progress).radii
+    return _close(build_cells(positions), normals, progress).radii
 
 
 def _close(
-    positions: _Floats,
+    cells: Cells,
     normals: npt.NDArray[np.float32],
     progress: Callable[[float], None] | None,
 ) -> Discs:
     """Return the discs that just close a surface; see :func:`closing_radii`."""
-    cells = build_cells(positions)
+    count = len(cells.number)
     if len(cells.first) == 1:
-        return Discs(np.full(len(positions), SINGLE), np.ones(len(positions), np.bool_))
+        return Discs(np.full(count, SINGLE), np.ones(count, np.bool_))
     raw, thin = np.empty(len(cells.first)), np.empty(len(cells.first), np.bool_)
     arrays = cells.positions, normals, cells.first, COSINES, SINES, raw, thin
     few = len(cells.first) < FEWEST
@@ -139,7 +139,7 @@ def _close(
     even, alone = np.empty_like(raw), np.empty_like(thin)
     for cuts in parts_of(cells):
         _even_out(cells.starts, cuts, raw, thin, even, alone)
-    radii = np.empty(len(positions))
+    radii = np.empty(count)
     _spread_out(even, cells.number, cells.unit, radii)
     return Discs(radii, alone[cells.number])
 

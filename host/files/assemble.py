@@ -68,15 +68,11 @@ def assemble_cloud(
     positions -= origin
 
     normals, two_sided = _unit_normals(columns.normals, kept)
-    if two_sided.any():
-        if progress is not None:
-            progress(0.0)
-        normals[two_sided] = estimate_normals(positions, two_sided, progress=progress)
     if columns.colours is None:
         colours = np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1))
     else:
         colours = colours_to_bytes(_rows(columns.colours, kept))
-    return Cloud(
+    cloud = Cloud(
         positions=positions,
         normals=normals,
         colours=colours,
@@ -91,6 +87,13 @@ def assemble_cloud(
         ignored=columns.ignored,
         notes=columns.notes,
     )
+    if two_sided.any():
+        if progress is not None:
+            progress(0.0)
+        normals[two_sided] = estimate_normals(
+            positions, two_sided, cells=cloud.cells, progress=progress
+        )
+    return cloud
 
 
 def _are_finite(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:

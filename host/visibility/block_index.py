@@ -14,9 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
-from splatline.host.cloud.cells import limits
 from splatline.host.cloud.cloud import Cloud
-from splatline.host.cloud.curve import spread_bits
 from splatline.host.shading.materials import Materials, find_materials
 
 from .groups import GROUP_POINTS, bound_group
@@ -28,9 +26,6 @@ BLOCK_BITS = 7
 BLOCK_POINTS = 1 << BLOCK_BITS
 """Points of a block: so many that testing blocks is cheap, so few that bounds are tight
 (decision 0014)."""
-
-CURVE_BITS = 10
-"""Bits of each coordinate along the curve: a cell is a thousandth of the cloud's extent."""
 
 BOUND = np.dtype(
     [
@@ -129,7 +124,7 @@ def build_index(
     _check_radii(radii, len(cloud))
     if materials is None:
         materials = find_materials(cloud)
-    order = _curve_order(cloud.positions)
+    order = cloud.curve.order
     count = len(order)
     blocks = -(-count // BLOCK_POINTS)
     index = Index(
@@ -169,32 +164,6 @@ def _check_radii(radii: npt.NDArray[np.floating[Any]], count: int) -> None:
         raise InputError(f"there must be one radius a point, {count}, not {np.shape(radii)}")
     if count and not (np.isfinite(radii).all() and np.min(radii) >= 0.0):
         raise InputError("every radius must be a finite length, 0 or more")
-
-
-def _curve_order(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.int32]:
-    """Return the order of points along Morton's curve through the cloud's own cube."""
-    if not len(positions):
-        return np.zeros(0, np.int32)
-    low, high = limits(positions)
-    extent = float((high - low).max())
-    keys = np.empty(len(positions), np.uint64)
-    _curve_keys(positions, low, extent if extent > 0.0 else 1.0, keys)
-    # Each key ends in its point's number, so any sort gives the same order.
-    keys.sort()
-    return (keys & np.uint64(0xFFFFFFFF)).astype(np.int32)
-
-
-@nb.njit(parallel=True, cache=True, error_model="numpy")
-def _curve_keys(positions: Any, low: Any, extent: float, keys: Any) -> None:
-    """Set each point's position along the curve, with its number in the lower half."""
-    cells = float((1 << CURVE_BITS) - 1)
-    for i in nb.prange(len(positions)):
-        key = 0
-        for axis in range(3):
-            # Divided first: the product of a tiny cloud's inverse extent would overflow.
-            cell = int(min((positions[i, axis] - low[axis]) / extent, 1.0) * cells)
-            key |= spread_bits(cell) << axis
-        keys[i] = key << 32 | i
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")

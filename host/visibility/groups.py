@@ -149,7 +149,8 @@ def seen_groups(
         column, line = middle_x + focal * a, middle_y + focal * b
         u, v = np.floor(column) + half - column, np.floor(line) + half - line
         reach = span * groups[3, i] + error
-        seen[i] = _ONE if u * u + v * v <= reach * reach else _ZERO
+        # Seen too if the radius is not a number: infinite, in a block without size.
+        seen[i] = _ZERO if u * u + v * v > reach * reach else _ONE
     may = 0
     for i in range(count):
         may += seen[i]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,10 @@ def build(cloud: Cloud, radii: npt.NDArray[np.float64]) -> tuple[Index, dict[str
     from splatline.host.visibility.block_index import build_index
 
     palette_seconds, materials = _best(lambda: find_materials(cloud), 2)
-    index_seconds, index = _best(lambda: build_index(cloud, radii, materials), 2)
+    # A new cloud each time, since one keeps its points' order along the curve.
+    index_seconds, index = _best(
+        lambda: build_index(dataclasses.replace(cloud), radii, materials), 2
+    )
     return index, {
         "points": len(index),
         "palette_seconds": palette_seconds,
