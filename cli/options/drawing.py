@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -156,13 +157,16 @@ def draw(
     runs = []
     for number, each in enumerate(parts, 1):
         which = f", sample {number} of {len(parts)}" if len(parts) > 1 else ""
-        with stages.stage(
-            "", f"Simulating the Verilog (built first, if it is new){which}"
-        ) as share:
+        steps = {
+            "build": "Building the simulator with Verilator, if it is new",
+            "run": f"Simulating the Verilog{which}",
+        }
+        with Stages().stages(steps) as tell:
+            share = functools.partial(tell, "run")
             if engines is not None:
                 run = _simulate_chain(each, link, stall, seed, share)
             elif engine == "axi":
-                run = _simulate_on_buses(each[0], stall, seed)
+                run = _simulate_on_buses(each[0], stall, seed, share)
             else:
                 run = _simulate(each[0], stall, seed, share)
         runs.append(run)
@@ -191,12 +195,14 @@ def _simulate(frame: Frame, stall: float, seed: int, share: Callable[[float], No
         return simulate_frame(frame, stall=stall, seed=seed, progress=share)
 
 
-def _simulate_on_buses(frame: Frame, stall: float, seed: int) -> Outcome:
+def _simulate_on_buses(
+    frame: Frame, stall: float, seed: int, share: Callable[[float], None]
+) -> Outcome:
     """Simulate the Verilog of an engine on AXI."""
     with _simulation_errors():
         from splatline.sim.cosim.axi.axi_frames import simulate_on_buses
 
-        return simulate_on_buses(frame, stall=stall, seed=seed)
+        return simulate_on_buses(frame, stall=stall, seed=seed, progress=share)
 
 
 @contextmanager

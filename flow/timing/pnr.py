@@ -6,6 +6,7 @@ import json
 import re
 import statistics
 import tempfile
+from collections.abc import Callable
 from importlib import metadata, resources
 from pathlib import Path
 from typing import NamedTuple
@@ -79,6 +80,7 @@ def place_and_route(
     tries: int = 1,
     mhz: float = 100.0,
     packed: Path | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> dict:
     """Place and route the narrow top on an ECP5; return its clock rate.
 
@@ -96,6 +98,8 @@ def place_and_route(
         Target clock rate, which the slack refers to.
     packed
         File for the bitstream; None: no bitstream.
+    progress
+        Called with the share of the tools' runs that are done, after each.
 
     Returns
     -------
@@ -131,7 +135,11 @@ def place_and_route(
             )
         options = [device.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
-        reports = {n: _route(folder, [*route, str(n)], n) for n in range(seed, seed + tries)}
+        reports = {}
+        for done, number in enumerate(range(seed, seed + tries), 1):
+            if progress is not None:
+                progress(done / (tries + 1))
+            reports[number] = _route(folder, [*route, str(number)], number)
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if packed is not None:
             run_ecppack([f"{best}.config", "top.bit"], folder)

@@ -48,7 +48,7 @@ def read_pcd(source: Source) -> Columns:
     if header.form == "ascii":
         table = _from_text(source, header)
     elif header.form == "binary":
-        rows = np.frombuffer(source.stream.read(header.points * header.row), header.dtype)
+        rows = source.read(header.points * header.row).view(header.dtype)
         table = {name: rows[name] for name in names}
         left = source.size - header.size - rows.nbytes
     else:

@@ -69,7 +69,7 @@ def _from_bytes(source: Source, header: Header, chosen: Element) -> tuple[_Table
     """
     assert header.order is not None
     source.stream.seek(header.size)
-    data = np.frombuffer(source.stream.read(), np.uint8)
+    data = source.read(source.size)
     start = 0
     table: _Table = {}
     for element in header.elements:

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, cast
 
+import numpy as np
+import numpy.typing as npt
+
 from splatline.contract.errors import InputError
 
 __all__ = ["Source", "cloud_name", "format_suffix", "open_source", "unpacked_limit"]
@@ -27,6 +30,9 @@ ALWAYS_ALLOWED = 1 << 26
 """Bytes that any compressed file may hold: 64 MB."""
 
 PIECE = 1 << 20
+
+LARGE_PIECE = 1 << 24
+"""Bytes that are read at once where nothing is computed of them."""
 
 UNPACKING = 0.5
 """Share of a compressed file's reading that is told when it is unpacked."""
@@ -59,6 +65,18 @@ class Source:
         """Tell ``progress``, if there is one, how much is read."""
         if self.progress is not None:
             self.progress(self.stream.tell() / self.size)
+
+    def read(self, most: int) -> npt.NDArray[np.uint8]:
+        """Return the next bytes, up to ``most``, and tell how much is read after each piece."""
+        data = np.empty(max(0, min(most, self.size - self.stream.tell())), np.uint8)
+        at = 0
+        while at < len(data):
+            count = self.stream.readinto(memoryview(data[at : at + LARGE_PIECE]))  # type: ignore[attr-defined]
+            if not count:
+                break
+            at += count
+            self.tell()
+        return data[:at]
 
 
 def format_suffix(path: Path) -> str:

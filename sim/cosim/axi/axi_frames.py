@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from splatline.contract.frame import Frame
 from splatline.contract.raster_beats import from_beats
@@ -18,7 +19,13 @@ CYCLES_A_WORD = 64
 """Cycle limit for a code word or a pixel without stalls, far above the real number."""
 
 
-def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Outcome:
+def simulate_on_buses(
+    frame: Frame,
+    *,
+    stall: float = 0.0,
+    seed: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> Outcome:
     """Draw one frame with the Verilog of the AXI top, through the driver.
 
     Parameters
@@ -29,6 +36,8 @@ def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Out
         Share of the cycles, 0..1 without 1, in which each channel of each bus stalls.
     seed
         Seed of the random stalls.
+    progress
+        Called with 0 once the simulator is built.
 
     Raises
     ------
@@ -44,6 +53,8 @@ def simulate_on_buses(frame: Frame, *, stall: float = 0.0, seed: int = 1) -> Out
     begin = time.perf_counter()
     built = build_axi(frame.config)
     seconds = {"build": time.perf_counter() - begin}
+    if progress is not None:
+        progress(0.0)
     begin = time.perf_counter()
     most = CYCLES_A_WORD * (len(frame.codewords) + frame.width * frame.height)
     limit = int(most / (1.0 - stall) ** 2)

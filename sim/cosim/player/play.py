@@ -46,7 +46,8 @@ def play_jobs(
     build
         Function that returns the player's build for a configuration and a number of engines.
     progress
-        Called now and then with the share of the code words that were taken, from another thread.
+        Called with 0 once the simulator is built, and then with the share of the code words that
+        were taken, from another thread.
 
     Raises
     ------
@@ -62,6 +63,8 @@ def play_jobs(
     begin = time.perf_counter()
     built = build(config, engines)
     seconds = {"build": time.perf_counter() - begin}
+    if progress is not None:
+        progress(0.0)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         described = [_write(folder, index, job, config) for index, job in enumerate(jobs)]

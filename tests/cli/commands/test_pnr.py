@@ -33,8 +33,9 @@ def routing(monkeypatch):
     """Puts a place and route in place that takes no time."""
     asked = []
 
-    def place_and_route(config, *, seed, tries, mhz, packed):
+    def place_and_route(config, *, seed, tries, mhz, packed, progress):
         asked.append((config, seed, tries, mhz))
+        progress(0.5)
         if packed is not None:
             packed.write_bytes(b"bits")
         return REPORT

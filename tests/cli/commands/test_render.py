@@ -101,6 +101,9 @@ def test_verilog_that_agrees_with_golden_passes(run, folder, cloud, verilog):
     assert numbers["cycles"] == 4321
     assert numbers["cycles_per_element"] == pytest.approx(4321 / numbers["elements"])
     assert (numbers["seconds"]["rtl_build"], numbers["seconds"]["rtl_run"]) == (1.0, 2.0)
+    said = result.stderr.splitlines()
+    build = said.index("Building the simulator with Verilator, if it is new ...")
+    assert said[build + 1] == "Simulating the Verilog ..."
 
 
 def test_verilog_that_differs_from_golden_fails_but_shows_its_picture(run, folder, cloud, verilog):

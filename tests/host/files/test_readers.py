@@ -6,6 +6,7 @@ from plyfile import PlyData, PlyElement
 from pypcd4 import Encoding, PointCloud
 
 from splatline.contract.errors import InputError
+from splatline.host.files import source
 from splatline.host.files.colours import NEUTRAL, colours_to_bytes
 from splatline.host.files.readers import read_cloud
 from tests.host.files.cloud_files import (
@@ -257,6 +258,23 @@ def test_the_share_of_a_text_that_is_read_rises_to_all(tmp_path, name):
     assert told[-1] == ("normals", 1.0)
     if name.endswith(".gz"):
         assert (shares[0], shares[1] > 0.5) == (0.5, True)  # unpacked at once, as it is small
+
+
+def test_the_share_of_a_binary_file_that_is_read_rises_to_all(tmp_path, monkeypatch):
+    rows = vertices(np.random.default_rng(3).normal(size=(5000, 3)), None, None)
+    path = write_ply(tmp_path / "a.ply", rows)
+    whole = read_cloud(path)
+    monkeypatch.setattr(source, "LARGE_PIECE", 10_000)
+    told = []
+
+    def tell(stage, share):
+        if stage == "read":
+            told.append(share)
+
+    read = read_cloud(path, progress=tell)
+    assert np.array_equal(read.positions, whole.positions)
+    assert told == sorted(told)
+    assert len(set(told)) >= 5
 
 
 def test_a_cloud_with_normals_has_no_stage_for_them(tmp_path):
