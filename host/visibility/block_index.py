@@ -132,13 +132,14 @@ def build_index(
         point=order,
         positions=np.empty((count, 3)),
         radii=np.empty(count),
-        discs=np.zeros((-(-count // GROUP_POINTS), 7, GROUP_POINTS), np.float32),
+        discs=np.empty((-(-count // GROUP_POINTS), 7, GROUP_POINTS), np.float32),
         two_sided=np.empty(count, np.bool_),
         thin=np.zeros(count, np.bool_) if thin is None else thin[order],
         materials=Materials(materials.palette, np.empty(count, np.uint8)),
         bounds=np.empty(blocks, BOUND),
         groups=np.empty((blocks, 4, BLOCK_POINTS // GROUP_POINTS), np.float32),
     )
+    index.discs[-1:] = 0.0  # the last group may have places that no point takes
     _gather(
         order,
         cloud.positions,
