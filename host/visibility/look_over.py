@@ -85,7 +85,8 @@ def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -
         begin, stop = cuts[chunk], cuts[chunk + 1]
         seen = np.empty(GROUPS, np.uint8)
         some, found = np.empty((7, BLOCK_POINTS), np.float32), np.empty(BLOCK_POINTS, np.uint8)
-        wanted, ends = np.empty(GROUPS * (stop - begin) + AHEAD, np.int32), np.empty(stop - begin)
+        wanted = np.empty(GROUPS * (stop - begin) + AHEAD, np.int32)
+        ends = np.empty(stop - begin, np.int64)
         total = 0
         for number in range(begin, stop):
             block = visible[number]
@@ -101,7 +102,7 @@ def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -
         for number in range(begin, stop):
             block, before = visible[number], last
             of_block = min(BLOCK_POINTS, count - BLOCK_POINTS * block)
-            end, away = int(ends[number - begin]), 0
+            end, away = ends[number - begin], 0
             if at < end:
                 last, away = _test_points(
                     bounds[block], discs, wanted, at, end, count, camera, rules, some, found, kept,

@@ -75,8 +75,7 @@ def project(
         index.radii,
         index.groups,
     )
-    # With one place more, as the list is written without branches.
-    kept = np.empty(BLOCK_POINTS * len(visible) + 1, np.int32)
+    kept = np.empty(BLOCK_POINTS * len(visible), np.int32)
     blocks = Blocks(index.bounds, visible, cuts, kept)
     reasons = np.zeros((CHUNKS, 1 + len(SKIPS)), np.int64)
     look_over(points, blocks, camera, rules, reasons)

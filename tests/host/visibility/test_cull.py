@@ -15,6 +15,7 @@ from splatline.host.pipeline import make_frame
 from splatline.host.visibility import look_over as look_over_module
 from splatline.host.visibility import project as project_module
 from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
+from splatline.host.visibility.cull import Camera
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 from splatline.host.visibility.view import fit_view
 from splatline.sim import golden
@@ -246,3 +247,16 @@ def test_every_reason_is_counted():
     frame = frames(sphere(), fit_view(sphere(), size=(64, 64)), 0.05, DEFAULT_SKIPS)[0]
     assert set(frame.counts["culled"]) == set(SKIPS)
     assert frame.counts["skips"] == sorted(DEFAULT_SKIPS)
+
+
+@pytest.mark.parametrize(("distance", "most"), [(10, 0.2), (40, 0.03)])
+def test_from_afar_few_groups_of_points_are_read(distance, most):
+    cloud = sphere(200_000)
+    view = fit_view(cloud, size=(96, 96))
+    far = Camera.of(dataclasses.replace(view, focal=view.focal / distance))
+    index = build_index(cloud, np.full(200_000, 0.004))
+    seen = np.zeros((len(index.bounds), look_over_module.GROUPS), np.uint8)
+    for bound, groups, found in zip(index.bounds, index.groups, seen, strict=True):
+        count = look_over_module.GROUPS
+        look_over_module._test_groups(bound, groups, count, far, True, found)
+    assert 0.0 < seen.mean() < most
