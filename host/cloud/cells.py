@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from .curve import common_levels
 from .curve_order import Curve, sort_along_curve
+from .prefetch import AHEAD, prefetch
 
 __all__ = ["CELL_POINTS", "Cells", "build_cells", "parts_of", "search_of"]
 
@@ -167,6 +168,7 @@ def _find_distinct(order: Any, all_keys: Any, number: Any, first: Any, keys: Any
 def _take_positions(positions: Any, first: Any, low: Any, unit: float, scaled: Any) -> None:
     """Copy the distinct points' positions, in units of the bulk's extent."""
     for i in nb.prange(len(first)):
+        prefetch(positions, 24 * first[min(i + AHEAD, len(first) - 1)])
         for axis in range(3):
             scaled[i, axis] = (positions[first[i], axis] - low[axis]) / unit
 

@@ -16,6 +16,7 @@ from .cells import Cells, build_cells, parts_of, search_of
 from .closing import APART, COSINES, DIRECTIONS, SINES, closing_radius, pull_neighbours, strongest
 from .cloud import Cloud
 from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
+from .prefetch import AHEAD, prefetch
 
 __all__ = ["Discs", "closing_radii", "measure_discs", "splat_radii"]
 
@@ -183,6 +184,7 @@ def _measure(
                 y = np.float32((positions[i, 1] - positions[start, 1]) * scale)
                 z = np.float32((positions[i, 2] - positions[start, 2]) * scale)
                 point = first[i]
+                prefetch(normals, 12 * first[min(i + AHEAD, len(first) - 1)])
                 normal = normals[point, 0], normals[point, 1], normals[point, 2]
                 pull_neighbours(away, count, (x, y, z), normal, pull)
                 strongest(pull[0], pull[1], count, cosines, sines, most)
@@ -235,4 +237,5 @@ def _even_out(starts: Any, cuts: Any, raw: Any, thin: Any, even: Any, alone: Any
 def _spread_out(even: Any, number: Any, unit: float, radii: Any) -> None:
     """Set every point's radius in the cloud's unit."""
     for i in nb.prange(len(radii)):
+        prefetch(even, 8 * number[min(i + AHEAD, len(number) - 1)])
         radii[i] = even[number[i]] * unit

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.prefetch import AHEAD, prefetch
 from splatline.host.shading.materials import Materials, find_materials
 
 from .groups import GROUP_POINTS, bound_group
@@ -191,6 +192,12 @@ def _gather(
         stop = min(start + BLOCK_POINTS, len(order))
         for i in range(start, stop):
             j = order[i]
+            ahead = order[min(i + AHEAD, len(order) - 1)]
+            prefetch(from_positions, 24 * ahead)
+            prefetch(from_normals, 12 * ahead)
+            prefetch(from_radii, 8 * ahead)
+            prefetch(from_two_sided, ahead)
+            prefetch(from_material, ahead)
             for axis in range(3):
                 positions[i, axis] = from_positions[j, axis]
                 normals[i - start, axis] = from_normals[j, axis]

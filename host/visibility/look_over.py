@@ -12,10 +12,11 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.cloud.prefetch import AHEAD, prefetch
+
 from .block_index import BLOCK_POINTS
 from .cull import ROUNDING, from_eye
 from .groups import GROUP_BYTES, GROUP_POINTS, groups_are_small, seen_groups
-from .prefetch import AHEAD, prefetch
 from .quick_test import MARGIN, NEARBY, VECTORS, test_points
 from .skips import REASONS
 

@@ -12,13 +12,14 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.cloud.prefetch import AHEAD, prefetch
+
 from .block_index import BLOCK_BITS, BLOCK_POINTS
 from .cull import from_eye, lies_inside
 from .disc_image import project_disc, shade_of, turn_to_eye
 from .footprint import SMALLEST, conic, covers_own_pixel, is_tiny
 from .groups import GROUP_BITS, GROUP_BYTES, GROUP_POINTS
 from .look_over import middle_of
-from .prefetch import AHEAD, prefetch
 from .skips import REASONS
 from .splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 
