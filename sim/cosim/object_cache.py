@@ -6,6 +6,9 @@ every design and takes four fifths of the time to build a small one. Its files l
 ``verilated.mk``. Their objects are kept in FOLDER under a digest of the command, the compiler and
 the source; every other command is passed on to the compiler. The program runs without Python's site
 packages and imports none.
+
+Without optimisation (``-O0``) the library's headers take half of the time of a small design's own
+files. They are compiled once for all designs as well. The result takes 70 MB.
 """
 
 import hashlib
@@ -17,18 +20,22 @@ from pathlib import Path
 
 __all__ = ["main"]
 
+HEADERS = '#include "verilated.h"\n#include "verilated_vpi.h"\n#include "verilated_dpi.h"\n'
+"""Headers of the run-time library that a design includes."""
+
 
 def main(folder: Path, command: list[str]) -> int:
     """Run a compiler command, or copy the object of the same command; return the exit code."""
     source = Path(command[-1])
-    if "-o" not in command or not source.with_name("verilated.mk").exists():
+    if "-o" not in command:
         return subprocess.call(command)
-    index = command.index("-o") + 1
-    target = Path(command[index])
-    compiler = Path(shutil.which(command[0]) or sys.executable).stat()
-    flags = [*command[:index], *command[index + 1 :]]
-    key = repr((flags, compiler.st_size, compiler.st_mtime_ns)).encode()
-    kept = folder / (hashlib.sha256(key + source.read_bytes()).hexdigest() + ".o")
+    index = command.index("-o")
+    target = Path(command[index + 1])
+    flags = [*command[1:index], *command[index + 2 : -1]]
+    if not source.with_name("verilated.mk").exists():
+        headers = _headers(folder, command[0], flags) if "-O0" in flags else []
+        return subprocess.call([command[0], *headers, *command[1:]])
+    kept = folder / f"{_digest(command[0], flags, source.name, source.read_text())}.o"
     if kept.exists():
         shutil.copyfile(kept, target)
         return 0
@@ -40,6 +47,29 @@ def main(folder: Path, command: list[str]) -> int:
             scratch.write(target.read_bytes())
         Path(scratch.name).replace(kept)
     return status
+
+
+def _headers(folder: Path, compiler: str, flags: list[str]) -> list[str]:
+    """Return flags that include the library's headers, compiled; none if they do not compile."""
+    flags = [flag for flag in flags if flag not in ("-c", "-MMD")]
+    header = folder / f"{_digest(compiler, sorted(flags), HEADERS)}.h"
+    compiled = Path(f"{header}.gch")
+    if not compiled.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        header.write_text(HEADERS)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            own = Path(scratch) / compiled.name
+            if subprocess.call([compiler, *flags, "-x", "c++-header", "-o", str(own), str(header)]):
+                return []
+            own.replace(compiled)
+    return ["-include", str(header)]
+
+
+def _digest(compiler: str, *inputs: object) -> str:
+    """Return a digest of a compiler and of what it is given."""
+    status = Path(shutil.which(compiler) or sys.executable).stat()
+    key = repr((compiler, status.st_size, status.st_mtime_ns, *inputs))
+    return hashlib.sha256(key.encode()).hexdigest()
 
 
 if __name__ == "__main__":

@@ -1,11 +1,14 @@
 """Verilator's run-time library is compiled once, and a design's own files always."""
 
+from pathlib import Path
+
 import pytest
 
+from splatline.sim.cosim import object_cache
 from splatline.sim.cosim.object_cache import main
 
 COMPILER = """#!/bin/sh
-echo run >> {runs}
+echo "$*" >> {runs}
 for word; do last=$word; done
 grep -q broken "$last" && exit 3
 while [ "$1" != -o ]; do shift; done
@@ -51,6 +54,26 @@ def test_a_file_of_the_design_is_compiled_each_time(bench, tmp_path):
     source.write_text("top")
     assert bench(source) == (0, "top", 1)
     assert bench(source) == (0, "top", 2)
+
+
+def test_headers_are_compiled_once_for_designs_without_optimisation(bench, tmp_path):
+    source = tmp_path / "Vtop.cpp"
+    source.write_text("top")
+    assert bench(source, "-O0", "-I.") == (0, "top", 2)
+    assert bench(source, "-I.", "-O0") == (0, "top", 3)
+    *_, last = (tmp_path / "runs").read_text().splitlines()
+    header = last.split()[1]
+    assert last.startswith(f"-include {tmp_path}/kept/")
+    assert "verilated.h" in Path(header).read_text()
+    assert Path(f"{header}.gch").read_text() == Path(header).read_text()
+
+
+def test_headers_that_do_not_compile_are_left_out(bench, tmp_path, monkeypatch):
+    monkeypatch.setattr(object_cache, "HEADERS", "broken")
+    source = tmp_path / "Vtop.cpp"
+    source.write_text("top")
+    assert bench(source, "-O0") == (0, "top", 2)
+    assert "-include" not in (tmp_path / "runs").read_text()
 
 
 def test_what_does_not_compile_is_not_kept(bench, tmp_path):
