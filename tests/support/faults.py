@@ -52,18 +52,19 @@ def replace_method(monkeypatch, part, method, source, what, **names):
     monkeypatch.setattr(part, method, scope[method])
 
 
-def switched(top, faults):
+def switched(top, faults, first=1):
     """Return an edit that plants several faults, each the arguments of :func:`fault`.
 
-    One build has them all: ``+fault=N`` selects the Nth, and ``+fault=0`` none.
+    One build has them all: ``+fault=N`` selects the one of that number, and ``+fault=0`` none.
     """
 
     def edit(text):
-        for number, (module, signal, value) in enumerate(faults, 1):
-            chosen = f"{top}.planted == {number} ? {value}"
+        for number, (module, signal, value) in enumerate(faults, first):
+            chosen = f"{top}.planted_here == {number} ? {value}"
             text = _assign(text, module, signal, lambda old, new=chosen: f"{new} : {old}")
         head = re.search(rf"^module \\?{re.escape(top)} ?\(.*?;", text, re.MULTILINE | re.DOTALL)
-        choice = 'integer planted = 0; initial if ($value$plusargs("fault=%d", planted)) ;'
+        choice = "integer planted_here = 0; "
+        choice += 'initial if ($value$plusargs("fault=%d", planted_here)) ;'
         return f"{text[: head.end()]}\n  {choice}\n{text[head.end() :]}"
 
     return edit

@@ -96,6 +96,8 @@ class SimulatedDevice:
         Build to use instead of the configuration's own, such as one with a planted fault.
     reset_edges
         Clock edges of the reset before the first command.
+    plusargs
+        Arguments for the Verilog, such as ``+fault=1``.
 
     Raises
     ------
@@ -114,6 +116,7 @@ class SimulatedDevice:
         limit: int = 1_000_000,
         built: Build | None = None,
         reset_edges: int = 4,
+        plusargs: Sequence[str] = (),
     ) -> None:
         if not 0.0 <= stall < 1.0:
             raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
@@ -127,7 +130,15 @@ class SimulatedDevice:
         with contextlib.ExitStack() as stack:
             scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="splatline-"))
             self._log = Path(scratch) / "log"
-            self._process, self._line = self._start(stack, Path(scratch), built, reset_edges)
+            job = {
+                "folder": str(built.folder),
+                "top": built.top,
+                "simulator": built.simulator,
+                "socket": str(Path(scratch) / "socket"),
+                "reset_edges": reset_edges,
+                "plusargs": list(plusargs),
+            }
+            self._process, self._line = self._start(stack, job)
             self._stack = stack.pop_all()
         if stall:
             self.command("stall", stall, seed)
@@ -191,19 +202,11 @@ class SimulatedDevice:
         self.close()
 
     def _start(
-        self, stack: contextlib.ExitStack, scratch: Path, built: Build, reset_edges: int
+        self, stack: contextlib.ExitStack, job: dict[str, Any]
     ) -> tuple[subprocess.Popen[bytes], Connection[Any, Any]]:
         """Start the simulator; return its process and the connection to it."""
-        address = scratch / "socket"
-        job = {
-            "folder": str(built.folder),
-            "top": built.top,
-            "simulator": built.simulator,
-            "socket": str(address),
-            "reset_edges": reset_edges,
-        }
         listener = stack.enter_context(socket.socket(socket.AF_UNIX))
-        listener.bind(str(address))
+        listener.bind(job["socket"])
         listener.listen(1)
         listener.settimeout(0.2)
         log = stack.enter_context(self._log.open("wb"))
@@ -250,6 +253,7 @@ def serve(job: str) -> None:
     simulator.run(
         Build(Path(told["folder"]), told["top"], told["simulator"], reused=True),
         f"{__package__}.axi_bench",
+        plusargs=told["plusargs"],
         environment={
             "SPLATLINE_SOCKET": told["socket"],
             "SPLATLINE_RESET_EDGES": str(told["reset_edges"]),

@@ -1,6 +1,5 @@
 """Planted faults in the guards, the register file and the top: the cases must notice them."""
 
-import contextlib
 import functools
 
 import pytest
@@ -20,7 +19,8 @@ from tests.rtl.bus import axi_cases
 from tests.rtl.bus.axi_abort_cases import ABORTS
 from tests.rtl.bus.axi_bus_cases import BUS
 from tests.rtl.bus.axi_cases import STREAMS
-from tests.support.faults import fault, rewrite
+from tests.support.faults import switched
+from tests.support.planted import plant
 
 NOTICED = (AssertionError, DeviceTimeoutError, EngineError, SimulationError, ValueError)
 
@@ -80,19 +80,28 @@ PARTS = [
 ]
 
 
+FAULTS = [*PARTS, *SIGNALS]
+"""In the order of their numbers: a row begins with the case that must notice it."""
+
+
 @functools.cache
-def whole():
-    """The text of a right engine."""
-    return convert(AxiTop(PAPER), "splatline")
-
-
-@contextlib.contextmanager
-def engine_of(text):
-    """A device in the simulator that builds faster."""
+def built():
+    """A build with all faults, in the simulator that builds faster."""
+    with pytest.MonkeyPatch.context() as patch:
+        edit = plant(patch, [row[2:6] for row in PARTS])
+        text = edit(convert(AxiTop(PAPER), "splatline"))
+    signals = [
+        ("splatline" if part is None else f"splatline.{part}", signal, value)
+        for _, _, part, signal, value, _ in SIGNALS
+    ]
+    text = switched("splatline", signals, first=1 + len(PARTS))(text)
     quickest = "icarus" if simulator.available("icarus") else "verilator"
-    built = simulator.build({"splatline.v": text}, "splatline", simulator=quickest)
-    with SimulatedDevice(PAPER, limit=2500, built=built) as device:
-        yield device
+    return simulator.build({"splatline.v": text}, "splatline", simulator=quickest)
+
+
+def device_with(number):
+    """A device with the fault of that number, or without one."""
+    return SimulatedDevice(PAPER, limit=2500, built=built(), plusargs=[f"+fault={number}"])
 
 
 def play(device, table, name):
@@ -103,40 +112,19 @@ def play(device, table, name):
     assert device.command("rules") == []
 
 
-def notices(table, name, text):
-    """Whether a case fails on an engine."""
-    with engine_of(text) as device:
-        try:
-            play(device, table, name)
-        except NOTICED:
-            return True
-    return False
-
-
 @pytest.mark.parametrize(
-    ("table", "name", "part", "signal", "value"),
-    [pytest.param(*row[:5], id=row[5]) for row in SIGNALS],
+    ("number", "table", "name"),
+    [pytest.param(n, *row[:2], id=row[-1]) for n, row in enumerate(FAULTS, 1)],
 )
-def test_a_fault_in_a_signal_is_noticed(table, name, part, signal, value):
-    module = "splatline" if part is None else f"splatline.{part}"
-    assert notices(table, name, fault(module, signal, value)(whole()))
-
-
-@pytest.mark.parametrize(
-    ("table", "name", "component", "method", "pattern", "replacement"),
-    [pytest.param(*row[:6], id=row[6]) for row in PARTS],
-)
-def test_a_fault_in_a_part_is_noticed(
-    monkeypatch, table, name, component, method, pattern, replacement
-):
-    rewrite(monkeypatch, component, method, pattern, replacement)
-    assert notices(table, name, convert(AxiTop(PAPER), "splatline"))
+def test_a_fault_is_noticed(number, table, name):
+    with device_with(number) as device, pytest.raises(NOTICED):
+        play(device, table, name)
 
 
 def test_without_a_fault_nothing_is_noticed():
     """By the cases of the buses, which meet undefined wires in Icarus, and one of the streams."""
-    with engine_of(whole()) as device:
+    with device_with(0) as device:
         play(device, STREAMS, "partial_words")
-        for table, name, *_ in (*SIGNALS, *PARTS):
+        for table, name, *_ in FAULTS:
             if table is BUS:
                 play(device, table, name)
