@@ -34,3 +34,19 @@ settings.load_profile("ci" if os.environ.get("CI") else "dev")
 def pytest_collection_modifyitems(items):
     """The proofs first: one process does them while another compiles what numba is to compile."""
     items.sort(key=lambda item: item.path.parent.name != "formal")
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Name the engines that Yosys counted, which takes minutes; ``make test`` has eight."""
+    from tests.flow.area.counted import NOTE
+
+    reports = (
+        report for name in ("passed", "failed") for report in terminalreporter.getreports(name)
+    )
+    properties = [pair for report in reports for pair in report.user_properties]
+    engines = sorted({name for note, name in properties if note == NOTE})
+    if engines:
+        terminalreporter.write_line(
+            f"Counted anew by Yosys, as the Verilog changed: {', '.join(engines)}. "
+            "To have it noted: .venv/bin/python tests/flow/area/counted.py"
+        )

@@ -20,7 +20,10 @@ from splatline.contract.variants import SHAPED
 from splatline.flow.area import budgets, synth
 from splatline.flow.tops import TOPS
 
-__all__ = ["counts_of"]
+__all__ = ["NOTE", "counts_of"]
+
+NOTE = "counted anew"
+"""Property of a test that waited for Yosys; ``tests/conftest.py`` lists such engines at the end."""
 
 DIGESTS = Path(__file__).with_name("counted.json")
 ENGINES = [
@@ -38,12 +41,16 @@ def digest(config, top, counts):
     return hashlib.sha256(repr((text, tools, sorted(counts.items()))).encode()).hexdigest()[:20]
 
 
-def counts_of(config, top="engine"):
-    """Return what Yosys counts: its budget, if that is what this very Verilog takes."""
+def counts_of(config, top="engine", note=lambda *_: None):
+    """Return what Yosys counts: its budget, if that is what this very Verilog takes.
+
+    ``note``, pytest's ``record_property``, is told of an engine that Yosys counts.
+    """
     name = budgets.budget_name(config.name, top)
     budget = budgets.read_budgets()[name]
     if json.loads(DIGESTS.read_text()).get(name) == digest(config, top, budget):
         return budget
+    note(NOTE, name)
     return synth.count_engine(config, top)
 
 

@@ -22,22 +22,22 @@ def test_24_bit_colour_takes_no_more_block_ram():
 
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"paper"}))
-def test_a_preset_does_not_outgrow_its_budget(preset):
+def test_a_preset_does_not_outgrow_its_budget(preset, record_property):
     """A change that needs more says so: ``splatline synth --preset NAME --record``."""
-    counts = counts_of(PRESETS[preset])
+    counts = counts_of(PRESETS[preset], note=record_property)
     assert budgets.over_budget(counts, budgets.read_budgets()[preset]) == {}
 
 
-def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s():
+def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s(record_property):
     """Nor more than its budget."""
-    counts = counts_of(PRESETS["paper"], "pins")
+    counts = counts_of(PRESETS["paper"], "pins", record_property)
     assert budgets.over_budget(counts, PAPER_TABLE_1) == {}
     recorded = budgets.read_budgets()[budgets.budget_name("paper", "pins")]
     assert budgets.over_budget(counts, recorded) == {}
 
 
-def test_the_engine_on_its_buses_keeps_to_its_budget_and_fits():
-    counts = counts_of(PRESETS["paper"], "axi")
+def test_the_engine_on_its_buses_keeps_to_its_budget_and_fits(record_property):
+    counts = counts_of(PRESETS["paper"], "axi", record_property)
     recorded = budgets.read_budgets()[budgets.budget_name("paper", "axi")]
     assert budgets.over_budget(counts, recorded) == {}
     assert all(counts[kind] <= DEVICE[kind] for kind in counts)
@@ -61,9 +61,9 @@ def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
     assert budgets.read_budgets() == {"paper": {"lut4": 5}, "rgb24": {"lut4": 6}}
 
 
-def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget():
+def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget(record_property):
     config = SHAPED[0]
-    counts = counts_of(config)
+    counts = counts_of(config, note=record_property)
     assert budgets.over_budget(counts, {kind: DEVICE[kind] for kind in counts}) == {}
     assert budgets.over_budget(counts, budgets.read_budgets()[config.name]) == {}
     assert counts["bram"] - budgets.read_budgets()["paper"]["bram"] == 4
@@ -78,8 +78,12 @@ def test_what_changed_is_counted_and_nothing_else(tmp_path, monkeypatch):
     monkeypatch.setattr(counted.synth, "count_engine", lambda *engine: engine)
     monkeypatch.setitem(TOPS, "engine", lambda *_: ("module one; endmodule", {}))
     book.write_text(f'{{"rgb24": "{counted.digest(config, "engine", budget)}"}}')
-    assert counts_of(config) == budget
-    assert counts_of(PRESETS["swift"]) == (PRESETS["swift"], "engine")
+    notes = []
+    assert counts_of(config, note=lambda *note: notes.append(note)) == budget
+    assert not notes
+    swift = counts_of(PRESETS["swift"], note=lambda *note: notes.append(note))
+    assert swift == (PRESETS["swift"], "engine")
+    assert notes == [(counted.NOTE, "swift")]
     with monkeypatch.context() as patch:
         patch.setitem(TOPS, "engine", lambda *_: ("module another; endmodule", {}))
         assert counts_of(config) == (config, "engine")
