@@ -6,24 +6,48 @@ therefore takes at least as many cycles as its busiest lane has pixels.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK
-from splatline.contract.frame import Frame
+from splatline.contract.fields import Field
+from splatline.contract.frame import Frame, are_control
 from splatline.sim.golden.compact_words import expand_frame
-from splatline.sim.golden.renderer import block_rows, decode, render
-from splatline.sim.stress.word_checks import elements_of
+from splatline.sim.golden.renderer import render
 
+from .front import ABOVE, halves_of
 from .tiles import least_lane_cycles
 
 __all__ = ["bound_cycles"]
 
 _Ints = npt.NDArray[np.int64]
+
+
+class _Elements(NamedTuple):
+    """The elements of a frame up to its end word.
+
+    Parameters
+    ----------
+    words, highs
+        Their code words, from :func:`splatline.sim.cycles.front.halves_of`.
+    x
+        Image column of the block's column 0: shape (n,).
+    top
+        Line of the block's row 0: shape (n,).
+    first, last
+        Columns of each row, from :func:`_rows`: shape (n, 8).
+    """
+
+    words: _Ints
+    highs: _Ints
+    x: _Ints
+    top: _Ints
+    first: _Ints
+    last: _Ints
 
 
 def bound_cycles(frame: Frame) -> int:
@@ -35,23 +59,23 @@ def bound_cycles(frame: Frame) -> int:
     :func:`_slide`). Elements are not clipped: tiles outside the image take cycles too.
     """
     config = frame.config
-    frame = _until_the_end(expand_frame(frame))
-    fields, line, places = elements_of(frame)
+    elements = _elements(expand_frame(frame))
     if config.draws_blocks:
         # A block uses each lane at most once, wherever it lies.
-        costs = np.ones(len(places), np.int64)
+        costs = np.ones(len(elements.words), np.int64)
         memories = BLOCK * config.raster_pixels
     else:
-        costs = least_lane_cycles(frame.codewords[places].view(np.int64), config.pixels_per_word)
+        costs = least_lane_cycles(elements.words, elements.highs, config.pixels_per_word)
         memories = 4 * config.pixels_per_word
     drawn = render(frame).drawn
     leaving = int(_groups(drawn, config.pixels_per_word).sum())
     beats = _groups(drawn, config.raster_pixels)
-    upper, lower = _lines(fields, line, frame)
+    upper, lower = _lines(elements, frame)
     slid = _slide(upper, lower, costs, beats, config.window_lines)
     # The odd word of a pair is flushed through the other port.
     leaving = -(-leaving // config.flush_words)
-    pixels = _covered_pixels(fields) + config.pixels_per_word * leaving
+    covered = int(np.maximum(elements.last - elements.first + 1, 0).sum())
+    pixels = covered + config.pixels_per_word * leaving
     return max(slid, -(-pixels // memories))
 
 
@@ -88,17 +112,45 @@ def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
     return max(now, left)
 
 
-def _until_the_end(frame: Frame) -> Frame:
-    """Return the frame without the words behind its end word."""
-    (ends,) = np.nonzero(decode(frame.codewords, frame.config)["end"])
-    return replace(frame, codewords=frame.codewords[: ends[0] + 1]) if len(ends) else frame
+def _elements(frame: Frame) -> _Elements:
+    """Return the elements of a frame without compact words."""
+    config = frame.config
+    words, highs = halves_of(frame.codewords, config)
+    control = are_control(words.view(np.uint64), config)
+    ends = control & (_take(words, config.control_end) == 1)
+    x = _take(words, config.x)
+    line = np.cumsum(np.where(control, x, 0))
+    at = np.flatnonzero(~control & (np.cumsum(ends) == 0))
+    words, highs = words[at], highs[at] if config.plane else highs
+    rows = _rows(words, highs)
+    return _Elements(words, highs, x[at], line[at] - ABOVE, rows[..., 0], rows[..., 1])
 
 
-def _lines(fields: npt.NDArray[Any], line: _Ints, frame: Frame) -> tuple[_Ints, _Ints]:
+def _take(words: _Ints, field: Field) -> _Ints:
+    """Return the value of a field in each code word."""
+    return words >> field.lsb & field.mask
+
+
+@nb.njit(cache=True)
+def _rows(words: Any, highs: Any) -> Any:
+    """Return first and last column of each row of each element's block: shape (n, 8, 2), int64.
+
+    An empty row has first > last.
+    """
+    rows = np.empty((len(words), BLOCK, 2), np.int64)
+    for i in range(len(words)):
+        if len(highs):
+            unfold_plane(words[i], highs[i], rows[i])
+        else:
+            unfold(words[i], rows[i])
+    return rows
+
+
+def _lines(elements: _Elements, frame: Frame) -> tuple[_Ints, _Ints]:
     """Return the first and last line of the image that each element draws into."""
-    first, last = block_rows(fields)
-    inside = fields["x"].astype(np.int64)[:, np.newaxis] + first < frame.width
-    lines = (line - BLOCK // 2)[:, np.newaxis] + np.arange(BLOCK)
+    first, last = elements.first, elements.last
+    inside = elements.x[:, np.newaxis] + first < frame.width
+    lines = elements.top[:, np.newaxis] + np.arange(BLOCK)
     fills = (first <= last) & inside & (lines >= 0) & (lines < frame.height)
     upper = np.where(fills, lines, frame.height).min(axis=1, initial=frame.height)
     return upper, np.where(fills, lines, -1).max(axis=1, initial=-1)
@@ -108,9 +160,3 @@ def _groups(drawn: npt.NDArray[np.bool_], pixels: int) -> _Ints:
     """Return for each line how many groups of neighbouring pixels have a drawn one."""
     starts = range(0, drawn.shape[1], pixels)
     return np.count_nonzero(np.add.reduceat(drawn, starts, axis=1), axis=1).astype(np.int64)
-
-
-def _covered_pixels(fields: npt.NDArray[np.void]) -> int:
-    """Return the sum of the elements' covered pixels."""
-    first, last = block_rows(fields)
-    return int(np.maximum(last - first + 1, 0).sum())

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.sim.golden.compact_words import slots
 
 from .blocks import count_blocks
-from .front import machine_of
+from .front import halves_of, machine_of
 from .tiles import count_tiles
 
 __all__ = ["clearing_cycles", "count_cycles"]
@@ -44,16 +42,20 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     Raises
     ------
     InputError
-        If there is no end-of-frame word, or for an engine with planes, which have no model yet.
+        If there is no end-of-frame word, or for an engine of blocks with planes, which has no
+        model.
     """
     config = frame.config
-    if config.plane:
+    if config.plane and config.draws_blocks:
         raise InputError(f"no cycle model of preset {config.name} yet; simulate its Verilog")
     clearing = clearing_cycles(config) if after_reset else 0
-    words = slots(np.ascontiguousarray(frame.codewords, np.uint64), config)
+    words, highs = halves_of(slots(frame.codewords, config), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
-    count = count_blocks if config.draws_blocks else count_tiles
-    cycles = count(words.view(np.int64), machine._replace(hazard=conflicts))
+    machine = machine._replace(hazard=conflicts)
+    if config.draws_blocks:
+        cycles = count_blocks(words, machine)
+    else:
+        cycles = count_tiles(words, highs, machine)
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
     return int(cycles)

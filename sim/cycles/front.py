@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
+import numpy.typing as npt
 
 from splatline.contract.codeword import COLUMN, FIRST, LAST
 from splatline.contract.config import BLOCK, COMPACT, ROWS, EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.sim.golden.plane_kernel import PlaneLayout, plane_layout_of
 
 __all__ = [
     "ABOVE",
@@ -27,6 +29,7 @@ __all__ = [
     "Front",
     "Machine",
     "advance",
+    "halves_of",
     "machine_of",
     "new_front",
 ]
@@ -81,6 +84,8 @@ class Machine(NamedTuple):
         words of one compact word.
     flush_words
         Window words of one flush. The second of two is flushed a cycle later.
+    plane
+        Positions of a plane word's fields; they mean nothing for other engines.
     """
 
     x_lsb: int
@@ -101,6 +106,7 @@ class Machine(NamedTuple):
     rom: bool
     pair_lsb: int
     flush_words: int
+    plane: PlaneLayout
 
 
 def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0) -> Machine:
@@ -124,7 +130,31 @@ def machine_of(config: EngineConfig, width: int, height: int, clearing: int = 0)
         rom=config.shapes != "none",
         pair_lsb=config.material.lsb,
         flush_words=config.flush_words,
+        plane=plane_layout_of(config),
     )
+
+
+def halves_of(
+    codewords: npt.NDArray[np.uint64], config: EngineConfig
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return the lower 64 bits of code words, and the upper 32 bits of plane words.
+
+    Parameters
+    ----------
+    codewords
+        Shape (n,), or (n, 2) with planes; uint64.
+
+    Returns
+    -------
+    words
+        Shape (n,), int64: the bits of unsigned ones.
+    highs
+        Shape (n,), int64; shape (0,) for an engine without planes.
+    """
+    bits = np.ascontiguousarray(codewords, np.uint64).view(np.int64)
+    if not config.plane:
+        return bits, np.zeros(0, np.int64)
+    return np.ascontiguousarray(bits[:, 0]), np.ascontiguousarray(bits[:, 1])
 
 
 FOLLOWING, TOP_LINE, END_WORD = range(3)
@@ -172,7 +202,8 @@ def advance(words: Any, front: Front, done: bool, machine: Machine, rigid: bool 
     Parameters
     ----------
     words
-        The code words; with a shape ROM, those of ``sim.golden.compact_words.slots``.
+        The code words' lower 64 bits; with a shape ROM, those of
+        ``sim.golden.compact_words.slots``.
     front
         The stages. Changed.
     done

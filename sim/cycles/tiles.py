@@ -1,6 +1,7 @@
 """The cycle model of the tiles engine's window: tiles, arbitration and flush scan.
 
-It follows neither colours nor depths: a pixel that fails the depth test takes the same time.
+It follows neither colours nor depths: a pixel that fails the depth test takes the same time. Of a
+plane it looks at the pixels beyond the background's depth, which are none of their tile.
 """
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 
-from splatline.contract.codeword import unfold
+from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK
+from splatline.contract.plane import SHIFTS, SUM_FRACTION, Z_FRACTION
 
 from .front import ABOVE, EMPTY, END_WORD, FIRST_STAGE, FOLLOWING, HEAD, Machine, advance, new_front
 
@@ -85,13 +87,13 @@ class Lanes(NamedTuple):
 
 
 @nb.njit(cache=True)
-def count_tiles(words: Any, machine: Machine) -> int:
+def count_tiles(words: Any, highs: Any, machine: Machine) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
     Parameters
     ----------
-    words
-        Code words: shape (n,), int64 (the bits of unsigned ones).
+    words, highs
+        Code words, from :func:`splatline.sim.cycles.front.halves_of`.
     machine
         The engine and the image.
 
@@ -104,6 +106,9 @@ def count_tiles(words: Any, machine: Machine) -> int:
     lanes = _new_lanes(machine)
     scan = lanes.scan
     tile, coming = np.zeros(3 + SIDE, np.int64), np.zeros(3 + SIDE, np.int64)
+    planes = len(highs) > 0
+    summed = NOTHING  # with planes: what is offered to the stage that sums them
+    last_top = -ABOVE
     given, meets, drawn, ending, halfway = NOTHING, False, False, False, False
     lagging = False  # a flush has priority over a tile, as of the cycle before
     near = np.zeros(2, np.bool_)  # lines of upper and of lower tiles are in the window
@@ -136,22 +141,34 @@ def count_tiles(words: Any, machine: Machine) -> int:
             _mark(tile, lanes, machine)
         drawn = going
 
-        # The next tile, and the next element.
+        # The next tile, and the next element. Planes are summed in a stage of their own.
         done = False
-        if given == NOTHING or going:
+        if planes and (given == NOTHING or going):
+            meets = going and summed == TILE and _meet(coming, tile, machine)
+            given, summed = summed, NOTHING
+            tile[:] = coming
+            scan[TOP] = last_top
+        if summed == NOTHING if planes else given == NOTHING or going:
             head, top = front.held[HEAD], front.tops[HEAD]
             ends = head != EMPTY and head == front.state[END_WORD]
             left = lanes.left[0]
             number = _lowest(left)
             may = ends or near[0 if left & ((1 << across) - 1) else 1]
-            given = END if ends else TILE if left and may else NOTHING
+            made = END if ends else TILE if left and may else NOTHING
             if head != EMPTY:
-                scan[TOP] = top
-            if given == TILE:
+                last_top = top
+            if made == TILE:
                 _clip(lanes.tiles[number], top, x, right, number, coming, machine)
                 lanes.left[0] = left & (left - 1)
-            meets = going and given == TILE and _meet(coming, tile, machine)
-            tile[:] = coming
+            if planes:
+                summed = made
+                if made == TILE:
+                    _cut_beyond(highs[head], top, x, coming, machine)
+            else:
+                meets = going and made == TILE and _meet(coming, tile, machine)
+                given = made
+                tile[:] = coming
+                scan[TOP] = last_top
             done = head != EMPTY and may and lanes.left[0] == 0
         waiting = front.held[HEAD] != EMPTY and not (near[0] and near[1])
         top = front.tops[HEAD if waiting else FIRST_STAGE]
@@ -163,7 +180,7 @@ def count_tiles(words: Any, machine: Machine) -> int:
             lanes.left[0] = 0
             if head != EMPTY and head != front.state[END_WORD]:
                 x = words[head] >> machine.x_lsb & machine.x_mask
-                lanes.left[0], right = _cut(words[head], lanes.tiles, machine.pixels)
+                lanes.left[0], right = _cut(words, highs, head, lanes.tiles, machine.pixels)
         cycle += 1
     return 0
 
@@ -207,7 +224,7 @@ def _compare(near: Any, ahead: int, missing: bool, machine: Machine) -> None:
 
 
 @nb.njit(cache=True)
-def least_lane_cycles(words: Any, pixels: int) -> Any:
+def least_lane_cycles(words: Any, highs: Any, pixels: int) -> Any:
     """Return the least cycles in which lanes can draw each element, one pixel a lane and cycle.
 
     These are the pixels of its busiest lane. Pixels at the same position of different tiles are in
@@ -215,8 +232,8 @@ def least_lane_cycles(words: Any, pixels: int) -> Any:
 
     Parameters
     ----------
-    words
-        Code words of elements: shape (n,), int64.
+    words, highs
+        Code words of elements, from :func:`splatline.sim.cycles.front.halves_of`: n of them.
     pixels
         Pixels of a window word.
 
@@ -228,7 +245,7 @@ def least_lane_cycles(words: Any, pixels: int) -> Any:
     tiles = np.zeros((2 * BLOCK // pixels, SIDE), np.int64)
     cycles = np.ones(len(words), np.int64)
     for i in range(len(words)):
-        _cut(words[i], tiles, pixels)
+        _cut(words, highs, i, tiles, pixels)
         for k in range(SIDE):
             for j in range(pixels):
                 wanted = 0
@@ -239,8 +256,8 @@ def least_lane_cycles(words: Any, pixels: int) -> Any:
 
 
 @nb.njit(cache=True)
-def _cut(word: int, tiles: Any, pixels: int) -> tuple[int, int]:
-    """Cut an element into its tiles.
+def _cut(words: Any, highs: Any, index: int, tiles: Any, pixels: int) -> tuple[int, int]:
+    """Cut the element of a code word into its tiles.
 
     Return the tiles with a pixel, before clipping, a bit each; and by how many columns the lower
     tiles lie further right, 0 or 1.
@@ -249,7 +266,11 @@ def _cut(word: int, tiles: Any, pixels: int) -> tuple[int, int]:
     across = BLOCK // pixels
     whole = (1 << pixels) - 1
     rows = np.empty((BLOCK, 2), np.int64)
-    right = unfold(word, rows)
+    right = 0
+    if len(highs):
+        unfold_plane(words[index], highs[index], rows)
+    else:
+        right = unfold(words[index], rows)
     for row in range(BLOCK):
         first, last = rows[row]
         if first > last:
@@ -284,6 +305,22 @@ def _clip(
     inside = (1 << min(room, pixels)) - 1
     for k in range(SIDE):
         tile[2 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
+
+
+@nb.njit(cache=True)
+def _cut_beyond(high: int, top: int, x: int, tile: Any, machine: Machine) -> None:
+    """Clear the pixels of a tile that lie beyond the background's depth."""
+    plane = machine.plane
+    shift = SHIFTS[high >> plane.scale_lsb & 3]
+    top_bit = 64 - plane.slope_bits  # a slope is brought to the top of 64 bits and back
+    a = (high << top_bit - plane.slope_x_lsb >> top_bit) << shift
+    b = (high << top_bit - plane.slope_y_lsb >> top_bit) << shift
+    start = (high >> plane.z_lsb & (1 << plane.z_bits) - 1) << SUM_FRACTION - Z_FRACTION
+    beyond = (plane.background + 1) << SUM_FRACTION
+    for k in range(SIDE):
+        for j in range(machine.pixels):
+            total = start + a * (tile[1] + j - x) + b * (tile[0] + k - top)
+            tile[2 + k] &= ~(int(total >= beyond) << j)
 
 
 @nb.njit(cache=True)

@@ -4,18 +4,22 @@ import dataclasses
 
 import numpy as np
 
-from splatline.contract.frame import Frame, Tables
+from splatline.contract.frame import Frame, Tables, are_control
+from splatline.contract.plane import LOW_BITS, SIDES, Z_FRACTION
 from splatline.contract.presets import PAPER
 from splatline.contract.raster import Raster
 from splatline.host.encode.sort_by_line import advance_word, end_word
-from splatline.sim import golden
 from splatline.sim.cosim.player.frames import Job
+from tests.support.plane_words import array_of, integers_of
 
 __all__ = ["films", "frame_of", "nonsense", "random_raster", "random_tables", "shapes", "word"]
 
 
-def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, config=PAPER):
-    """Return a code word with four rows of (first, last)."""
+def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, plane=0, config=PAPER):
+    """Return a code word with four rows of (first, last); with planes a flat one at whole depth.
+
+    ``plane``: bits of a plane word's moved ends and slopes, at their places.
+    """
     scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(rows))
     fields = (
         (mode, config.mode),
@@ -24,9 +28,18 @@ def word(rows, x, z, *, mode=1, diffuse=0, specular=0, material=0, config=PAPER)
         (specular, config.specular),
         (material, config.material),
         (x, config.x),
-        (z, config.z),
+        (z << Z_FRACTION if config.plane else z, config.z),
     )
-    return sum(value << field.lsb for value, field in fields)
+    return sum(value << field.lsb for value, field in fields) | plane
+
+
+def random_plane(rng, config):
+    """Return moved ends for ``word``, and in half of all cases slopes; 0 for other engines."""
+    if not config.plane:
+        return 0
+    sides = int(rng.integers(1 << SIDES)) << config.side(0, 0).lsb
+    fields = config.z.lsb if rng.random() < 0.5 else config.slope_x.lsb
+    return sides | int(rng.integers(1 << fields - LOW_BITS)) << LOW_BITS
 
 
 def random_tables(rng, config=PAPER):
@@ -44,18 +57,20 @@ def random_tables(rng, config=PAPER):
 
 def frame_of(words, width=512, height=512, seed=0, config=PAPER):
     """Return a frame of words, with an end word."""
-    stream = np.array([*map(int, words), end_word(config)], np.uint64)
+    stream = [*map(int, words), end_word(config)]
+    stream = array_of(stream) if config.plane else np.array(stream, np.uint64)
     tables = random_tables(np.random.default_rng(seed), config)
     return Frame(stream, tables, width, height, config)
 
 
 def nonsense(rng, count, width, height, advance=0.05, config=PAPER):
-    """Return a frame of random 64-bit words, without end words, and with words that advance."""
+    """Return a frame of words of random bits, without end words, and with words that advance."""
     words = rng.integers(0, 1 << 64, count, np.uint64)
     stepping = rng.random(count) < advance
     words[stepping] = [advance_word(int(n), config) for n in rng.integers(0, 12, stepping.sum())]
-    ends = golden.decode(words, config)["end"]
-    words[ends] &= ~np.uint64(1 << config.control_end.lsb)
+    words[are_control(words, config)] &= ~np.uint64(1 << config.control_end.lsb)
+    if config.plane:
+        words = integers_of(np.stack([words, rng.integers(0, 1 << 32, count, np.uint64)], axis=1))
     return frame_of(words, width, height, int(rng.integers(1 << 30)), config)
 
 
@@ -85,6 +100,7 @@ def shapes(rng, count, width, height, largest=8, config=PAPER):
                 diffuse=int(rng.integers(config.diffuse.mask + 1)),
                 specular=int(rng.integers(config.specular.mask + 1)),
                 material=int(rng.integers(config.material.mask + 1)),
+                plane=random_plane(rng, config),
                 config=config,
             )
         )
@@ -118,7 +134,9 @@ def films(rng, every_rates, config=PAPER):
                 lines = {"top": height // 3, "bottom": height // 4}.get(kind, height)
                 frame = shapes(rng, count, width, lines, config=config)
                 if kind == "bottom":
-                    words = [advance_word(height - lines, config), *frame.codewords[:-1]]
+                    drawn = frame.codewords[:-1]
+                    drawn = integers_of(drawn) if config.plane else drawn
+                    words = [advance_word(height - lines, config), *drawn]
                     frame = frame_of(words, config=config)
                 tables = frames[0].tables if frames else frame.tables
                 frames.append(dataclasses.replace(frame, width=width, height=height, tables=tables))
@@ -144,7 +162,8 @@ def _on_a_late_line(config):
     empty = [(1, 0)] * 3
     long = [word([(0, 7), *empty], 8 * n, 5, config=config) for n in range(8)]
     last = word([(0, 7), *empty], 0, 5, config=config)
-    before = frame_of([advance_word(10, config), *long, advance_word(7, config), last])
+    words = [advance_word(10, config), *long, advance_word(7, config), last]
+    before = frame_of(words, config=config)
     late = word([*empty, (0, 0)], 0, 200, diffuse=9, config=config)
     frames = [
         dataclasses.replace(frame, width=64, height=40, config=config, tables=tables)

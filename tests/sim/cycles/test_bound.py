@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from splatline.contract.frame import Frame, Tables
-from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.presets import PAPER, PLANE, PRESETS, SWIFT
 from splatline.contract.variants import SHAPED, VARIANTS
-from splatline.host.encode.sort_by_line import end_word
+from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.sim.cycles.bound import bound_cycles
 from splatline.sim.cycles.cycles import count_cycles
+from splatline.sim.cycles.front import halves_of
 from splatline.sim.cycles.tiles import least_lane_cycles
 from tests.support import codewords as cw
-from tests.support.random_frames import nonsense, shapes
+from tests.support import plane_words as pw
+from tests.support import random_frames
+from tests.support.random_frames import nonsense, shapes, word
 from tests.support.scene_frames import scene_frame
 
 
@@ -40,8 +43,29 @@ def frame_of(rows, x, mode):
     ],
 )
 def test_known_shapes(rows, x, mode, expected):
-    words = frame_of(rows, x, mode).codewords[:1].view(np.int64)
-    assert tuple(int(least_lane_cycles(words, pixels)[0]) for pixels in (2, 4, 8)) == expected
+    halves = halves_of(frame_of(rows, x, mode).codewords[:1], PAPER)
+    assert tuple(int(least_lane_cycles(*halves, pixels)[0]) for pixels in (2, 4, 8)) == expected
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        # The half turn lies in columns 4..7: of the other tiles, in the same lanes.
+        ({}, (4, 2, 1)),
+        # One end moved outwards, to column 3: three tiles.
+        ({"sides": 0x55, "first_out": 1}, (5, 3, 2)),
+        # Inwards, both: columns 5 and 6.
+        ({"sides": 0xFF}, (3, 2, 1)),
+        # The half turns lie a line higher: the last line of the block is empty.
+        ({"raised": 1}, (4, 2, 1)),
+        # A fraction is not turned.
+        ({"sides": 0xFF, "mode": 1}, (2, 1, 1)),
+    ],
+)
+def test_known_shapes_of_plane_words(fields, expected):
+    words = pw.array_of([pw.encode([(0, 3)] * 4, **{"mode": 0, **fields})])
+    halves = halves_of(words, PLANE)
+    assert tuple(int(least_lane_cycles(*halves, pixels)[0]) for pixels in (2, 4, 8)) == expected
 
 
 ROW = [(0, 7), *cw.NOTHING[1:]]
@@ -103,7 +127,8 @@ def test_a_frame_of_nothing_takes_nothing():
 
 def knot(config, scale, **view):
     """The knot with splats of a scale."""
-    return scene_frame("knot", scale, view=view, config=config, quality="paper")
+    quality = "exact" if config.plane else "paper"
+    return scene_frame("knot", scale, view=view, config=config, quality=quality)
 
 
 ENGINES = [*PRESETS.values(), *SHAPED[:1]]
@@ -120,9 +145,10 @@ def test_no_engine_takes_fewer(config):
     # What lies outside the image takes little, and what lies behind the end word nothing.
     frames = [nonsense(rng, 700, width, 40, config=config) for width in (60, 64, 7)]
     frames.append(knot(config, 3, size=(128, 128), zoom=8.0))
-    whole = [*[cw.encode(cw.EVERYTHING, config=config)] * 300, cw.end(config)]
-    frames.append(cw.make_frame(whole, (64, 2), config=config))
-    frames.append(cw.make_frame([cw.advance(70, config), *whole], (64, 64), config=config))
+    whole = [word(cw.EVERYTHING, 0, 0, mode=0, config=config)] * 300
+    frames.append(random_frames.frame_of(whole, 64, 2, config=config))
+    below = [advance_word(70, config), *whole]
+    frames.append(random_frames.frame_of(below, 64, 64, config=config))
     for frame in frames:
         assert bound_cycles(frame) <= count_cycles(frame, after_reset=False)
 

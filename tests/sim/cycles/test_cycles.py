@@ -5,8 +5,9 @@ import pytest
 
 from splatline.cli.bench.engine.few_elements import few_splats
 from splatline.contract.errors import InputError
-from splatline.contract.presets import LANES8, PAPER, RGB24, SWIFT
+from splatline.contract.presets import LANES8, PAPER, PLANE, RGB24, SWIFT
 from splatline.host.encode.partition import deal
+from splatline.host.encode.sort_by_line import advance_word
 from splatline.rtl.engine import engine_latency
 from splatline.rtl.tiles.lane import lane_address_bits
 from splatline.sim import golden
@@ -14,7 +15,7 @@ from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cycles.cycles import clearing_cycles, count_cycles
 from tests.support import codewords as cw
 from tests.support.engines import engine
-from tests.support.random_frames import nonsense, shapes
+from tests.support.random_frames import frame_of, nonsense, shapes, word
 from tests.support.scene_frames import scene_frame
 from tests.support.variants import variant
 
@@ -127,7 +128,11 @@ def test_the_count_is_that_of_the_verilog_to_the_cycle(played):
     assert counted == {name: cycles for name, (_, cycles) in played.items()}
 
 
-@pytest.mark.parametrize(("config", "most"), [(RGB24, 220), (SWIFT, 100)], ids=["rgb24", "swift"])
+@pytest.mark.parametrize(
+    ("config", "most"),
+    [(RGB24, 220), (SWIFT, 100), (PLANE, 220)],
+    ids=["rgb24", "swift", "plane"],
+)
 def test_ten_splats_anywhere_take_few_cycles(config, most):
     """By Verilog and model: of a second frame, as the window is cleared before the first."""
     frame = few_splats(10, (512, 512), config)
@@ -150,7 +155,7 @@ def test_clearing_the_window_holds_a_first_frame_up(played):
 
 @pytest.mark.parametrize(
     "config",
-    [PAPER, LANES8, SWIFT, variant("depth12"), variant("lines32"), variant("word2")],
+    [PAPER, LANES8, SWIFT, PLANE, variant("depth12"), variant("lines32"), variant("word2")],
     ids=lambda config: config.name,
 )
 def test_known_counts(config):
@@ -163,14 +168,13 @@ def test_known_counts(config):
     latency = engine_latency(config) + 1
 
     def count(words):
-        frame = cw.make_frame([*words, cw.end(config)], (64, 64), config=config)
-        return count_cycles(frame, after_reset=False)
+        return count_cycles(frame_of(words, 64, 64, config=config), after_reset=False)
 
     def dot(column):
-        return cw.encode(DOT, mode=1, x=column, config=config)
+        return word(DOT, column, 0, config=config)
 
     assert count([]) == latency + 1
-    assert count([cw.advance(1, config)] * 10) == latency + 11
+    assert count([advance_word(1, config)] * 10) == latency + 11
     # One dot: the word leaves in the cycle after the end token has come, and the end token then
     # waits until it is out: the line above is complete (1), flushed, merged, emitted. With tiles,
     # dots on the same word wait a cycle each but the first, and a pair of words leaves anyway. With
@@ -181,7 +185,7 @@ def test_known_counts(config):
         columns = [first + config.pixels_per_word * n for n in range(dots)]
         apart = [dot(column) for column in columns]
         same = [dot(first)] * dots
-        start = cw.advance(4, config)
+        start = advance_word(4, config)
         beats = 1 if tiles else len({(c + DOT[-1][0]) // config.raster_pixels for c in columns})
         waits = 0 if config.draws_blocks else dots - 1
         assert count([start, *same]) - count([start, *apart]) == waits - (beats - 1)
@@ -207,8 +211,8 @@ def test_a_stream_without_an_end_is_cut_short(words):
 @pytest.mark.parametrize(
     ("config", "most"),
     # A strip of 64 columns has but eight words of eight pixels, and each of its turns under three.
-    [(PAPER, 1.03), (RGB24, 1.03), (SWIFT, 1.05)],
-    ids=["paper", "rgb24", "swift"],
+    [(PAPER, 1.03), (RGB24, 1.03), (SWIFT, 1.05), (PLANE, 1.03)],
+    ids=["paper", "rgb24", "swift", "plane"],
 )
 @pytest.mark.parametrize("engines", [1, 4])
 def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, most, engines):
