@@ -30,12 +30,13 @@ LANES8 = RGB24.replace(name="lanes8", pixels_per_word=8)
 
 PLANE = RGB24.replace(name="plane", plane=True, depth_bits=12, material_bits=8)
 """``rgb24`` with a depth for every pixel: code words of 96 bits carry the plane of their element,
-with 12 bits of depth and 256 materials. Not in ``PRESETS`` yet: it has no AXI top so far."""
+with 12 bits of depth and 256 materials. The most accurate picture, and one code word for each
+element of up to 8 x 8 pixels. It has no AXI top yet."""
 
 DEFAULT = RGB24
 """The default of commands and functions."""
 
-PRESETS = {config.name: config for config in (PAPER, RGB24, LANES8, SWIFT)}
+PRESETS = {config.name: config for config in (PAPER, RGB24, LANES8, SWIFT, PLANE)}
 """Named configurations."""
 
 REMOVED = {

@@ -6,7 +6,7 @@ The tests simulate them, and ``splatline bench configurations`` compares them.
 from __future__ import annotations
 
 from .config import EngineConfig
-from .presets import PAPER, PLANE, PRESETS, RGB24, SWIFT
+from .presets import PAPER, PRESETS, RGB24, SWIFT
 
 __all__ = ["CONFIGS", "NARROW_BLOCKS", "SHAPED", "VARIANTS"]
 
@@ -51,7 +51,7 @@ SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
 """Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,
 ``paper-rom-full`` those up to 16."""
 
-CONFIGS = {**PRESETS, **{config.name: config for config in (*SHAPED, *VARIANTS, PLANE)}}
+CONFIGS = {**PRESETS, **{config.name: config for config in (*SHAPED, *VARIANTS)}}
 """Every configuration with a name that a command takes: the presets first."""
 
 NARROW_BLOCKS = SWIFT.replace(name="narrow-blocks", window_lines=32, x_bits=5, depth_bits=13)

@@ -32,7 +32,7 @@ def test_the_paper_s_code_word_is_the_one_of_its_figure_4():
 )
 def test_the_hardware_s_layouts_lie_where_the_format_says(config):
     word = CodeWordLayout(config)
-    assert word.size == 64
+    assert word.size == config.codeword_bits == (96 if config.plane else 64)
     for name in ("mode", "scans", "diffuse", "specular", "material", "x", "z"):
         field = getattr(config, name)
         assert (word[name].offset, word[name].width) == (field.lsb, field.width)

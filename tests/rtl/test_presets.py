@@ -9,6 +9,7 @@ from splatline.host.encode.sort_by_line import advance_word
 from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cycles.cycles import count_cycles
 from tests.support import codewords as cw
+from tests.support import plane_words as pw
 from tests.support.bench_config import OTHERS
 from tests.support.engines import engine, mismatches
 from tests.support.random_frames import films, frame_of, nonsense, random_raster, shapes, word
@@ -143,12 +144,13 @@ def test_the_corners_of_the_paper_s_colours():
 def test_every_preset_takes_the_cycles_that_are_counted(config):
     """To the cycle; ``test_cycles`` has the same of ``paper``."""
     rng = np.random.default_rng(5)
+    random_frame = pw.random_frame if config.plane else cw.random_frame
     frames = [
-        cw.random_frame(rng, 500, (60, 50), config),
-        cw.random_frame(rng, 500, (12, 9), config),
-        cw.random_frame(rng, 800, (512, 70), config),
-        cw.random_frame(rng, 300, (61, 300), config),
-        cw.random_frame(rng, 300, (1, 1), config),
+        random_frame(rng, 500, (60, 50), config),
+        random_frame(rng, 500, (12, 9), config),
+        random_frame(rng, 800, (512, 70), config),
+        random_frame(rng, 300, (61, 300), config),
+        random_frame(rng, 300, (1, 1), config),
         scene_frame("knot", view={"size": (96, 160)}, config=config),
         scene_frame("terrain", view={"size": (190, 60)}, config=config),
     ]

@@ -16,7 +16,7 @@ DEEP = EngineConfig(
     name="deepest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
     channel_bits=1, coefficient_bits=12, colour_shift=13,
 )  # fmt: skip
-CONFIGS = (*PRESETS.values(), COLOURFUL, DEEP)
+CONFIGS = (*(config for config in PRESETS.values() if not config.plane), COLOURFUL, DEEP)
 
 
 def widths(config):

@@ -28,7 +28,7 @@ from .page import page
 __all__ = ["POINTS", "configurations"]
 
 POINTS = {
-    **{name: PRESETS[name] for name in ("paper", "rgb24", "lanes8", "swift")},
+    **{name: PRESETS[name] for name in ("paper", "rgb24", "plane", "lanes8", "swift")},
     **{config.name: config for config in VARIANTS},
 }
 """Configurations of the engines that are compared, by name."""

