@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from amaranth.back import rtlil
@@ -54,7 +55,7 @@ class Fault:
     """A line of the hardware to break: see :func:`faults.rewrite`."""
 
     name: str
-    part: type
+    part: type | ModuleType
     pattern: str
     replacement: str
     method: str = "elaborate"

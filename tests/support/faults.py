@@ -35,7 +35,8 @@ def _assign(text, module, signal, change):
 def rewrite(monkeypatch, part, method, pattern, replacement):
     """Rewrite a component's source, for faults in expressions without a name in the Verilog.
 
-    The pattern must match exactly once in the method. A rewritten component can be rewritten again.
+    ``part`` is a class with a method, or a module with a function that it defines or imports. The
+    pattern must match exactly once in the source. A rewritten component can be rewritten again.
     """
     source = textwrap.dedent(inspect.getsource(getattr(part, method)))
     broken, count = re.subn(pattern, replacement, source)
@@ -45,7 +46,7 @@ def rewrite(monkeypatch, part, method, pattern, replacement):
 
 def replace_method(monkeypatch, part, method, source, what, **names):
     """Replace a component's method by other source, which may need names; ``what``: the fault's."""
-    scope = {**vars(inspect.getmodule(part)), **names}
+    scope = {**vars(inspect.getmodule(getattr(part, method))), **names}
     name = f"<{part.__name__}.{method} with {what}>"
     linecache.cache[name] = len(source), None, source.splitlines(keepends=True), name
     exec(compile(source, name, "exec"), scope)
