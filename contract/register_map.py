@@ -35,10 +35,13 @@ PARAMETERS = (
     },
     {
         "colour_shift": 5, "window_lines": 6, "pixels_per_word": 4, "shapes": 2,
-        "raster_words": 2,
+        "raster_words": 2, "beat_bytes": 8, "plane": 1, "slope_bits": 4,
     },
 )  # fmt: skip
-"""Bits of each parameter of the configuration in CONFIG_0 and in CONFIG_1."""
+"""Bits of each parameter of the configuration in CONFIG_0 and in CONFIG_1, and of ``beat_bytes``.
+
+A new one goes above the others, into bits that were 0 before.
+"""
 
 STATUS = {
     "BUSY": "a frame is open: writes to tables and size are refused",
@@ -100,6 +103,13 @@ def register_map(config: EngineConfig) -> RegisterMap:
 CHOICES: dict[str, tuple[str | int, ...]] = {"shapes": tuple(SHAPES), "window": tuple(WINDOWS)}
 """Parameters whose field is the number of a choice."""
 
+MEANINGS = {
+    "beat_bytes": "bytes of a beat of both rasters",
+    "plane": "`plane`; 1: code words of 96 bits, 16 bytes on the stream; 0: of 64 bits",
+    "slope_bits": "`slope_bits`; 0 without planes",
+}
+"""Meanings of fields of CONFIG that have more to say than a parameter's name."""
+
 # A register in short: its name, meaning and fields, and the engine's register that it becomes.
 _Row = tuple[str, str, list[BusField], int | None]
 
@@ -117,20 +127,23 @@ def _identity(config: EngineConfig) -> Iterator[_Row]:
             _constant(name.upper(), width, _number(config, name), _meaning(name))
             for name, width in widths.items()
         ]
-        if number:
-            stream = raster_stream_bytes(config)
-            fields.append(_constant("BEAT_BYTES", 8, stream, "bytes of a beat of both rasters"))
         yield f"CONFIG_{number}", "the engine's parameters, see `EngineConfig`", fields, None
 
 
 def _number(config: EngineConfig, name: str) -> int:
     """Return a parameter as a number; a choice is its number among ``CHOICES``."""
+    if name == "beat_bytes":
+        return raster_stream_bytes(config)
+    if name == "slope_bits" and not config.plane:
+        return 0
     value = getattr(config, name)
     return CHOICES[name].index(value) if name in CHOICES else int(value)
 
 
 def _meaning(name: str) -> str:
     """Return the meaning of a parameter's field, with the numbers of its choices."""
+    if name in MEANINGS:
+        return MEANINGS[name]
     choices = (f"{number}: {choice}" for number, choice in enumerate(CHOICES.get(name, ())))
     return "; ".join([f"`{name}`", *choices])
 

@@ -6,7 +6,6 @@ from amaranth.hdl import Shape
 from amaranth.lib.wiring import In
 
 from splatline.contract.config import EngineConfig
-from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER
 from splatline.rtl.bus.axi_top import AxiTop
 
@@ -31,14 +30,7 @@ def generate_axi(config: EngineConfig = PAPER, name: str = "splatline") -> tuple
 
     Parameters and results are those of :func:`splatline.flow.verilog.generate`. The description
     also has the register map.
-
-    Raises
-    ------
-    InputError
-        For an engine with planes: the bus takes words of 64 bits.
     """
-    if config.plane:
-        raise InputError(f"there is no AXI top of preset {config.name} yet: take --top engine")
     top = AxiTop(config)
     ports = []
     for port, member in top.signature.members.items():

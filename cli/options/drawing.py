@@ -136,10 +136,6 @@ def draw(
     from splatline.sim import golden
     from splatline.sim.golden.multisample import average
 
-    if frames[0].config.plane and engine == "axi":
-        raise InputError(
-            f"there is no AXI top of preset {frames[0].config.name} yet: take --engine rtl"
-        )
     parts = [[frame] for frame in frames]
     if engines is not None:
         if engine == "axi":

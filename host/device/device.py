@@ -50,7 +50,7 @@ class Device(Protocol):
         Parameters
         ----------
         codewords
-            Shape (n,), uint64.
+            Shape (n,), uint64, or (n, 2) of plane words, the low half first.
         initial
             An initial raster, as :meth:`receive` returns one.
         """

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
-from splatline.contract.frame import Tables, check_tables
+from splatline.contract.frame import Tables, check_codewords, check_tables
 from splatline.contract.presets import PAPER
 from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import from_beats, to_beats
@@ -77,6 +77,9 @@ def read_config(device: Device) -> EngineConfig:
         # The register holds a choice's number.
         for name, choices in CHOICES.items():
             values[name] = choices[values[name]]
+        values["plane"] = bool(values["plane"])
+        if not values["plane"]:
+            del values["slope_bits"]  # its register is 0
         config = PAPER.replace(**values)
     except (ValueError, IndexError) as error:
         raise InputError(f"the engine's configuration makes no sense: {error}") from error
@@ -177,7 +180,7 @@ class Driver:
         Parameters
         ----------
         codewords
-            Shape (n,), uint64; the last is the end word.
+            Shape (n,), uint64, or (n, 2) for an engine with planes; the last is the end word.
         initial
             Beats of the raster to start from, an end beat last: shape (n, limbs), uint64.
 
@@ -188,6 +191,8 @@ class Driver:
 
         Raises
         ------
+        InputError
+            If there are no code words, or they have another shape than the engine's.
         EngineError
             If the engine found an error in the frame, or did not end it in time; then the frame was
             aborted. In both cases the engine is ready for the next frame.
@@ -196,6 +201,7 @@ class Driver:
         """
         if not len(codewords):
             raise InputError("a frame has at least its end word")
+        check_codewords(codewords, self.config)
         self.clear("ERROR")
         self.clear("IRQ_STATUS")
         self.set("START", LOAD=int(initial is not None))
@@ -291,7 +297,7 @@ class Engine(Driver):
         Parameters
         ----------
         codewords
-            Shape (n,), uint64; the last is the end word.
+            Shape (n,), uint64, or (n, 2) for an engine with planes; the last is the end word.
         initial
             The picture to start from; background if not given.
 

@@ -7,6 +7,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 
 from splatline.contract.beat_layout import raster_stream_bytes
+from splatline.contract.codeword_layout import codeword_stream_bytes
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.contract.register_map import register_map
@@ -21,9 +22,6 @@ from .stream_guard import StreamGuard
 
 __all__ = ["AxiTop"]
 
-CODEWORD_BYTES = 8
-
-
 class AxiTop(wiring.Component):
     """An engine with AXI ports, for a block design.
 
@@ -31,7 +29,8 @@ class AxiTop(wiring.Component):
     ``s_axi_ctrl_*`` (AXI4-Lite), ``s_axis_codewords_*``, ``s_axis_initial_*``, ``m_axis_raster_*``
     (AXI4-Stream) and ``irq``. The registers are in ``docs/registers.md``.
 
-    - A packet of code words is a frame; TLAST comes with its end word.
+    - A packet of code words is a frame; TLAST comes with its end word. A code word is 8 bytes; a
+      plane word is 12 bytes, filled up with zeros to 16.
     - A packet of the raster is a frame as well: its beats, filled up with zeros to a power of two
       of bytes, and then the end beat, with TLAST. A packet is therefore never empty, and there is
       one for each packet of code words.
@@ -80,7 +79,7 @@ class AxiTop(wiring.Component):
         raster = AxiStreamSignature(raster_stream_bytes(config))
         self.buses = {
             "s_axi_ctrl": In(AxiLiteSignature(self.registers.address_bits)),
-            "s_axis_codewords": In(AxiStreamSignature(CODEWORD_BYTES)),
+            "s_axis_codewords": In(AxiStreamSignature(codeword_stream_bytes(config))),
             "s_axis_initial": In(raster),
             "m_axis_raster": Out(raster),
         }

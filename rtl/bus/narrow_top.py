@@ -154,7 +154,8 @@ class PinTop(wiring.Component):
     **Throughput**: at 100 MHz and with the ``paper`` preset, a code word in 5 cycles (20 million a
     second) and a beat of 4 pixels in 6 cycles (67 million pixels a second). The engine is faster:
     the pins, not it, set the pace. With ``rgb24``, whose table writes have five pieces, a code word
-    takes 6 cycles, as it is filled up to five.
+    takes 6 cycles, as it is filled up to five. A plane word has six pieces and takes 7 cycles, and
+    so does a table write of its engine.
 
     Parameters
     ----------
@@ -164,8 +165,9 @@ class PinTop(wiring.Component):
     Members
     -------
     words : In(stream of PieceLayout)
-        Code words of 64 bits and table writes of as many, in pieces of 16; bits of a table write
-        above its address are ignored. ``table`` is the same for all pieces of a word.
+        Code words and table writes, in pieces of 16 bits; both have as many pieces as the wider of
+        them needs. Bits of a table write above its address are ignored. ``table`` is the same for
+        all pieces of a word.
     initial : In(stream of 18 bits)
         What the frame starts from: beats of a raster, five pieces each.
     raster : Out(stream of 18 bits)

@@ -9,10 +9,11 @@ import pytest
 
 from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.config import EngineConfig
-from splatline.contract.presets import PRESETS
+from splatline.contract.presets import PLANE, PRESETS
 from splatline.contract.raster_beats import to_beats
 from splatline.contract.register_map import register_map
-from splatline.flow.register_texts import c_header, json_beat, json_map
+from splatline.flow.register_texts import c_header, json_map
+from splatline.flow.stream_texts import json_beat
 from splatline.flow.tops import TOPS
 from tests.support.random_frames import random_raster
 
@@ -21,7 +22,7 @@ WIDEST_BEAT = EngineConfig(
     channel_bits=8, coefficient_bits=12, colour_shift=13, window="blocks", window_lines=32,
     pixels_per_word=8, raster_words=2,
 )  # fmt: skip
-CONFIGS = [*PRESETS.values(), WIDEST_BEAT]
+CONFIGS = [*(PRESETS | {"plane": PLANE}).values(), WIDEST_BEAT]
 
 PROGRAM = """
 #include "splatline.h"
@@ -94,6 +95,12 @@ def test_the_fields_of_a_beat_fill_its_stream_without_a_gap(config):
         place += field["number"] * field["width"]
     assert place == 8 * beat["stream_bytes"]
     assert json_map(register_map(config))["beat"] == beat
+
+
+def test_a_beat_of_12_bit_depths_is_32_bytes():
+    """Four pixels of 36 bits, and the place."""
+    assert json_beat(PLANE)["bits"] == 4 * 36 + 7 + 10 + 1
+    assert json_beat(PLANE)["stream_bytes"] == 32
 
 
 @pytest.mark.parametrize("top", TOPS)

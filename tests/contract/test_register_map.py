@@ -9,14 +9,14 @@ from amaranth.sim import Simulator
 
 from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.config import MOST_BEAT_BITS, WINDOWS, EngineConfig
-from splatline.contract.presets import DEFAULT, PAPER, PRESETS, SWIFT
+from splatline.contract.presets import DEFAULT, PAPER, PLANE, PRESETS, SWIFT
 from splatline.contract.register_map import PARAMETERS, VERSION, register_map
 from splatline.contract.register_types import Access
 from splatline.contract.variants import VARIANTS
 from splatline.flow.register_texts import c_header, json_map, markdown
 from splatline.rtl.front.tables import Tables
 
-CONFIGS = {config.name: config for config in (*PRESETS.values(), *VARIANTS)}
+CONFIGS = {config.name: config for config in (*PRESETS.values(), *VARIANTS, PLANE)}
 WIDEST = EngineConfig(
     name="widest", intensity_bits=1, material_bits=9, x_bits=12, depth_bits=16, line_bits=14,
     channel_bits=8, coefficient_bits=12, colour_shift=13,
@@ -96,9 +96,17 @@ def test_a_beat_is_whole_limbs(config):
 
 
 def test_the_config_registers_hold_every_parameter_of_the_engine():
-    named = {name for widths in PARAMETERS for name in widths}
-    not_yet = {"plane", "slope_bits"}  # no engine with planes is on a bus so far
-    assert named == {field.name for field in dataclasses.fields(EngineConfig)} - {"name", *not_yet}
+    named = {name for widths in PARAMETERS for name in widths} - {"beat_bytes"}
+    assert named == {field.name for field in dataclasses.fields(EngineConfig)} - {"name"}
+
+
+def test_planes_are_told_in_bits_that_are_0_in_other_engines():
+    """So the registers of engines without planes are those of before, and so is their hardware."""
+    for config in CONFIGS.values():
+        fields = [(f.name, f.place.lsb) for f in register_map(config)["CONFIG_1"].fields[-3:]]
+        assert fields == [("BEAT_BYTES", 19), ("PLANE", 27), ("SLOPE_BITS", 28)]
+        values = [field.reset for field in register_map(config)["CONFIG_1"].fields[-2:]]
+        assert values == ([1, config.slope_bits] if config.plane else [0, 0])
 
 
 def test_the_page_in_docs_is_that_of_the_default_preset():
@@ -107,7 +115,7 @@ def test_the_page_in_docs_is_that_of_the_default_preset():
     assert page.read_text() == markdown(register_map(DEFAULT))
 
 
-@pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST], ids=lambda c: c.name)
+@pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST, PLANE], ids=lambda c: c.name)
 def test_the_c_header_compiles_alone_and_says_the_same(config, tmp_path):
     """Every number of the map, printed by a program that has the header twice."""
     compiler = shutil.which("gcc") or shutil.which("cc")
@@ -159,7 +167,7 @@ def compare_fields(rows, fields):
         assert row.get("reset") == (field.reset if known else None)
 
 
-@pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST], ids=lambda c: c.name)
+@pytest.mark.parametrize("config", [PAPER, PRESETS["rgb24"], WIDEST, PLANE], ids=lambda c: c.name)
 def test_the_json_map_has_every_register_and_field(config):
     registers = register_map(config)
     found = json.loads(json.dumps(json_map(registers)))
@@ -171,8 +179,9 @@ def test_the_json_map_has_every_register_and_field(config):
     for key in ("offset", "entries", "stride", "words"):
         assert found["materials"][key] == getattr(registers.materials, key)
     compare_fields(found["materials"]["fields"], registers.materials.fields)
-    raster_bytes = {"paper": 16, "rgb24": 32, "widest": 32}[config.name]
-    assert found["streams"] == {"codeword_bytes": 8, "raster_bytes": raster_bytes}
+    raster_bytes = {"paper": 16, "rgb24": 32, "widest": 32, "plane": 32}[config.name]
+    codeword_bytes = 16 if config.plane else 8
+    assert found["streams"] == {"codeword_bytes": codeword_bytes, "raster_bytes": raster_bytes}
 
 
 def test_registers_that_reach_too_far_are_refused():

@@ -8,7 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from splatline.contract.presets import PAPER, SWIFT
+from splatline.contract.presets import PAPER, PLANE, SWIFT
 from splatline.flow.verilog import generate
 from splatline.host.device.driver import Engine
 from splatline.rtl.blocks.window import BlockWindow
@@ -20,6 +20,7 @@ from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.bus.axi_cases import clean, draw_scene
+from tests.support import bus_words
 from tests.support.engines import engine, mismatches
 from tests.support.faults import rewrite
 from tests.support.random_frames import random_raster, shapes
@@ -36,13 +37,15 @@ FAULTS = [
     (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
     (BLOCKS, BlockWindow, "_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
     (BLOCKS, BlockWindow, "_follow", r"known & \(", "self.i.valid & ("),
+    (PLANE, TileWindow, "_draw_planes", r"self\.i\.valid & ~total", "~total"),
 ]
 
 
 def jobs(config, edges):
     """Frames after a reset at the start and in the middle, with gaps and an initial raster."""
     rng = np.random.default_rng(7)
-    frame = shapes(rng, 30, 32, 36, config=config)  # more lines than the window has
+    size = (32, 36)  # more lines than the window has
+    frame = bus_words.clean(config, 7, 30, *size)
     return [
         Job(frame=frame, reset_edges=edges, rates={"codeword": 0.3}),
         Job(
@@ -64,8 +67,8 @@ def wrong_pixels(built, config, edges):
 @in_icarus
 @pytest.mark.parametrize(
     "config, edges",
-    [(PAPER, 1), (PAPER, 4), (BLOCKS, 1)],
-    ids=["paper-1", "paper-4", "blocks-1"],
+    [(PAPER, 1), (PAPER, 4), (BLOCKS, 1), (PLANE, 1)],
+    ids=["paper-1", "paper-4", "blocks-1", "plane-1"],
 )
 def test_the_first_frame_after_a_short_reset_is_right(config, edges):
     assert wrong_pixels(engine(config, "icarus"), config, edges) == 0
@@ -107,9 +110,10 @@ def test_blocks_that_nothing_starts_are_noticed():
 
 
 @in_icarus
-def test_the_first_frame_of_blocks_on_axi():
-    frame = clean(BLOCKS, 3, 20)
-    with SimulatedDevice(BLOCKS, built=build_axi(BLOCKS, "icarus"), reset_edges=1) as device:
+@pytest.mark.parametrize("config", [BLOCKS, PLANE], ids=["blocks", "plane"])
+def test_the_first_frame_of_other_engines_on_axi(config):
+    frame = clean(config, 3, 20)
+    with SimulatedDevice(config, built=build_axi(config, "icarus"), reset_edges=1) as device:
         assert draw_scene(Engine(device), frame).mismatches(golden.render(frame)) == 0
 
 

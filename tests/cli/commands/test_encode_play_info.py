@@ -122,9 +122,3 @@ def test_a_frame_of_plane_words_is_encoded_played_and_described(run, folder, clo
     assert facts["preset"] == "plane"
     assert facts["bits_sent"] == {"table": 96 * facts["codewords"]}
     assert run("render", cloud, *options, "-o", "b.png", "--engines", "2").exit_code == 0
-    for refused in (
-        run("render", cloud, *options, "--engine", "axi", "-o", "c.png"),
-        run("verilog", "--preset", "plane", "--top", "axi", "-o", "plane.v"),
-    ):
-        assert refused.exit_code == 2
-        assert "there is no AXI top of preset plane yet" in refused.stderr

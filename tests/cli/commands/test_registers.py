@@ -22,6 +22,13 @@ def test_all_three_are_written(run, folder):
     assert "Preset `rgb24`" in (folder / "map.md").read_text()
 
 
+def test_the_registers_of_an_engine_with_planes_tell_its_code_words(run, folder):
+    result = run("registers", "--preset", "plane", "--json", "map.json", "--c-header", "plane.h")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads((folder / "map.json").read_text())["streams"]["codeword_bytes"] == 16
+    assert "#define SPLATLINE_CODEWORD_SLOPE_Y_LSB 74u" in (folder / "plane.h").read_text()
+
+
 @pytest.mark.parametrize(
     "arguments",
     [("--c-header", "map.c"), ("--json", "map.yaml"), ("--markdown", "absent/map.md")],

@@ -78,6 +78,16 @@ def test_the_verilog_on_axi_comes_with_its_registers(run, folder):
     assert description["latency"]["codeword_to_memory_cycles"] == 5
 
 
+def test_the_verilog_on_axi_of_an_engine_with_planes_takes_words_of_16_bytes(run, folder):
+    result = run("verilog", "--preset", "plane", "--top", "axi", "-o", "top.v")
+    assert result.exit_code == 0, result.stderr
+    description = json.loads((folder / "top.json").read_text())
+    widths = {port["name"]: port["width"] for port in description["ports"]}
+    assert (widths["s_axis_codewords_tdata"], widths["s_axis_codewords_tkeep"]) == (128, 16)
+    assert (widths["m_axis_raster_tdata"], widths["s_axis_initial_tdata"]) == (256, 256)
+    assert description["codeword"]["bits"] == 96
+
+
 @pytest.mark.parametrize(
     ("options", "top"),
     [

@@ -15,6 +15,7 @@ from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.contract.register_map import register_map
 from splatline.flow.register_texts import json_map
 from splatline.sim import golden
+from tests.support.bus_words import decoded
 
 __all__ = ["FakeBoard"]
 
@@ -27,6 +28,7 @@ class FakeBoard:
         self.map = json_map(register_map(config))
         self.card = str(folder / "xdma0")
         self.memory = folder / "xdma0_user"
+        self.word_bytes = self.map["streams"]["codeword_bytes"]
         self.offsets = {row["name"]: row["offset"] for row in self.map["registers"]}
         image = bytearray(self.map["bytes"])
         for row in self.map["registers"]:
@@ -43,7 +45,7 @@ class FakeBoard:
     def close(self):
         """End: an end word of its own, which nobody waits for, wakes the engine."""
         self.closing = True
-        os.write(self.pipes["_h2c_0"], bytes(8))
+        os.write(self.pipes["_h2c_0"], bytes(self.word_bytes))
         self.thread.join()
         for pipe in self.pipes.values():
             os.close(pipe)
@@ -62,10 +64,11 @@ class FakeBoard:
         words = []
         with contextlib.suppress(OSError):
             while True:
-                words.append(int.from_bytes(self.read("_h2c_0", 8), "little"))
+                limbs = np.frombuffer(self.read("_h2c_0", self.word_bytes), "<u8")
+                words.append(limbs if self.config.plane else limbs[0])
                 if self.closing:
                     return
-                if golden.decode(np.array(words[-1:], np.uint64), self.config)["end"][0]:
+                if decoded(np.array(words[-1:], np.uint64), self.config)["end"][0]:
                     self.draw(words)
                     words = []
 

@@ -5,9 +5,9 @@ import pytest
 
 from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.errors import InputError
-from splatline.contract.presets import PAPER, PRESETS, SWIFT
+from splatline.contract.presets import PAPER, PLANE, PRESETS, SWIFT
 from splatline.contract.register_map import register_map
-from splatline.contract.variants import NARROW_BLOCKS, SHAPED, VARIANTS
+from splatline.contract.variants import CONFIGS, NARROW_BLOCKS
 from splatline.host.device.device import DeviceTimeoutError
 from splatline.host.device.driver import Engine, EngineError, read_config
 from splatline.host.device.xdma import XdmaDevice
@@ -27,7 +27,7 @@ def board(tmp_path, request):
 
 
 @pytest.mark.parametrize(
-    "board", [PAPER, PRESETS["rgb24"], SWIFT], indirect=True, ids=lambda c: c.name
+    "board", [PAPER, PRESETS["rgb24"], SWIFT, PLANE], indirect=True, ids=lambda c: c.name
 )
 def test_the_code_of_a_simulation_draws_on_a_board(board):
     rng = np.random.default_rng(1)
@@ -116,6 +116,8 @@ def test_an_image_larger_than_the_engine_s_is_refused(board):
             engine.write_tables(frame.tables, 513, 40)
         with pytest.raises(InputError, match="at least its end word"):
             engine.draw(frame.codewords[:0])
+        with pytest.raises(InputError, match=r"shape \(n,\), not \(3, 2\)"):
+            engine.draw(np.zeros((3, 2), np.uint64))
         with pytest.raises(ValueError, match=r"LAST_COLUMN\.VALUE has 9 bits"):
             engine.set("LAST_COLUMN", VALUE=512)
 
@@ -136,6 +138,14 @@ def test_what_is_no_engine_is_refused(board, name, word, message):
     board.memory.write_bytes(image)
     with pytest.raises(InputError, match=message):
         XdmaDevice(board.card)
+
+
+def test_slopes_that_no_engine_has_are_refused(tmp_path):
+    registers = Registers(PLANE)
+    register = register_map(PLANE)["CONFIG_1"]
+    registers.words[register.offset] |= register["SLOPE_BITS"].mask
+    with pytest.raises(InputError, match=r"makes no sense: slope_bits must be .* 3\.\.8, not 15"):
+        read_config(registers)
 
 
 def test_files_that_are_not_there_are_named(tmp_path):
@@ -170,10 +180,7 @@ def test_a_window_that_does_not_fit_the_rest_is_refused(board):
         XdmaDevice(board.card)
 
 
-ON_AXI = [c for c in (*PRESETS.values(), *VARIANTS, *SHAPED) if not c.plane]
-
-
-@pytest.mark.parametrize("config", ON_AXI, ids=lambda config: config.name)
+@pytest.mark.parametrize("config", CONFIGS.values(), ids=lambda config: config.name)
 def test_an_engine_s_configuration_is_read_from_its_registers(config):
     assert read_config(Registers(config)) is config
     other = config.replace(coefficient_bits=config.coefficient_bits + 1)
@@ -187,5 +194,6 @@ def test_an_engine_that_has_no_name_is_read_from_its_registers():
     )
     assert widest.raster_end.end == 663
     assert raster_stream_bytes(widest) == 128
-    for config in (NARROW_BLOCKS.replace(), widest):
+    narrow = PLANE.replace(slope_bits=3, depth_bits=16)
+    for config in (NARROW_BLOCKS.replace(), widest, narrow):
         assert read_config(Registers(config)) == config

@@ -7,6 +7,7 @@ from splatline.host.device.device import DeviceTimeoutError
 from splatline.host.device.driver import Driver, EngineError
 from splatline.sim import golden
 from tests.rtl.bus.axi_cases import HEIGHT, WIDTH, case, clean, initial_of, right, send, setup
+from tests.support.bus_words import word_bytes
 
 __all__ = ["ABORTS"]
 
@@ -113,7 +114,7 @@ def before_the_engine_has_a_word(device):
     engine, frame = setup(device, 39)
     engine.set("START", LOAD=1)
     engine.set("CONTROL", QUIET=1, CLEAR=1)
-    keep = np.ones((len(frame.codewords), 8), np.uint8)
+    keep = np.ones((len(frame.codewords), word_bytes(engine.config)), np.uint8)
     keep[:60] = 0
     send(device, "codewords", frame.codewords, keep.tobytes())
     device.command("wait", 20)

@@ -6,9 +6,9 @@ import numpy as np
 
 from splatline.contract.raster_beats import from_beats
 from splatline.host.device.driver import Driver
-from splatline.host.encode.sort_by_line import end_word
 from splatline.sim import golden
-from tests.rtl.bus.axi_cases import HEIGHT, WIDTH, block, case, initial_of, right, send, setup
+from tests.rtl.bus.axi_cases import HEIGHT, WIDTH, case, initial_of, right, send, setup
+from tests.support.bus_words import block, end
 
 __all__ = ["BUS"]
 
@@ -170,9 +170,9 @@ def a_frame_is_open_behind_others_that_wait(device):
     """End beats wait to be taken, and behind them a frame that has been read but not sent."""
     engine, frame = setup(device, 22)
     device.command("pause", "raster", True)
-    end = [end_word(engine.config)]
-    blocks = np.array([*(block(engine.config, 9 * n) for n in range(5)), *end], np.uint64)
-    for words in (end, end, end, blocks):
+    ends = [end(engine.config)]
+    blocks = np.array([*(block(engine.config, 9 * n) for n in range(5)), *ends], np.uint64)
+    for words in (ends, ends, ends, blocks):
         send(device, "codewords", words)
     device.command("wait", 400)
     device.command("pause", "raster", False)

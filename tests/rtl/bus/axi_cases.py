@@ -10,22 +10,21 @@ import numpy as np
 from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.contract.register_map import register_map
 from splatline.host.device.driver import Driver, Engine
-from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.sim import golden
-from tests.support.random_frames import nonsense, random_raster, shapes, word
+from tests.support import bus_words
+from tests.support.bus_words import advance, any_words, block, decoded, end, word_bytes
+from tests.support.random_frames import random_raster
 
 __all__ = [
     "HEIGHT",
     "STREAMS",
     "WIDTH",
-    "block",
     "case",
     "clean",
     "draw_scene",
     "expect",
     "fresh",
     "initial_of",
-    "inside",
     "right",
     "send",
     "setup",
@@ -36,15 +35,8 @@ OKAY, SLVERR, DECERR = 0, 2, 3
 STREAMS = {}
 
 
-def inside(frame):
-    """A frame without the elements that lie beyond the last column."""
-    words = golden.decode(frame.codewords, frame.config)
-    kept = words["control"] | (words["x"] < frame.width)
-    return dataclasses.replace(frame, codewords=frame.codewords[kept])
-
-
 def clean(config, seed, count=60):
-    return inside(shapes(np.random.default_rng(seed), count, WIDTH, HEIGHT, config=config))
+    return bus_words.clean(config, seed, count, WIDTH, HEIGHT)
 
 
 def draw_scene(engine, frame, initial=None):
@@ -64,7 +56,7 @@ def fresh(device):
 def right(device, seed=99):
     """The next frame is right, of another size and with other tables, and there are no errors."""
     engine = Engine(device)
-    frame = inside(shapes(np.random.default_rng(seed), 50, 37, 30, config=engine.config))
+    frame = bus_words.clean(engine.config, seed, 50, 37, 30)
     assert engine.errors() == []
     assert draw_scene(engine, frame).mismatches(golden.render(frame)) == 0
     assert not engine.get("STATUS", "BUSY")
@@ -72,7 +64,7 @@ def right(device, seed=99):
 
 
 def send(device, name, words, keep=None):
-    """A packet of words of 64 bits or beats; ``keep`` has a byte for each byte of it."""
+    """A packet of code words or beats; ``keep`` has a byte for each byte of it."""
     device.command("send", name, np.ascontiguousarray(words).astype("<u8").tobytes(), keep)
 
 
@@ -88,11 +80,6 @@ def play(device, words, *, keep=None, initial=None, initial_keep=None, size=(WID
     names = engine.errors()
     engine.clear("ERROR")
     return from_beats(beats, *size, engine.config), names
-
-
-def block(config, x):
-    """An element of 8 x 8 pixels."""
-    return word([(0, 7)] * 4, x, 1, mode=0, config=config)
 
 
 def case(table):
@@ -144,18 +131,18 @@ def steps_past_the_frame(device):
     engine, frame = setup(device, 3)
     element = block(engine.config, 9)
     words = [*frame.codewords[:-1]]
-    words += [advance_word(HEIGHT + 4, engine.config), element, frame.codewords[-1]]
+    words += [advance(engine.config, HEIGHT + 4), element, frame.codewords[-1]]
     expect(device, frame, words, ["LINE_PAST"], drawn=words)
     # A step to the last line that an element can touch from is none.
     setup(device, 3)
-    words = [advance_word(HEIGHT + 3, engine.config), element, element, frame.codewords[-1]]
+    words = [advance(engine.config, HEIGHT + 3), element, element, frame.codewords[-1]]
     expect(device, frame, [element, *words], [], drawn=[element, *words])
 
 
 @case(STREAMS)
 def a_step_that_overflows(device):
     engine, frame = setup(device, 4)
-    steps = [advance_word(engine.config.x.mask, engine.config)] * 9
+    steps = [advance(engine.config, engine.config.x.mask)] * 9
     words = [*frame.codewords[:-1], *steps, *frame.codewords[:20], frame.codewords[-1]]
     expect(device, frame, words, ["LINE_PAST"], drawn=words)
 
@@ -175,11 +162,11 @@ def an_end_word_without_last(device):
 
 @case(STREAMS)
 def partial_words(device):
-    _, frame = setup(device, 7)
+    engine, frame = setup(device, 7)
     words = list(frame.codewords)
-    keep = np.ones((len(words), 8), np.uint8)
+    keep = np.ones((len(words), word_bytes(engine.config)), np.uint8)
     # Many: a guard that lets them through is seen where the engine takes one and it shows.
-    keep[3:-1:6, 7], keep[5:-1:6, 0], keep[7:-1:6] = 0, 0, 0
+    keep[3:-1:6, -1], keep[5:-1:6, 0], keep[7:-1:6] = 0, 0, 0
     drawn = [each for each, kept in zip(words, keep, strict=True) if kept.all()]
     expect(device, frame, words, ["PARTIAL_WORD"], drawn=drawn, keep=keep.tobytes())
 
@@ -188,18 +175,18 @@ def partial_words(device):
 def nothing_but_partial_words(device):
     """An empty frame, and two bits of ERROR."""
     engine, frame = setup(device, 8)
-    keep = np.zeros((3, 8), np.uint8)
+    keep = np.zeros((3, word_bytes(engine.config)), np.uint8)
     names = ["FRAME_ENDED_EARLY", "PARTIAL_WORD"]
     expect(
         device, frame, frame.codewords[:3], names,
-        drawn=[end_word(engine.config)], keep=keep.tobytes(),
+        drawn=[end(engine.config)], keep=keep.tobytes(),
     )  # fmt: skip
 
 
 @case(STREAMS)
 def a_partial_end_word(device):
-    _, frame = setup(device, 8)
-    keep = np.ones((len(frame.codewords), 8), np.uint8)
+    engine, frame = setup(device, 8)
+    keep = np.ones((len(frame.codewords), word_bytes(engine.config)), np.uint8)
     keep[-1, 4] = 0
     names = ["FRAME_ENDED_EARLY", "PARTIAL_WORD"]
     expect(device, frame, frame.codewords, names, keep=keep.tobytes())
@@ -208,11 +195,12 @@ def a_partial_end_word(device):
 @case(STREAMS)
 def frames_of_nothing(device):
     engine, frame = setup(device, 9)
-    end = [end_word(engine.config)]
-    expect(device, frame, end, [], drawn=end)
+    words = [end(engine.config)]
+    expect(device, frame, words, [], drawn=words)
     setup(device, 9)
     names = ["FRAME_ENDED_EARLY", "PARTIAL_WORD"]
-    expect(device, frame, end, names, drawn=end, keep=bytes(8))
+    keep = bytes(word_bytes(engine.config))
+    expect(device, frame, words, names, drawn=words, keep=keep)
 
 
 def initial_of(frame, seed):
@@ -242,7 +230,7 @@ def an_initial_raster_whose_end_is_not_last(device):
 def a_partial_beat_of_an_initial_raster(device):
     _, frame = setup(device, 12)
     start, beats = initial_of(frame, 4)
-    keep = np.ones((len(beats), 8 * Driver(device).get("CONFIG_1", "BEAT_BYTES") // 8), np.uint8)
+    keep = np.ones((len(beats), Driver(device).get("CONFIG_1", "BEAT_BYTES")), np.uint8)
     keep[5, 3] = 0
     start = from_beats(np.delete(beats, 5, axis=0), WIDTH, HEIGHT, frame.config)
     expect(
@@ -279,18 +267,19 @@ def any_packets_at_all(device):
     config = engine.config
     sent = []
     for _ in range(12):
-        words = nonsense(rng, int(rng.integers(1, 60)), WIDTH, HEIGHT, config=config).codewords
-        words[rng.random(len(words)) < rng.choice([0.0, 0.05, 0.5])] = end_word(config)
-        words = words if rng.random() < 0.5 else words[:-1]
-        keep = np.where(rng.random((len(words), 1)) < 0.1, rng.integers(0, 2, (len(words), 8)), 1)
+        words = any_words(rng, int(rng.integers(1, 60)), WIDTH, HEIGHT, config)
+        words[rng.random(len(words)) < rng.choice([0.0, 0.05, 0.5])] = end(config)
+        words = [*words, end(config)] if rng.random() < 0.5 else words
+        words = np.array(words, np.uint64)
+        present = rng.integers(0, 2, (len(words), word_bytes(config)))
+        keep = np.where(rng.random((len(words), 1)) < 0.1, present, 1)
         sent.append((words, keep.astype(np.uint8)))
-    sent = [(words, keep) for words, keep in sent if len(words)]
     engine.clear("ERROR")
     for words, keep in sent:
         picture, names = play(device, words, keep=keep.tobytes())
         kept = words[keep.all(axis=1)]
-        taken = kept[: _first(golden.decode(kept, config)["end"]) + 1]
-        whole = np.array([*taken, end_word(config)], np.uint64)
+        taken = kept[: _first(decoded(kept, config)["end"]) + 1]
+        whole = np.array([*taken, end(config)], np.uint64)
         expected = golden.render(dataclasses.replace(frame, codewords=whole))
         assert picture.mismatches(expected) == 0
         assert names == expected_errors(words, keep, config)
@@ -305,9 +294,8 @@ def _first(dirty_bits):
 def expected_errors(words, keep, config):
     """What ERROR says of a packet: read from docs/registers.md, word by word."""
     names, y = set(), 0
-    for n, (each, kept) in enumerate(zip(words, keep, strict=True)):
+    for n, (fields, kept) in enumerate(zip(decoded(words, config), keep, strict=True)):
         last = n == len(words) - 1
-        (fields,) = golden.decode(np.array([each], np.uint64), config)
         if not kept.all():
             names |= {"PARTIAL_WORD"} | ({"FRAME_ENDED_EARLY"} if last else set())
             continue

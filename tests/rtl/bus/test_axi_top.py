@@ -1,14 +1,16 @@
 """The engine on its buses, driven by cocotbext-axi, against the golden renderer."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from splatline.contract.beat_layout import raster_stream_bytes
-from splatline.contract.presets import PAPER, RGB24, SWIFT
-from splatline.contract.raster_beats import from_beats
+from splatline.contract.codeword_layout import codeword_stream_bytes
+from splatline.contract.presets import PAPER, PLANE, RGB24, SWIFT
+from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.contract.register_map import VERSION, register_map
 from splatline.host.device.driver import Engine
-from splatline.host.encode.sort_by_line import end_word
 from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
@@ -19,7 +21,6 @@ from tests.rtl.bus import axi_abort_cases, axi_bus_cases, axi_cases
 from tests.rtl.bus.axi_cases import (
     HEIGHT,
     WIDTH,
-    block,
     clean,
     draw_scene,
     fresh,
@@ -27,6 +28,8 @@ from tests.rtl.bus.axi_cases import (
     send,
     setup,
 )
+from tests.support import plane_words as pw
+from tests.support.bus_words import block, decoded, end
 from tests.support.random_frames import random_raster
 
 
@@ -63,18 +66,67 @@ def wide_device(wide_simulation):
     yield from after_reset(wide_simulation)
 
 
-@pytest.mark.parametrize("stall", [0.0, 0.3, 0.8])
-def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
+@pytest.fixture(scope="module")
+def plane_simulation():
+    yield from simulated(PLANE)
+
+
+@pytest.fixture
+def plane_device(plane_simulation):
+    """An engine with planes, whose code words are 16 bytes."""
+    yield from after_reset(plane_simulation)
+
+
+STALLS = pytest.mark.parametrize("stall", [0.0, 0.3, 0.8])
+
+
+def draw_frames(device, stall):
+    """Frames are golden's, of which the second starts from a raster."""
     engine = Engine(device)
     device.command("stall", stall, 5)
     rng = np.random.default_rng(1)
     for seed, share in enumerate((None, 0.3, None)):
-        frame = clean(PAPER, seed, 120)
-        start = None if share is None else random_raster(rng, WIDTH, HEIGHT, share)
+        frame = clean(engine.config, seed, 120)
+        start = None if share is None else random_raster(rng, WIDTH, HEIGHT, share, engine.config)
         picture = draw_scene(engine, frame, start)
         assert picture.mismatches(golden.render(frame, start)) == 0
         assert picture.drawn.mean() > 0.2
     assert engine.counters()["frames"] == 3
+
+
+@STALLS
+def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
+    draw_frames(device, stall)
+
+
+@STALLS
+def test_frames_of_plane_words_are_golden_s_under_stalls_of_every_channel(plane_device, stall):
+    assert Engine(plane_device).config is PLANE
+    assert (codeword_stream_bytes(PLANE), raster_stream_bytes(PLANE)) == (16, 32)
+    draw_frames(plane_device, stall)
+
+
+def test_plane_words_of_any_bits_are_golden_s(plane_device):
+    """Elements anywhere and at any depth, byte by byte of the picture's packets."""
+    plane_device.command("stall", 0.2, 9)
+    engine = Engine(plane_device)
+    rng = np.random.default_rng(11)
+    for _ in range(4):
+        whole = pw.random_frame(rng, 300, (WIDTH, HEIGHT), PLANE)
+        above = rng.integers(0, 1 << 32, len(whole.codewords), np.uint64) << np.uint64(32)
+        whole.codewords[:, 1] |= above  # bits of the stream that mean nothing
+        engine.write_tables(whole.tables, WIDTH, HEIGHT)
+        engine.clear_counters()
+        plane_device.send(whole.codewords)
+        expected = to_beats(golden.render(whole))
+        *drawn, last = plane_device.receive()
+        assert np.array_equal(drawn, engine.widen(expected)[:-1])
+        limb, bit = divmod(PLANE.raster_end.lsb, 64)
+        assert int(last[limb]) >> bit == 1  # its other fields mean nothing
+        control = decoded(whole.codewords, PLANE)["control"]
+        assert engine.get("ELEMENTS") == np.count_nonzero(~control) > 250
+        assert engine.get("WORDS") == len(expected) - 1 > 100
+        engine.clear("ERROR")
 
 
 @pytest.mark.parametrize(
@@ -101,14 +153,17 @@ def test_an_engine_with_wider_beats_and_materials(config, beat_bytes, words):
         assert device.command("rules") == []
 
 
-def test_frames_that_press_behind_each_other(device):
+@pytest.mark.parametrize("which", ["device", "plane_device"])
+def test_frames_that_press_behind_each_other(request, which):
+    device = request.getfixturevalue(which)
     engine, frame = setup(device, 1)
-    frames = [clean(PAPER, seed) for seed in range(4)]
+    frames = [clean(engine.config, seed) for seed in range(4)]
     for each in frames:
         device.send(each.codewords)
     for each in frames:
-        picture = from_beats(device.receive()[:, :2], WIDTH, HEIGHT)
-        expected = golden.render(each.__class__(each.codewords, frame.tables, WIDTH, HEIGHT))
+        beats = device.receive()[:, : -(-engine.config.raster_end.end // 64)]
+        picture = from_beats(beats, WIDTH, HEIGHT, engine.config)
+        expected = golden.render(dataclasses.replace(each, tables=frame.tables))
         assert picture.mismatches(expected) == 0
     assert engine.errors() == []
 
@@ -136,9 +191,21 @@ def test_bad_streams_on_a_window_of_blocks(wide_device, name):
     axi_cases.STREAMS[name](wide_device)
 
 
+@pytest.mark.parametrize("stall", [0.0, 0.3])
+@pytest.mark.parametrize("name", axi_cases.STREAMS)
+def test_bad_streams_of_plane_words(plane_device, name, stall):
+    plane_device.command("stall", stall, 7)
+    axi_cases.STREAMS[name](plane_device)
+
+
 @pytest.mark.parametrize("name", axi_bus_cases.BUS)
 def test_bad_accesses(device, name):
     axi_bus_cases.BUS[name](device)
+
+
+@pytest.mark.parametrize("name", axi_bus_cases.BUS)
+def test_bad_accesses_of_an_engine_with_planes(plane_device, name):
+    axi_bus_cases.BUS[name](plane_device)
 
 
 @pytest.mark.parametrize("name", axi_abort_cases.ABORTS)
@@ -146,7 +213,14 @@ def test_a_frame_is_aborted(device, name):
     axi_abort_cases.ABORTS[name](device)
 
 
-def test_a_reset_in_mid_frame(device):
+@pytest.mark.parametrize("name", axi_abort_cases.ABORTS)
+def test_a_frame_of_plane_words_is_aborted(plane_device, name):
+    axi_abort_cases.ABORTS[name](plane_device)
+
+
+@pytest.mark.parametrize("which", ["device", "plane_device"])
+def test_a_reset_in_mid_frame(request, which):
+    device = request.getfixturevalue(which)
     for wait in (10, 60, 300):
         engine, frame = setup(device, wait)
         device.send(frame.codewords)
@@ -162,7 +236,7 @@ def test_the_first_frame_after_a_reset_counts_the_clearing(simulation):
     simulation.command("stall", 0.0, 0)
     simulation.command("reset")
     engine = Engine(simulation)
-    words = [block(PAPER, 9)] * 9 + [end_word(PAPER)]
+    words = [block(PAPER, 9)] * 9 + [end(PAPER)]
     counts = []
     for _ in range(2):
         send(simulation, "codewords", words)
@@ -174,9 +248,11 @@ def test_the_first_frame_after_a_reset_counts_the_clearing(simulation):
     assert (longer < PAPER.clear_cycles).all()
 
 
-def test_registers_read_as_their_description_says_after_reset(simulation):
+@pytest.mark.parametrize("which", ["simulation", "plane_simulation"])
+def test_registers_read_as_their_description_says_after_reset(request, which):
+    simulation = request.getfixturevalue(which)
     simulation.command("reset")
-    registers = register_map(PAPER)
+    registers = register_map(simulation.config)
     for register in registers.registers:
         if register.readable:
             value = sum(f.reset << f.place.lsb for f in register.fields if f.access.readable)
@@ -200,7 +276,9 @@ def test_reads_and_writes_at_once(device):
     assert (device.read32(line), device.read32(column)) == tuple(values[-2:])
 
 
-def test_the_counters_say_what_was_sent(device):
+@pytest.mark.parametrize("which", ["device", "plane_device"])
+def test_the_counters_say_what_was_sent(request, which):
+    device = request.getfixturevalue(which)
     engine, frame = setup(device, 3, 100)
     engine.clear_counters()
     device.command("raster_cycles")
@@ -212,7 +290,7 @@ def test_the_counters_say_what_was_sent(device):
     counters = engine.counters()
     taken, waited = device.command("raster_cycles")
     cycles, input_stalls = device.command("engine_cycles")
-    elements = int((~golden.decode(frame.codewords)["control"]).sum())
+    elements = int((~decoded(frame.codewords, engine.config)["control"]).sum())
     assert counters["frames"] == 2
     assert counters["elements"] == 2 * elements > 100
     assert counters["words"] == beats - 2 == taken - 2
@@ -250,7 +328,9 @@ def interrupt(device):
     return device.command("irq")
 
 
-def test_interrupts(device):
+@pytest.mark.parametrize("which", ["device", "plane_device"])
+def test_interrupts(request, which):
+    device = request.getfixturevalue(which)
     engine, frame = setup(device, 7)
     engine.set("IRQ_STATUS", FRAME_DONE=1)
     engine.draw(frame.codewords)
@@ -268,12 +348,13 @@ def test_interrupts(device):
     assert interrupt(device) == 0
 
 
-def test_a_frame_the_driver_s_way_as_render_has_it():
-    frame = clean(PAPER, 9, 40)
+@pytest.mark.parametrize("config", [PAPER, PLANE], ids=lambda config: config.name)
+def test_a_frame_the_driver_s_way_as_render_has_it(config):
+    frame = clean(config, 9, 40)
     outcome = simulate_on_buses(frame, stall=0.2, seed=2)
     assert outcome.raster.mismatches(golden.render(frame)) == 0
     assert len(frame.codewords) < outcome.cycles < 20_000
-    early = frame.__class__(frame.codewords[:-1], frame.tables, WIDTH, HEIGHT)
+    early = dataclasses.replace(frame, codewords=frame.codewords[:-1])
     with pytest.raises(SimulationError, match="FRAME_ENDED_EARLY"):
         simulate_on_buses(early)
 

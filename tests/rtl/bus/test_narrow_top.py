@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from amaranth.sim import Simulator
 
-from splatline.contract.presets import PRESETS
+from splatline.contract.presets import PLANE, PRESETS
 from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.flow.narrow_verilog import generate_pins
 from splatline.rtl.bus.narrow_top import IO_PINS, Gatherer, PinTop, Splitter
 from splatline.sim import golden
 from splatline.sim.cosim.player.jobs import table_writes
+from tests.support import bus_words
+from tests.support.faults import rewrite
 from tests.support.random_frames import random_raster, shapes
 
 LIMIT = 100_000
@@ -106,12 +108,13 @@ def play(frame, rates, seed, initial=None, times=1):
     config = frame.config
     top = PinTop(config)
     beat_pieces = -(-config.raster_end.end // 18)
-    word_pieces = -(-max(64, config.table_address.end) // 16)
+    word_pieces = -(-max(config.codeword_bits, config.table_address.end) // 16)
+    codewords = numbers(frame.codewords.reshape(len(frame.codewords), -1))
     writes = table_writes(frame.tables, frame.width, frame.height, initial is not None, config)
-    used = {int(word) >> config.material.lsb & config.material.mask for word in frame.codewords}
+    used = {word >> config.material.lsb & config.material.mask for word in codewords}
     writes = [w for n, w in enumerate(numbers(writes)) if n in used or n >= config.register_base]
     words = [piece | 1 << 16 for piece in split(writes, word_pieces, 16)]
-    words += split([int(word) for word in frame.codewords], word_pieces, 16)
+    words += split(codewords, word_pieces, 16)
     payloads = [{"data": word & 0xFFFF, "table": word >> 16} for word in words * times]
     beats = [] if initial is None else split(numbers(to_beats(initial)), beat_pieces, 18)
 
@@ -176,10 +179,31 @@ def test_a_preset_whose_table_writes_are_longer_than_code_words():
     assert picture.mismatches(golden.render(frame)) == 0
 
 
-@pytest.mark.parametrize("preset", ["paper", "rgb24", "swift"])
-def test_presets_have_the_same_few_pins(preset):
-    """Whatever their words and beats; the last two have the widest table writes and beats."""
-    text, description = generate_pins(PRESETS[preset], "top")
+PLANES = bus_words.clean(PLANE, 7, 30, 16, 12)
+"""A frame of plane words."""
+
+
+@pytest.mark.parametrize("rates", RATES[:2])
+def test_plane_words_are_six_pieces(rates):
+    assert PLANE.codeword_bits == 6 * 16 > PLANE.table_address.end
+    initial = random_raster(np.random.default_rng(8), 16, 12, 0.3, PLANE)
+    (picture,) = play(PLANES, rates, 8, initial=initial)
+    assert picture.mismatches(golden.render(PLANES, initial)) == 0
+
+
+def test_the_high_pieces_of_plane_words_are_noticed_if_they_are_lost(monkeypatch):
+    whole = r"codewords\.payload\.eq\(words\.o\.payload\)"
+    rewrite(monkeypatch, PinTop, "elaborate", whole, "codewords.payload.eq(words.o.payload[:64])")
+    (picture,) = play(PLANES, RATES[0], 8)
+    assert picture.mismatches(golden.render(PLANES))
+
+
+@pytest.mark.parametrize(
+    "config", [*map(PRESETS.get, ("paper", "rgb24", "swift")), PLANE], ids=lambda c: c.name
+)
+def test_presets_have_the_same_few_pins(config):
+    """Whatever their words and beats."""
+    text, description = generate_pins(config, "top")
     assert "module top(" in text
     assert sum(port["width"] for port in description["ports"]) == 61 < IO_PINS // 2
     ports = {port["name"]: port for port in description["ports"]}
