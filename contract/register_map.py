@@ -14,7 +14,7 @@ from .config import SHAPES, WINDOWS, EngineConfig
 from .fields import Field, Register
 from .register_types import Access, BusField, BusRegister, MaterialWindow, RegisterMap
 
-__all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "register_map"]
+__all__ = ["CHOICES", "COUNTERS", "IDENTITY", "VERSION", "register_map", "version_of"]
 
 WORD = 4
 """Bytes of a register."""
@@ -27,6 +27,9 @@ IDENTITY = 0x53504C54
 
 VERSION = (2, 0)
 """Version of the map: the first number grows if an old driver would no longer work."""
+
+PLANE_VERSION = (3, 0)
+"""Version for engines with planes: a driver of version 2 would send them words of 64 bits."""
 
 PARAMETERS = (
     {
@@ -80,6 +83,11 @@ COUNTERS = {
 """Each wraps at 2^32."""
 
 
+def version_of(config: EngineConfig) -> tuple[int, int]:
+    """Return the version of an engine's map."""
+    return PLANE_VERSION if config.plane else VERSION
+
+
 def register_map(config: EngineConfig) -> RegisterMap:
     """Return the register map of an engine."""
     registers = (*_identity(config), *_control(), *_frame(config), *_counters())
@@ -117,9 +125,10 @@ _Row = tuple[str, str, list[BusField], int | None]
 def _identity(config: EngineConfig) -> Iterator[_Row]:
     """Yield the registers that a driver checks first."""
     yield "ID", "what this is", [_constant("VALUE", 32, IDENTITY, "`SPLT`")], None
+    major, minor = version_of(config)
     version = [
-        _constant("MINOR", 8, VERSION[1], "additions that an old driver need not know"),
-        _constant("MAJOR", 8, VERSION[0], "grows where an old driver would not work"),
+        _constant("MINOR", 8, minor, "additions that an old driver need not know"),
+        _constant("MAJOR", 8, major, "grows where an old driver would not work; 3: with planes"),
     ]
     yield "VERSION", "of this map", version, None
     for number, widths in enumerate(PARAMETERS):

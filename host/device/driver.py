@@ -16,10 +16,10 @@ import numpy.typing as npt
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Tables, check_codewords, check_tables
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import PAPER, PLANE
 from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import from_beats, to_beats
-from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, VERSION, register_map
+from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, register_map, version_of
 from splatline.contract.register_types import RegisterMap
 from splatline.contract.variants import CONFIGS
 
@@ -64,8 +64,10 @@ def read_config(device: Device) -> EngineConfig:
         )
     major = registers["VERSION"]["MAJOR"].place
     found = device.read32(registers["VERSION"].offset) >> major.lsb & major.mask
-    if found != VERSION[0]:
-        raise InputError(f"the engine has version {found} of the registers, not {VERSION[0]}")
+    plane = registers["CONFIG_1"]["PLANE"].mask & device.read32(registers["CONFIG_1"].offset)
+    wanted, _ = version_of(PLANE if plane else PAPER)
+    if found != wanted:
+        raise InputError(f"the engine has version {found} of the registers, not {wanted}")
     names = {field.name for field in dataclasses.fields(EngineConfig)}
     values: dict[str, Any] = {}
     for register in (registers["CONFIG_0"], registers["CONFIG_1"]):

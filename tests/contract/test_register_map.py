@@ -100,6 +100,12 @@ def test_the_config_registers_hold_every_parameter_of_the_engine():
     assert named == {field.name for field in dataclasses.fields(EngineConfig)} - {"name"}
 
 
+def test_an_engine_with_planes_has_version_3():
+    """A driver of version 2 refuses it, and would send it words of 64 bits otherwise."""
+    version = register_map(PLANE)["VERSION"]
+    assert (version["MAJOR"].reset, version["MINOR"].reset) == (3, 0)
+
+
 def test_planes_are_told_in_bits_that_are_0_in_other_engines():
     """So the registers of engines without planes are those of before, and so is their hardware."""
     for config in CONFIGS.values():

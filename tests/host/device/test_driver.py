@@ -140,7 +140,14 @@ def test_what_is_no_engine_is_refused(board, name, word, message):
         XdmaDevice(board.card)
 
 
-def test_slopes_that_no_engine_has_are_refused(tmp_path):
+def test_planes_in_registers_of_version_2_are_refused():
+    registers = Registers(PLANE)
+    registers.words[register_map(PLANE)["VERSION"].offset] = 0x200
+    with pytest.raises(InputError, match="version 2 of the registers, not 3"):
+        read_config(registers)
+
+
+def test_slopes_that_no_engine_has_are_refused():
     registers = Registers(PLANE)
     register = register_map(PLANE)["CONFIG_1"]
     registers.words[register.offset] |= register["SLOPE_BITS"].mask
