@@ -37,7 +37,6 @@ FAULTS = [
     (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
     (BLOCKS, BlockWindow, "_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
     (BLOCKS, BlockWindow, "_follow", r"known & \(", "self.i.valid & ("),
-    (PLANE, TileWindow, "_draw_planes", r"self\.i\.valid & ~total", "~total"),
 ]
 
 

@@ -33,13 +33,24 @@ def block(config, x):
 
 
 def advance(config, lines):
-    """Return the control word that advances the line."""
-    return _row(pw.advance(lines, config) if config.plane else advance_word(lines, config), config)
+    """Return the control word that advances the line, with ones in what means nothing."""
+    if not config.plane:
+        return advance_word(lines, config)
+    return _row(pw.advance(lines, config) | _meaningless(config), config)
 
 
 def end(config):
-    """Return the control word that ends a frame."""
-    return _row(pw.end(config) if config.plane else end_word(config), config)
+    """Return the control word that ends a frame, with ones in what means nothing."""
+    if not config.plane:
+        return end_word(config)
+    return _row(pw.end(config) | _meaningless(config), config)
+
+
+def _meaningless(config):
+    """Return the mask of the bits of a plane word that mean nothing if it is a control word."""
+    lsb, width = pw.widths(config)["x"]
+    # MODE, SCANS, the bit that ends, and X.
+    return (1 << 96) - 1 & ~((1 << 26) - 1 | (1 << width) - 1 << lsb)
 
 
 def decoded(codewords, config):
@@ -76,9 +87,8 @@ def any_words(rng, count, width, height, config):
 
 def _step(rng, lines, config):
     """Return a plane word that advances the line, with anything in the bits that mean nothing."""
-    lsb, width = pw.widths(config)["x"]
-    meant = (1 << 26) - 1 | (1 << width) - 1 << lsb  # MODE, SCANS, the bit that ends, and X
-    return pw.advance(lines, config) | int.from_bytes(rng.bytes(12), "little") & ~meant
+    garbage = int.from_bytes(rng.bytes(12), "little")
+    return pw.advance(lines, config) | garbage & _meaningless(config)
 
 
 def inside(codewords, width, config):
