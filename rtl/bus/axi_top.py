@@ -22,6 +22,7 @@ from .stream_guard import StreamGuard
 
 __all__ = ["AxiTop"]
 
+
 class AxiTop(wiring.Component):
     """An engine with AXI ports, for a block design.
 
