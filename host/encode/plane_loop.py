@@ -66,10 +66,12 @@ def encode_plane_splats(
             radius = min(max(0.5 * float(floats[i, DIAMETER]), SMALLEST), LARGEST)
             square = radius * radius
             in_depth = square * inverse_focal > FLAT
-            levels = inverse_span * layout.largest
-            steep = -distance * inverse_focal * levels
-            plane = (distance - low) * levels, steep * slope_x, steep * slope_y
-            disc = column, line, plane, radius
+            share = radius * inverse_focal
+            plane = (
+                column, line, slope_x * inverse_focal, slope_y * inverse_focal,
+                distance, low, inverse_span * layout.largest, share * share, fixed.near,
+            )  # fmt: skip
+            disc = column, line, tangent(plane, column, line), radius
             if skip_hidden and not in_depth and _is_hidden(disc, a, b, layout, bound, coarse):
                 behind += 1
                 continue
@@ -84,21 +86,25 @@ def encode_plane_splats(
             if is_tiny(radius, a, b, inverse_focal):
                 found, x, top = own_pixel(column, line, square, form, width, height)
                 scans = ONE_PIXEL
-            elif radius * inverse_focal < 0.5:
+            elif share < 0.5:
                 found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
             look = np.int64(bits[i, LOOK]) << layout.look_lsb
             if found == 2:
-                share = radius * inverse_focal
                 ellipse = centre_x, centre_y, square, form
-                at = _encode_larger(
-                    ellipse, disc, (slope_x, slope_y, distance, share * share), look, fixed,
-                    rows, layout, at, to,
-                )  # fmt: skip
-            if found == 0 or (found == 2 and at == before):
+                at = _encode_larger(ellipse, plane, look, rows, layout, at, to)
+            uncovered = found == 0 or (found == 2 and at == before)
+            if uncovered:
                 x, top, scans = math.floor(column), math.floor(line), ONE_PIXEL
                 found = int(nearest_pixel and 0 <= x < width and 0 <= top < height)
             if found == 1:
-                high = plane_bits(*plane, column - x - 0.5, line - top - 0.5, layout)
+                # The splat's centre may lie outside the image, far from the part inside.
+                u = min(max(centre_x, float(x)), float(x + BLOCK))
+                v = min(max(centre_y, float(top)), float(top + ROWS))
+                depth, change_x, change_y = tangent(plane, u, v)
+                if uncovered:  # the disc does not reach its pixel's centre, its plane may be far
+                    change_x = change_y = 0.0
+                right, down = u - x - 0.5, v - top - 0.5
+                high = plane_bits(depth, change_x, change_y, right, down, layout)
                 at = put_plane(look | scans << 1 | 1, high, x, top + ROWS, at, to, layout)
             drawn += at > before
             key = sort_key(column, line)
@@ -108,6 +114,33 @@ def encode_plane_splats(
         stops[chunk] = at
         elements[chunk] = drawn
         hidden[chunk] = behind
+
+
+@nb.njit(inline="always")
+def tangent(plane: Any, column: float, line: float) -> tuple[float, float, float]:
+    """Return a disc's depth where a ray meets it, and the change of depth there.
+
+    Parameters
+    ----------
+    plane
+        As for :func:`splatline.host.encode.large_splats.encode_fractions`, without ``steep``; the
+        seventh is in levels of depth.
+    column, line
+        The ray's, in pixels.
+
+    Returns
+    -------
+    depth
+        In levels; infinite if the ray meets the plane behind the eye.
+    change_x, change_y
+        In levels from column to column and from line to line.
+    """
+    nearer = 1.0 + plane[2] * (column - plane[0]) + plane[3] * (line - plane[1])
+    if not nearer > 0.0:
+        return math.inf, 0.0, 0.0
+    distance = plane[4] / nearer
+    steep = -distance / nearer * plane[6]
+    return (distance - plane[5]) * plane[6], steep * plane[2], steep * plane[3]
 
 
 @nb.njit(error_model="numpy")
@@ -142,40 +175,29 @@ def _is_hidden(disc: Any, a: float, b: float, layout: Any, bound: Any, coarse: A
 
 @nb.njit(error_model="numpy")
 def _encode_larger(
-    ellipse: Any,
-    disc: Any,
-    slant: Any,
-    look: int,
-    fixed: Any,
-    rows: Any,
-    layout: Any,
-    at: int,
-    to: Any,
+    ellipse: Any, plane: Any, look: int, rows: Any, layout: Any, at: int, to: Any
 ) -> int:
-    """Write a splat that is not one fraction: one symmetric word, or fractions; return the slot."""
+    """Write a splat that is not one fraction: one symmetric word, or fractions; return the slot.
+
+    Parameters
+    ----------
+    ellipse
+        Column and line of its centre, the square of its radius, its form.
+    plane
+        See :func:`tangent`.
+    """
     centre_x, centre_y, square, form = ellipse
-    column, line, plane, _ = disc
-    slope_x, slope_y, distance, share = slant
     width, height = to[2], to[3]
-    if share < CLOSED:
+    if plane[7] < CLOSED:
         found, low, high, x, y = encode_block(centre_x, centre_y, square, form, rows, layout)
         if found and x >= 0 and y >= -ROWS:
             if x >= width or y >= height:
                 return at
-            high |= plane_bits(*plane, column - x - 0.5, line - y - 0.5, layout)
+            high |= plane_bits(
+                *tangent(plane, centre_x, centre_y), centre_x - x - 0.5, centre_y - y - 0.5, layout
+            )
             return put_plane(look | low, high, x, y + ROWS, at, to, layout)
-    whole = (
-        column,
-        line,
-        slope_x * fixed.inverse_focal,
-        slope_y * fixed.inverse_focal,
-        distance,
-        fixed.low,
-        fixed.inverse_span * layout.largest,
-        share,
-        fixed.near,
-    )
-    return _encode_fractions(centre_x, centre_y, square, form, whole, look, layout, at, to)
+    return _encode_fractions(centre_x, centre_y, square, form, plane, look, layout, at, to)
 
 
 @nb.njit(error_model="numpy")
@@ -197,8 +219,7 @@ def _encode_fractions(
     column, line, square, form
         As for :func:`splatline.host.encode.ellipse.one_fraction`.
     plane
-        As for :func:`splatline.host.encode.large_splats.encode_fractions`, without ``steep``; the
-        seventh is in levels of depth.
+        See :func:`tangent`.
     """
     width, height = to[2], to[3]
     top, bottom = extent(line, form[0] / form[3] * square)
@@ -220,15 +241,9 @@ def _encode_fractions(
                 begin, end, begin_line, rows, (column, line, square, form), plane, width
             )
             if scans != EMPTY_SCANS:
-                # The ray meets the plane here, but not behind the eye.
-                nearer = 1.0 + plane[2] * (x - plane[0]) + plane[3] * (y - plane[1])
-                distance = plane[4] / nearer if nearer > 0.0 else math.inf
-                steep = -distance / nearer * plane[6] if nearer > 0.0 else 0.0
-                depth = (distance - plane[5]) * plane[6]
                 high = plane_bits(
-                    depth, steep * plane[2], steep * plane[3],
-                    x - begin - 0.5, y - begin_line - 0.5, layout,
-                )  # fmt: skip
+                    *tangent(plane, x, y), x - begin - 0.5, y - begin_line - 0.5, layout
+                )
                 low = look | scans << 1 | 1
                 at = put_plane(low, high, begin, begin_line + ROWS, at, to, layout)
     return at

@@ -15,6 +15,9 @@ __all__ = ["Layout", "layout_of", "plane_bits", "put_plane"]
 
 SHIFT = np.array(SHIFTS, np.int64)
 
+BEYOND = 1e300
+"""Infinity, for sums and products that must stay finite."""
+
 
 class Layout(NamedTuple):
     """The positions of a plane word's fields, the high half's from its own bit 0.
@@ -67,33 +70,36 @@ def plane_bits(
 ) -> int:
     """Return the high half of a word: Z, both slopes and the scale.
 
-    The plane is exact at its point but for the rounding of Z; the slopes are rounded to nearest, at
-    the finest scale that holds both, and cut off at the coarsest.
+    The plane is exact at its point but for the rounding of Z. Where Z at the block's first pixel
+    would be beyond its range, the plane is flattened so that it still goes through the point.
 
     Parameters
     ----------
     depth
-        Of a point of the plane, in levels.
+        Of a point of the plane, in levels. Any float: NaN counts as nearest.
     change_x, change_y
-        Change of depth from column to column and from line to line, in levels.
+        Change of depth from column to column and from line to line, in levels. Any floats: NaN
+        counts as flat.
     right, down
         From the centre of the block's first pixel to the point, in pixels.
     layout
         Positions of the fields.
     """
-    unit, most = float(1 << SUM_FRACTION), float(layout.slope_most)
-    steepest = unit * max(abs(change_x), abs(change_y))
-    scale = 0
-    while scale < len(SHIFT) - 1 and not steepest < (most + 0.5) * (1 << SHIFT[scale]):
-        scale += 1
-    step = float(1 << SHIFT[scale])
-    # NaN, from a frame without a depth range, counts as flat and nearest.
-    a = min(max(math.floor(_finite(change_x) * unit / step + 0.5), -most), most)
-    b = min(max(math.floor(_finite(change_y) * unit / step + 0.5), -most), most)
-    corner = _finite(depth) - (a * right + b * down) * step / unit
-    # Half a level more, as the engine cuts off; and half a unit, to round here.
-    z = math.floor((corner + 0.5) * (1 << Z_FRACTION) + 0.5)
-    z = min(max(z, 0.0), float(layout.z_most))
+    # All that follows is finite. A slope is at most 127 and a step 4, so that both add less than
+    # 2^15 to a corner; a depth of 1e300 stays what it is. What is cut off to Z's range before it
+    # becomes an integer has at most 17 bits.
+    depth = _finite(depth)
+    a, b, scale, step = _slopes(_finite(change_x), _finite(change_y), layout)
+    corner = depth - (a * right + b * down) * step
+    # Z is half a level more, as the engine cuts off.
+    furthest = layout.z_most / float(1 << Z_FRACTION) - 0.5
+    held = min(max(corner, -0.5), furthest)
+    if corner != held:
+        # Below 0: the point is beyond the range too, and the corner further beyond.
+        share = min(max((depth - held) / (depth - corner), 0.0), 1.0)
+        a, b, scale, step = _slopes(share * a * step, share * b * step, layout)
+        held = min(max(depth - (a * right + b * down) * step, -0.5), furthest)
+    z = math.floor((held + 0.5) * (1 << Z_FRACTION) + 0.5)
     mask = 2 * layout.slope_most + 1
     return (
         (int(a) & mask) << layout.slope_x_lsb
@@ -103,10 +109,43 @@ def plane_bits(
     )
 
 
+@nb.njit(error_model="numpy")
+def _slopes(change_x: float, change_y: float, layout: Any) -> tuple[float, float, int, float]:
+    """Return two slopes rounded to nearest, at the finest scale that holds both; scale and step.
+
+    Beyond the coarsest scale both are cut off by the same factor, so that the plane leans the same
+    way: a disc seen edge on covers pixels along a line on which its depth hardly changes.
+
+    Parameters
+    ----------
+    change_x, change_y
+        Finite, in levels a pixel.
+
+    Returns
+    -------
+    a, b
+        Whole numbers, in -slope_most .. slope_most.
+    scale
+        Index into ``SHIFTS``.
+    step
+        Levels that 1 of a slope stands for.
+    """
+    most = float(layout.slope_most)
+    steepest = max(abs(change_x), abs(change_y))
+    scale, step = 0, 1.0 / (1 << SUM_FRACTION)
+    while scale < len(SHIFT) - 1 and not steepest < (most + 0.5) * step:
+        scale += 1
+        step = float(1 << SHIFT[scale]) / (1 << SUM_FRACTION)
+    if steepest > most * step:
+        change_x, change_y = change_x / steepest * most * step, change_y / steepest * most * step
+    a, b = math.floor(change_x / step + 0.5), math.floor(change_y / step + 0.5)
+    return a, b, scale, step
+
+
 @nb.njit(inline="always")
 def _finite(value: float) -> float:
     """Return a value, an infinite one cut off far beyond every depth; 0 for NaN."""
-    return min(max(value, -1e9), 1e9) if value == value else 0.0
+    return min(max(value, -BEYOND), BEYOND) if value == value else 0.0
 
 
 @nb.njit(inline="always")
