@@ -16,7 +16,7 @@ from splatline.host.visibility.view import View
 from .case import SOUND, Bounds, Case, Scene
 from .small_clouds import CLOUDS, SIZE, disc, fitted, frontal, sphere
 
-__all__ = ["camera_cases", "fov_cases", "size_cases"]
+__all__ = ["about_the_eye", "camera_cases", "fov_cases", "one_disc", "size_cases"]
 
 TOWARDS = (0.0, 0.0, 1.0)
 """Direction to the eye of a frontal scene."""
@@ -55,9 +55,9 @@ def camera_cases() -> list[Case]:
             there = partial(_with_point, scene, away, aside, radius)
             cases.append(Case(name, there, bounds=bounds))
     cases.append(
-        Case("all points within 1e-9 of the eye", partial(_about_the_eye, 1e-9), None, SOUND)
+        Case("all points within 1e-9 of the eye", partial(about_the_eye, 1e-9), None, SOUND)
     )
-    cases.append(Case("the eye inside the cloud", partial(_about_the_eye, 1.0), None, SOUND))
+    cases.append(Case("the eye inside the cloud", partial(about_the_eye, 1.0), None, SOUND))
     for size in ((1, 1), (1, 81), (97, 1), (2, 3), (512, 5), (5, 1024)):
         # Of so few pixels, a single one that a disc's edge misses is a large share.
         there = partial(fitted, sphere(500), size=size)
@@ -103,7 +103,7 @@ def size_cases() -> list[Case]:
         for pixels in (10.0, 40.0, 200.0, 1000.0):
             name = f"one disc of {pixels:g} pixels, slanted {degrees:g} degrees"
             rough = SOUND if degrees and pixels > 10.0 else ISOLATED
-            cases.append(Case(name, partial(_slanted, degrees, pixels), rough=rough))
+            cases.append(Case(name, partial(one_disc, degrees, pixels), rough=rough))
     uneven = partial(_uneven, disc(400))
     cases.append(Case("facing discs from 1e-6 to 5000 pixels in one cloud", uneven))
     return cases
@@ -141,7 +141,7 @@ def _with_point(scene: Scene, away: float, aside: float, radius: float) -> Scene
     )
 
 
-def _about_the_eye(extent: float) -> Scene:
+def about_the_eye(extent: float) -> Scene:
     """Return a scene of points all around the eye, each facing it."""
     ball = sphere(800)
     positions = ball.positions * np.random.default_rng(8).uniform(0.0, extent, (800, 1))
@@ -185,7 +185,7 @@ def _uneven(columns: Columns) -> Scene:
     return dataclasses.replace(scene, radii=scene.radii * pixels)
 
 
-def _slanted(degrees: float, pixels: float) -> Scene:
+def one_disc(degrees: float, pixels: float) -> Scene:
     """Return a single disc, off the image's middle, inclined to its ray by an angle."""
     angle = math.radians(degrees)
     scene = frontal(Columns(np.zeros((1, 3))))

@@ -24,6 +24,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.presets import PAPER
 from splatline.contract.raster import Raster
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.quality import QUALITIES
 from splatline.host.pipeline import make_frame
 from splatline.host.shading.lighting import Lighting
 from splatline.host.visibility.skips import DEFAULT_SKIPS
@@ -33,7 +34,18 @@ from splatline.sim.reference.metrics import compare
 
 from .word_checks import contested, faults, sorted_elements
 
-__all__ = ["REACH", "SOUND", "Bounds", "Case", "Outcome", "Scene", "Theme", "draw", "measure"]
+__all__ = [
+    "FAR",
+    "REACH",
+    "SOUND",
+    "Bounds",
+    "Case",
+    "Outcome",
+    "Scene",
+    "Theme",
+    "draw",
+    "measure",
+]
 
 SAMPLES = 3
 """Samples of the reference along a side of a pixel; with an odd number one is at the centre."""
@@ -42,6 +54,10 @@ REACH = {"paper": 2, "fast": 2, "exact": 1}
 """Pixels by which a footprint may reach beyond the reference's. In ``exact`` the causes are the
 pixel drawn for a splat that covers no centre, and the first-order projection. The other qualities
 also round the centre to a whole pixel (half a pixel) and the diameter up (half a pixel more)."""
+
+
+FAR = 0.01
+"""Share of the depth range by which a depth is off in ``Bounds.depth_off``: 41 levels of 4095."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +98,9 @@ class Bounds:
         refused, as no disc covers a pixel's centre.
     compared
         Whether the picture is compared with the reference.
+    depth_off
+        Largest share of pixels whose depth is more than ``FAR`` of the depth range from the
+        reference's at their centre, of those that both draw; with planes alone.
     """
 
     same_words: bool = False
@@ -93,6 +112,7 @@ class Bounds:
     stray: float | None = 0.0
     refused: bool | None = False
     compared: bool = True
+    depth_off: float | None = None
 
 
 SOUND = Bounds(holes=None, stray=None)
@@ -131,11 +151,15 @@ class Case:
 
 @dataclass(frozen=True)
 class Theme:
-    """Related cases, with the expected outcome and the reason for it."""
+    """Related cases, with the expected outcome and the reason for it.
+
+    ``qualities`` are those in which they are drawn.
+    """
 
     title: str
     expected: str
     cases: tuple[Case, ...]
+    qualities: tuple[str, ...] = tuple(QUALITIES)
 
 
 @dataclass(frozen=True)
@@ -158,6 +182,8 @@ class Outcome:
         Number of drawn pixels.
     words
         Number of code words.
+    depth_off
+        Share; see :class:`Bounds`.
     problems
         Violated bounds and other faults, one line each.
     """
@@ -170,6 +196,7 @@ class Outcome:
     refused: bool = False
     drawn: int = 0
     words: int = 0
+    depth_off: float | None = None
     problems: tuple[str, ...] = ()
 
 
@@ -212,12 +239,14 @@ def measure(case: Case, quality: str) -> Outcome:
     problems = faults(frame, scene.cloud, scene.view, scene.radii, quality)
     if bounds.refused:
         problems.append("drawn, though nothing is in view")
-    psnr = holes = stray = changed = psnr_base = None
+    psnr = holes = stray = changed = psnr_base = depth_off = None
     if bounds.compared:
         truth = _truth(scene)
         errors = compare(picture, truth)
         psnr, holes = errors["psnr_db"], errors["hole_fraction"]
         stray = _stray_share(picture, truth.coverage > 0.0, scene, REACH[quality])
+    if bounds.depth_off is not None:
+        depth_off = _depth_off(picture, scene, frame.counts["depth_range"])
     if case.base is not None:
         base_frame, base, before = _plain(case.base, quality)
         changed = picture.mismatches(base) / picture.depth.size
@@ -236,6 +265,7 @@ def measure(case: Case, quality: str) -> Outcome:
     _hold(problems, "PSNR", psnr, least=bounds.psnr)
     _hold(problems, "share of holes", holes, most=bounds.holes)
     _hold(problems, "share of stray pixels", stray, most=bounds.stray)
+    _hold(problems, "share of depths off", depth_off, most=bounds.depth_off)
     return Outcome(
         changed=changed,
         psnr_base_db=psnr_base,
@@ -244,6 +274,7 @@ def measure(case: Case, quality: str) -> Outcome:
         stray=stray,
         drawn=int(picture.drawn.sum()),
         words=len(frame.codewords),
+        depth_off=depth_off,
         problems=tuple(problems),
     )
 
@@ -259,6 +290,19 @@ def _plain(base: Callable[[], Scene], quality: str) -> tuple[Frame, Raster, floa
 def _truth(scene: Scene) -> reference.Reference:
     """Return a scene's reference picture."""
     return reference.render(scene.cloud, scene.view, scene.radii, scene.lighting, samples=SAMPLES)
+
+
+def _depth_off(picture: Raster, scene: Scene, limits: tuple[float, float]) -> float | None:
+    """Return the share of pixels whose depth is off, of those that the reference draws too."""
+    exact = reference.render(scene.cloud, scene.view, scene.radii, scene.lighting, samples=1)
+    both = picture.drawn & (exact.coverage > 0.0)
+    if not both.any():
+        return None
+    span = limits[1] - limits[0]
+    true = (exact.depth[both] - limits[0]) / span if span > 0.0 else np.zeros(both.sum())
+    largest = picture.config.background_depth - 1
+    off = np.abs(picture.depth[both] / largest - np.clip(true, 0.0, 1.0)) > FAR
+    return float(np.mean(off))
 
 
 def _stray_share(

@@ -26,7 +26,7 @@ from .small_clouds import (
     terrain,
 )
 
-__all__ = ["degenerate_cases", "dtype_cases", "normal_cases", "transform_cases"]
+__all__ = ["degenerate_cases", "dtype_cases", "grazing", "normal_cases", "transform_cases"]
 
 ROUNDING = Bounds(changed=1e-3, loss=0.35)
 """Bounds of an input that differs from its base by rounding alone. A coordinate error of 1e-8 of
@@ -151,14 +151,14 @@ def normal_cases() -> list[Case]:
         # Quantised normals end at 88.6 degrees; beyond, the direction of a long ellipse is lost.
         Case(
             f"all normals {grade:g} short of edge on",
-            partial(_grazing, grade),
+            partial(grazing, grade),
             bounds=Bounds(refused=None if grade < 1e-2 else False),
             rough=SOUND,
         )
         for grade in (1e-1, 1e-2, 1e-4, 1e-6, 1e-8)
     ]
     cases += [
-        Case(f"all normals {grade:g} past edge on", partial(_grazing, -grade), None, away)
+        Case(f"all normals {grade:g} past edge on", partial(grazing, -grade), None, away)
         for grade, away in ((1e-2, Bounds(refused=True)), (1e-6, Bounds(refused=True)))
     ]
     return cases
@@ -238,7 +238,7 @@ def _given(scene: Scene) -> Scene:
     return scene
 
 
-def _grazing(grade: float) -> Scene:
+def grazing(grade: float) -> Scene:
     """Return a sphere whose normals all have the cosine ``grade`` towards the eye."""
     scene = frontal(sphere(800))
     ray = scene.cloud.positions - scene.view.eye

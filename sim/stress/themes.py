@@ -5,6 +5,7 @@ from __future__ import annotations
 from .camera import camera_cases, fov_cases, size_cases
 from .case import Theme
 from .clouds_moved import degenerate_cases, dtype_cases, normal_cases, transform_cases
+from .planes import plane_cases
 
 __all__ = ["themes"]
 
@@ -70,5 +71,15 @@ def themes() -> dict[str, Theme]:
             " step there is 8 and all points coincide. The file has lost the cloud in that case;"
             " its values must be drawn the same as from float64.",
             tuple(dtype_cases()),
+        ),
+        "planes": Theme(
+            "Planes at the ends of what a word holds",
+            "Drawn by `plane`. A word holds slopes of up to 252 levels a pixel; a wall that leans"
+            " by 71 degrees and fills the depth range has them. A steeper plane is cut off so that"
+            " it leans the same way and goes through its disc's centre, and so does one whose Z"
+            " would be beyond its range. Slopes that vanish are 0. No depth wraps, and none is the"
+            " background's.",
+            tuple(plane_cases()),
+            qualities=("exact",),
         ),
     }

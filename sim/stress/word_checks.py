@@ -13,6 +13,8 @@ from splatline.host.cloud.cloud import Cloud
 from splatline.host.visibility.view import View
 from splatline.sim.golden.renderer import block_rows, decode
 
+from .plane_words import decode_planes, depth_at, plane_rows
+
 __all__ = [
     "Fragments",
     "contested",
@@ -40,7 +42,7 @@ class Fragments(NamedTuple):
 
 def elements_of(frame: Frame) -> tuple[npt.NDArray[Any], _Ints, _Ints]:
     """Return the decoded elements of a frame, the line of each, and their indices as code words."""
-    fields = decode(frame.codewords, frame.config)
+    fields = _decode(frame)
     step = np.where(fields["control"] & ~fields["end"], fields["x"], 0).astype(np.int64)
     line = np.cumsum(step)
     at = np.flatnonzero(~fields["control"])
@@ -55,7 +57,8 @@ def fragments(frame: Frame) -> Fragments:
     """
     fields, line, at = elements_of(frame)
     parts = []
-    firsts, lasts = block_rows(fields)
+    planes = frame.config.plane
+    firsts, lasts = plane_rows(fields) if planes else block_rows(fields)
     for row in range(BLOCK):
         first, last = firsts[:, row], lasts[:, row]
         for column in range(BLOCK + 1):  # a block shifted by half a pixel has nine columns
@@ -64,7 +67,10 @@ def fragments(frame: Frame) -> Fragments:
             inside = (first <= column) & (column <= last)
             inside &= (x < frame.width) & (y >= 0) & (y < frame.height)
             here = np.flatnonzero(inside)
-            parts.append((at[here], y[here], x[here], fields["z"][here].astype(np.int64)))
+            depth = (
+                depth_at(fields[here], row, column, frame.config) if planes else fields["z"][here]
+            )
+            parts.append((at[here], y[here], x[here], depth.astype(np.int64)))
     columns = [np.concatenate(group) for group in zip(*parts, strict=True)]
     order = np.argsort(columns[0], kind="stable")
     return Fragments(*(group[order] for group in columns))
@@ -73,9 +79,15 @@ def fragments(frame: Frame) -> Fragments:
 def sorted_elements(frame: Frame) -> npt.NDArray[np.uint64]:
     """Return lines and code words of a frame's elements, sorted, so that their order is lost."""
     _, line, at = elements_of(frame)
-    words = frame.codewords[at]
-    order = np.lexsort([words, line])
-    return np.stack([line[order].astype(np.uint64), words[order]])
+    words = frame.codewords[at].reshape(len(at), -1).T
+    order = np.lexsort([*words, line])
+    return np.stack([line[order].astype(np.uint64), *words[:, order]])
+
+
+def _decode(frame: Frame) -> npt.NDArray[Any]:
+    """Return the fields of a frame's code words, with planes or without."""
+    config = frame.config
+    return (decode_planes if config.plane else decode)(frame.codewords, config)
 
 
 def contested(frame: Frame) -> npt.NDArray[np.bool_]:
@@ -127,11 +139,11 @@ def faults(
     """Return the faults of a frame, one line each; an empty list if the frame is sound."""
     config = frame.config
     found = []
-    whole = decode(frame.codewords, config)
+    whole = _decode(frame)
     if whole["end"].sum() != 1 or not whole["end"][-1]:
         found.append("the stream has no end word at its end, or more than one")
     fields, line, at = elements_of(frame)
-    if (fields["z"] >= config.background_depth).any():
+    if not config.plane and (fields["z"] >= config.background_depth).any():
         found.append("an element lies at the background's depth, where it draws nothing")
     idle = ~np.isin(at, fragments(frame).word)
     if (idle & (fields["mode"] == 1)).any():

@@ -23,7 +23,7 @@ __all__ = ["stability"]
 
 HEADS = (
     "case", "pixels changed", "PSNR to the plain picture", "PSNR to the reference", "holes",
-    "stray", "words", "as expected",
+    "stray", "depth off", "words", "as expected",
 )  # fmt: skip
 
 NONE = "-"
@@ -33,9 +33,10 @@ INTRODUCTION = """\
 # Numerical stability
 
 Made by `splatline bench stability`; the tests in `tests/sim/stress/` use the same cases. Every case
-is drawn in each quality ({qualities}) and compared with the exact reference of the same input
-({samples} x {samples} rays a pixel, float64). If a case has a plain input whose picture it must
-reproduce, it is compared with that picture too. Each number is the worst of the qualities.
+is drawn in each quality ({qualities}; planes have but one) and compared with the exact reference of
+the same input ({samples} x {samples} rays a pixel, float64). If a case has a plain input whose
+picture it must reproduce, it is compared with that picture too. Each number is the worst of the
+qualities.
 
 - **Pixels changed**: share of pixels whose depth or colour differs from the plain picture.
 - **PSNR**: in dB, against the plain picture (*same*: no difference) and against the reference. With
@@ -43,6 +44,8 @@ reproduce, it is compared with that picture too. Each number is the worst of the
 - **Holes**: share of background among the pixels that the reference covers fully.
 - **Stray**: share of drawn pixels that are further from the reference's coverage than rounding
   explains, which is 1 pixel in `exact` and 2 pixels in `paper` and `fast`.
+- **Depth off**: share of pixels whose depth differs from the reference's at their centre by more
+  than {far} of the depth range, of those that both draw; for planes alone.
 - **Words**: number of code words, the largest of the qualities.
 
 Every stream is also checked: it ends once, no code word is outside the image or at the background's
@@ -87,7 +90,7 @@ def _measure() -> dict[str, Any]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from splatline.host.encode.quality import QUALITIES
-    from splatline.sim.stress.case import REACH, SAMPLES, measure
+    from splatline.sim.stress.case import FAR, REACH, SAMPLES, measure
     from splatline.sim.stress.themes import themes
 
     # The pictures are so small that starting threads would take most of the time.
@@ -111,7 +114,7 @@ def _measure() -> dict[str, Any]:
             rows = []
             for case in theme.cases:
                 progress.update(task, description=case.name)
-                outcomes = {quality: measure(case, quality) for quality in QUALITIES}
+                outcomes = {quality: measure(case, quality) for quality in theme.qualities}
                 rows.append(_row(case.name, case.base is not None, outcomes))
                 progress.advance(task)
             found.append(_theme(name, theme, rows))
@@ -120,6 +123,7 @@ def _measure() -> dict[str, Any]:
         "qualities": list(QUALITIES),
         "samples": SAMPLES,
         "reach": REACH,
+        "far": FAR,
         "themes": found,
     }
 
@@ -176,7 +180,11 @@ def _json(results: dict[str, Any]) -> str:
 def _page(results: dict[str, Any]) -> str:
     """Return the results as Markdown."""
     qualities = ", ".join(f"`{name}`" for name in results["qualities"])
-    parts = [INTRODUCTION.format(qualities=qualities, samples=results["samples"])]
+    parts = [
+        INTRODUCTION.format(
+            qualities=qualities, samples=results["samples"], far=_percent(results["far"])
+        )
+    ]
     heads = ("theme", "cases", "as expected", "most pixels changed", "most holes", "most stray")
     rows = []
     for theme in results["themes"]:
@@ -204,6 +212,7 @@ def _cells(case: dict[str, Any]) -> list[str]:
         NONE if worst["psnr_db"] is None else f"{worst['psnr_db']:.1f}",
         _percent(worst["holes"]),
         _percent(worst["stray"]),
+        _percent(worst["depth_off"]),
         "nothing in view" if refused else str(worst["words"]),
         "yes" if case["as_expected"] else "**no**",
     ]
