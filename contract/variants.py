@@ -6,9 +6,9 @@ The tests simulate them, and ``splatline bench configurations`` compares them.
 from __future__ import annotations
 
 from .config import EngineConfig
-from .presets import PAPER, PRESETS, RGB24, SWIFT
+from .presets import PAPER, PLANE, PRESETS, RGB24, SWIFT
 
-__all__ = ["CONFIGS", "NARROW_BLOCKS", "SHAPED", "VARIANTS"]
+__all__ = ["CONFIGS", "NARROW_BLOCKS", "PLANE_VARIANTS", "SHAPED", "VARIANTS"]
 
 
 def _large(name: str, **changes: object) -> EngineConfig:
@@ -51,7 +51,19 @@ SHAPED = (PAPER.with_shapes(), PAPER.with_shapes("full"))
 """Engines with a shape ROM: ``paper-rom`` holds the sizes up to 8 and fits the paper's FPGA,
 ``paper-rom-full`` those up to 16."""
 
-CONFIGS = {**PRESETS, **{config.name: config for config in (*SHAPED, *VARIANTS)}}
+PLANE_VARIANTS = (
+    PLANE.replace(
+        name="plane-4096", x_bits=12, line_bits=12, intensity_bits=6, material_bits=7,
+        colour_shift=7,
+    ),
+)  # fmt: skip
+"""Engines with planes of other sizes: for images of up to 4096 x 4096 pixels X has three more bits,
+one from each intensity and one from MATERIAL."""
+
+CONFIGS = {
+    **PRESETS,
+    **{config.name: config for config in (*SHAPED, *VARIANTS, *PLANE_VARIANTS)},
+}
 """Every configuration with a name that a command takes: the presets first."""
 
 NARROW_BLOCKS = SWIFT.replace(name="narrow-blocks", window_lines=32, x_bits=5, depth_bits=13)

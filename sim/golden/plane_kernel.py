@@ -180,7 +180,10 @@ def _draw_row(
 ) -> None:
     """Draw ``count`` pixels of a line, the first of them at the sum ``total``.
 
-    Int64 holds the sums of every configuration: a shifted slope has at most 12 bits, 2 Z has 18.
+    Int64 holds the sums of every configuration. A slope has at most 8 bits and is shifted by at
+    most 4, so it lies in -2048 .. 2032; columns and lines go to 7; 2 Z is at most 2^18 - 2. So a
+    sum lies in -28672 .. 290590, a depth behind DEPTH_LSB is less than 2^48, and a lane past the
+    row, which does not count, adds at most 8 slopes.
     """
     for offset in range(0, count, LANES):
         # Pixels past the row are written back unchanged, which avoids branches.

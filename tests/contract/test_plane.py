@@ -36,5 +36,10 @@ def test_a_plane_word_that_does_not_fit_is_refused(change, message):
 
 
 def test_a_plane_word_holds_4096_columns_for_less_shading():
-    wide = PLANE.replace(x_bits=12, intensity_bits=6, material_bits=7, colour_shift=7)
-    assert (wide.x.end, wide.z.end) == (56, 96)
+    wide = CONFIGS["plane-4096"]
+    assert (wide.max_width, wide.max_height) == (4096, 4096)
+    assert (wide.intensity_bits, wide.material_bits) == (6, 7)
+    assert (wide.x.lsb, wide.x.end, wide.z.end) == (44, 56, 96)
+    for name in ("side", "raised", "slope_x", "slope_y", "scale", "z"):
+        one, other = getattr(wide, name), getattr(PLANE, name)
+        assert name == "side" or (one.lsb, one.end) == (other.lsb, other.end)

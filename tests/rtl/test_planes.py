@@ -1,5 +1,6 @@
 """Engines with planes against golden: every 96-bit word draws the depth that the contract says."""
 
+import dataclasses
 import functools
 
 import numpy as np
@@ -7,6 +8,8 @@ import pytest
 
 from splatline.contract.presets import PLANE
 from splatline.flow.verilog import generate
+from splatline.host.pipeline import make_frame
+from splatline.host.visibility.view import fit_view
 from splatline.rtl.tiles.plane_depths import PlaneDepths
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
@@ -15,6 +18,8 @@ from splatline.sim.cosim.player import frames
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
 from tests.support import plane_words as pw
+from tests.support.clouds import sphere
+from tests.support.codewords import random_tables
 from tests.support.planted import plant, play_with
 
 FAULTS = {
@@ -74,22 +79,38 @@ def test_a_frame_starts_from_a_raster_and_another_follows():
         assert raster.mismatches(golden.render(frame)) == 0
 
 
-@pytest.mark.parametrize("scale", range(4))
-def test_slopes_and_depths_at_their_ends_saturate(scale):
-    ends = [
-        (a, b, z) for a in (-64, 63, 0) for b in (-64, 63, -1) for z in (0, 1, 4096, 8188, 8191)
-    ]
+@pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
+def test_every_extreme_of_slopes_scale_and_depth_at_every_place(config):
+    played = [frames.Job(frame=frame) for frame in pw.extreme_frames(config)]
+    assert mismatches(played, frames.play(played)) == [0] * len(played)
+
+
+def wide_jobs():
+    """Random words about columns 2,048 and 4,095, and a small scene beyond column 2,048."""
+    rng = np.random.default_rng(9)
     words = []
-    for number, (a, b, z) in enumerate(ends):
-        if number % 5 == 0:
-            words.append(pw.advance(9 if number else 4))
-        x = 9 * (number % 5) + number % 4
-        words.append(pw.encode([(0, 7)] * 4, mode=0, x=x, z=z, a=a, b=b, scale=scale, d=9))
-    frame = pw.make_frame(words, (56, 90))
-    (outcome,) = frames.play([frames.Job(frame=frame)])
-    expected = golden.render(frame)
-    assert outcome.rasters[0].mismatches(expected) == 0
-    assert {0, 4094} <= set(np.unique(expected.depth[expected.drawn]))
+    for line in range(12):
+        for x in (*rng.integers(2030, 2060, 12), *rng.integers(4076, 4096, 12)):
+            word = pw.random_word(rng, (4096, 40), pw.WIDE)
+            if not pw.is_control(word):
+                lsb, width = pw.widths(pw.WIDE)["x"]
+                words.append(word & ~((1 << width) - 1 << lsb) | int(x) << lsb)
+        words.append(pw.advance(line % 3 + 1, pw.WIDE))
+    tables = random_tables(rng, pw.WIDE)
+    for width in (4096, 4095, 4087):
+        yield frames.Job(frame=pw.make_frame(words, (width, 40), tables, pw.WIDE))
+    ball = sphere(400)
+    view = dataclasses.replace(fit_view(ball, size=(4096, 40)), shift=(900.0, 0.0))
+    yield frames.Job(frame=make_frame(ball, view, radii=np.full(400, 0.1), config=pw.WIDE))
+
+
+def test_a_wide_engine_draws_beyond_column_2048():
+    played = list(wide_jobs())
+    assert mismatches(played, frames.play(played)) == [0] * len(played)
+    for job in played:
+        drawn = golden.render(job.frame).drawn
+        assert drawn[:, 2048:].sum() > 300
+    assert not drawn[:, :2048].any()  # the scene
 
 
 @functools.cache

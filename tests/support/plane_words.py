@@ -1,14 +1,18 @@
 """docs/contract.md, "Plane words", in plain Python, pixel by pixel: independent of golden."""
 
+import itertools
+
 import numpy as np
 
 from splatline.contract.frame import Frame
 from splatline.contract.presets import PLANE
 from splatline.contract.raster import Raster
+from splatline.contract.variants import CONFIGS as CONFIGS_BY_NAME
 from tests.support.codewords import bits, random_tables, rows_of, shown
 
-# Two more engines, at the limits of a configuration: narrow slopes with the deepest depth and the
-# widest image, and the widest slopes with the fewest levels.
+# More engines: the one for wide images, and two at the limits of a configuration: narrow slopes
+# with the deepest depth and the widest image, and the widest slopes with the fewest levels.
+WIDE = CONFIGS_BY_NAME["plane-4096"]
 DEEP = PLANE.replace(
     name="deep-plane", depth_bits=16, slope_bits=5, x_bits=12, intensity_bits=5, material_bits=9,
     colour_shift=7,
@@ -17,7 +21,7 @@ FLAT = PLANE.replace(
     name="flat-plane", depth_bits=2, slope_bits=8, x_bits=6, intensity_bits=9, material_bits=3,
     line_bits=5, channel_bits=1,
 )  # fmt: skip
-CONFIGS = (PLANE, DEEP, FLAT)
+CONFIGS = (PLANE, WIDE, DEEP, FLAT)
 
 NOTHING = [(1, 0)] * 4
 
@@ -104,6 +108,34 @@ def random_frame(rng, count, size, config=PLANE):
         if rng.random() < (size[1] + 8) / count / 2:
             stream.append(advance(int(rng.integers(0, 4)), config) | int(rng.integers(64)) << 90)
     return make_frame(stream, size, random_tables(rng, config), config)
+
+
+def extreme_frames(config):
+    """Yield frames of elements that have every extreme of slopes, scale and Z, at every place.
+
+    A sum has its largest and least values at the corners of a block, for either sign of either
+    slope. The hardware takes what lies before a block from its column modulo the pixels of a word
+    and its line modulo four, so each combination is drawn at all of these. Elements lie apart.
+    """
+    half, top = 1 << config.slope_bits - 1, (1 << config.depth_bits + 1) - 1
+    planes = list(
+        itertools.product(
+            (-half, half - 1, 0), (-half, half - 1, -1), range(4), (0, 1, top // 2 + 1, top - 3, top),
+            range(config.pixels_per_word),
+        )
+    )  # fmt: skip
+    width, height = min(config.max_width, 512), min(config.max_height, 512)
+    across, rows = (width - 8) // 12, (height - 16) // 12 + 1
+    for down in range(4):
+        for begin in range(0, len(planes), across * rows):
+            words = [advance(4 + down, config)]
+            for number, (a, b, scale, z, right) in enumerate(planes[begin : begin + across * rows]):
+                if number and number % across == 0:
+                    words.append(advance(12, config))
+                x = 12 * (number % across) + right
+                fields = {"x": x, "z": z, "a": a, "b": b, "scale": scale}
+                words.append(encode([(0, 7)] * 4, mode=0, config=config, **fields))
+            yield make_frame(words, (width, height), config=config)
 
 
 def is_control(word):

@@ -4,7 +4,7 @@ import pytest
 from splatline.cli.main import main
 from splatline.cli.options.parameters import COLOUR, ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 from splatline.contract.presets import DEFAULT, PAPER, PRESETS, REMOVED
-from splatline.contract.variants import SHAPED, VARIANTS
+from splatline.contract.variants import PLANE_VARIANTS, SHAPED, VARIANTS
 from splatline.host.visibility.view import UP_AXES as KNOWN_AXES
 
 
@@ -68,7 +68,7 @@ def test_what_is_not_understood_is_quoted_with_a_hint(kind, text, hint):
 
 def test_every_preset_has_its_name_here():
     assert {name: PRESET.convert(name, None, None) for name in PRESET.choices} == PRESETS | {
-        config.name: config for config in (*SHAPED, *VARIANTS)
+        config.name: config for config in (*SHAPED, *VARIANTS, *PLANE_VARIANTS)
     }
 
 

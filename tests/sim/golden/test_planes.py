@@ -57,6 +57,16 @@ def test_every_sum_saturates_at_both_ends(scale, a, b, z):
     assert (found.depth[:, [0, 1, 10, 11]] == 4095).all()
 
 
+@pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
+def test_every_extreme_at_every_place_is_drawn_by_the_contract(config):
+    seen = set()
+    for frame in pw.extreme_frames(config):
+        found = golden.render(frame)
+        same(found, pw.draw(frame))
+        seen |= set(np.unique(found.depth).tolist())
+    assert {0, config.background_depth - 1} <= seen
+
+
 def test_a_pixel_at_the_depth_of_the_background_or_beyond_is_not_drawn():
     word = pw.encode([(0, 7)] * 4, x=0, z=8184, a=1)  # 4092, 4092 1/4, ...
     found = golden.render(pw.make_frame([pw.advance(4), word], (8, 4)))
