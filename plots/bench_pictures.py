@@ -32,9 +32,9 @@ NARROWEST = 150
 COLUMNS = (
     ("reference", None),
     ("float", None),
+    ("exact \N{MULTIPLICATION SIGN}4", "plane"),
+    ("exact", "plane"),
     ("exact", "rgb24"),
-    ("exact \N{MULTIPLICATION SIGN}4", "paper"),
-    ("exact", "paper"),
     ("paper", "paper"),
 )
 """Quality and preset of each picture of a row."""

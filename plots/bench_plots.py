@@ -28,7 +28,7 @@ LOSS, GAIN = "#ff7a70", "#7ddc9a"
 """Colours of a step that lowers, and that raises the PSNR."""
 
 AXES = {
-    "seconds": "host + golden, ms a frame",
+    "seconds": "host + golden, processor ms",
     "cycles_per_element": "clock cycles an element",
 }
 """Costs, and the labels of their axes."""
@@ -122,7 +122,7 @@ def _draw_ladder(panel: Axes, steps: Mapping[str, Sequence[float]], floor: float
         if step < last:
             panel.plot([step - 0.35, step + 1.35], [mean, mean], color=FAINT, linewidth=0.8)
         if len(values) > 1:
-            aside = [step + 0.25] * len(values)
+            aside = [step + 0.43] * len(values)
             panel.plot(aside, values, "o", color=INK, markersize=2.2, alpha=0.55)
     panel.set_xticks(range(len(means)), list(steps), rotation=35, ha="right", color=INK)
     panel.set_xlim(-0.6, last + 0.6)

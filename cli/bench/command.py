@@ -105,7 +105,7 @@ def accuracy(
             fewer_presets=("paper",),
             ladders=(None,),
             sampled=(None, 3.5),
-            samples={"paper": (4,), "plane": (4,)},
+            samples={"paper": (4,)},
             repeats=1,
         )
     with Counter(sweep.total()) as counter:

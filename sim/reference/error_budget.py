@@ -20,7 +20,8 @@ from splatline.host.shading.shade import SHADE_LEVELS
 from splatline.host.visibility.view import View
 
 from . import metrics
-from .point_sampled import Picture, Steps, render
+from .point_multisample import render_samples
+from .point_sampled import Picture, Steps
 from .reference import Reference
 
 __all__ = ["LADDERS", "Step", "blurred_psnr", "ladder", "measure", "walk"]
@@ -48,8 +49,8 @@ class Step:
     steps: Steps
 
 
-def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
-    """Return the steps from one exact sample a pixel to an engine's picture.
+def ladder(quality: str, config: EngineConfig = PAPER, samples: int = 1) -> list[Step]:
+    """Return the steps from exact samples to an engine's picture.
 
     Parameters
     ----------
@@ -59,6 +60,8 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
         with planes a depth for every pixel.
     config
         The engine's configuration: bits of depth, intensity and colour, number of materials.
+    samples
+        Samples a pixel, which the name of the first step states.
 
     Returns
     -------
@@ -93,7 +96,8 @@ def ladder(quality: str, config: EngineConfig = PAPER) -> list[Step]:
         ("materials", {"materials": 1 << config.material_bits}),
         (colour, {"channel_bits": config.channel_bits}),
     ]
-    rungs = [Step("one sample a pixel", Steps())]
+    first = "one sample a pixel" if samples == 1 else f"{samples} samples a pixel"
+    rungs = [Step(first, Steps())]
     for name, change in changes:
         rungs.append(Step(name, replace(rungs[-1].steps, **change)))
     return rungs
@@ -107,8 +111,9 @@ def walk(
     lighting: Lighting,
     exact: Reference,
     background: tuple[float, float, float],
+    samples: int = 1,
 ) -> Iterator[dict[str, Any]]:
-    """Draw each step and measure its error.
+    """Draw each step with a number of samples a pixel, and measure its error.
 
     Yields
     ------
@@ -116,7 +121,9 @@ def walk(
         ``step``, its name, and the measures of ``measure``.
     """
     for rung in rungs:
-        picture = render(cloud, view, radii, lighting, rung.steps, background=background)
+        picture = render_samples(
+            samples, cloud, view, radii, lighting, rung.steps, background=background
+        )
         yield {"step": rung.name, **measure(picture, exact, background)}
 
 

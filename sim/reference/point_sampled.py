@@ -65,7 +65,8 @@ class Steps:
         Shapes are the paper's ellipses of n', quantised as in ``host.encode.shape_table``.
     intensity_bits
         Bits of the intensities D and S in the table of quantised normals, whose viewer is on the
-        image's axis; None: Phong's model at the disc's centre.
+        image's axis; highlights are looked up by normals that make up for it, as the host's are.
+        None: Phong's model at the disc's centre.
     shade_levels
         Levels of n'x and of n'y in that table.
     materials
@@ -199,16 +200,37 @@ def _colours(
         base = found.palette[found.index]
     if steps.intensity_bits is None:
         return shade(base, normals, centres, lighting)
-    level = np.empty((2, len(normals)), np.int64)
-    _shade_levels(normals, steps.shade_levels, level)
+    tables = shade_tables(lighting, steps.intensity_bits, steps.shade_levels)
     diffuse, specular = (
-        table[level[0], level[1]]
-        for table in shade_tables(lighting, steps.intensity_bits, steps.shade_levels)
+        _looked_up(table, seen)
+        for table, seen in zip(tables, (normals, _turned_to_axis(normals, centres)), strict=True)
     )
     full = float((1 << steps.intensity_bits) - 1)
     shown: _Floats = base / 255.0 * (diffuse / full)[:, np.newaxis]
     shown += lighting.gloss * (specular / full)[:, np.newaxis]
     return shown.clip(0.0, 1.0)
+
+
+def _turned_to_axis(normals: _Floats, centres: _Floats) -> _Floats:
+    """Return normals whose highlight, seen from the axis, is as the viewer sees it: shape (n, 3).
+
+    The table's viewer is on the image's axis. The bisector of light and viewer turns by about half
+    of the angle between the axis and the direction v to the viewer, and the normal goes along:
+    n + ((n.v) e - (n.e) v) / 2, with e against the axis.
+    """
+    away = np.linalg.norm(centres, axis=1, keepdims=True)
+    viewer = -centres / np.maximum(away, np.finfo(np.float64).tiny)
+    axis = np.array([0.0, 0.0, -1.0])
+    facing = np.sum(normals * viewer, axis=1, keepdims=True)
+    turned: _Floats = normals + 0.5 * (facing * axis + normals[:, 2:] * viewer)
+    return np.ascontiguousarray(turned)
+
+
+def _looked_up(table: npt.NDArray[np.uint16], normals: _Floats) -> npt.NDArray[np.uint16]:
+    """Return the entries of a shade table for normals: shape (n,)."""
+    level = np.empty((2, len(normals)), np.int64)
+    _shade_levels(normals, len(table), level)
+    return table[level[0], level[1]]
 
 
 @numba.njit(cache=True)

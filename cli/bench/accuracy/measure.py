@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from splatline.cli.bench.subjects import poses
 from splatline.cli.report.statistics import drawing_statistics, tool_versions
 
-from .sweep import FLOAT, Run, Sweep, budgeted, plan, way
+from .sweep import FLOAT_DEPTHS, FLOAT_ONE_DEPTH, TWICE, Run, Size, Sweep, budgeted, plan, way
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.visibility.view import View
     from splatline.plots.bench_pictures import Crops
+    from splatline.sim.reference.point_sampled import Steps
     from splatline.sim.reference.reference import Reference
 
 __all__ = ["measure"]
@@ -43,7 +44,7 @@ class Case:
     view: View
     camera: dict[str, Any]
     source: str
-    splats: float | None
+    splats: Size
     median: float
     radii: npt.NDArray[np.float64]
     exact: Reference
@@ -115,7 +116,9 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
         part = None
         orbit = pose.camera["orbit"]
         for splats in sweep.splats:
-            radii = pose.scaled(splats)
+            twice = splats == TWICE
+            diameter = None if twice else splats
+            radii = 2.0 * pose.radii if twice else pose.scaled(diameter)
             exact = reference.render(
                 pose.cloud,
                 pose.view,
@@ -133,7 +136,7 @@ def _cases(sweep: Sweep) -> Iterator[Case]:
                 pose.camera,
                 pose.source,
                 splats,
-                splats or pose.usual,
+                2.0 * pose.usual if twice else diameter or pose.usual,
                 radii,
                 exact,
                 BACKGROUND,
@@ -153,9 +156,10 @@ def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
 
     assert run.preset is not None
     config = CONFIGS[run.preset]
-    frames = _make_frames(case, run, config, sweep.repeats)
+    frames, busy_host = _make_frames(case, run, config, sweep.repeats)
     drawn = [_golden(frame, sweep.repeats) for frame in frames]
-    picture, seconds = average([raster for raster, _ in drawn]), sum(each for _, each in drawn)
+    picture = average([raster for raster, _, _ in drawn])
+    seconds, busy_golden = (sum(each[part] for each in drawn) for part in (1, 2))
     if run.switched is None:
         case.crops.add(way(run.quality, run.samples), run.preset, picture.to_rgb(case.background))
     stages = total_counts(frames)["seconds"]
@@ -180,10 +184,12 @@ def _draw(case: Case, run: Run, sweep: Sweep) -> dict[str, Any]:
         "psnr_blurred_db": blurred_psnr(picture.to_rgb(case.background), case.exact.rgb),
     }
     numbers["switched"] = run.switched
-    # No cycle model has planes yet.
-    cycles = None if config.plane else sum(map(count_cycles, frames))
-    numbers["cycles"] = cycles
-    numbers["cycles_per_element"] = None if cycles is None else cycles / numbers["elements"]
+    numbers["processor_seconds"] = {
+        "host": round(busy_host, 4),
+        "golden": round(busy_golden, 4),
+    }
+    numbers["cycles"] = cycles = sum(map(count_cycles, frames))
+    numbers["cycles_per_element"] = cycles / numbers["elements"]
     return _rounded(numbers)
 
 
@@ -193,21 +199,26 @@ def _draw_float(case: Case, run: Run) -> dict[str, Any]:
 
     from splatline.host.shading.lighting import Lighting
     from splatline.sim.reference.error_budget import measure as measure_error
-    from splatline.sim.reference.point_sampled import Steps, render
+    from splatline.sim.reference.point_multisample import render_samples
 
-    steps = Steps() if run.quality == FLOAT else Steps(depth="splat")
     begin = time.perf_counter()
-    picture = render(
-        case.cloud, case.view, case.radii, Lighting(), steps, background=case.background
+    picture = render_samples(
+        run.samples,
+        case.cloud,
+        case.view,
+        case.radii,
+        Lighting(),
+        _float_steps(run.quality),
+        background=case.background,
     )
     seconds = time.perf_counter() - begin
-    case.crops.add(run.quality, None, picture.rgb)
+    case.crops.add(way(run.quality, run.samples), None, picture.rgb)
     return _rounded(
         {
             **case.key,
             "quality": run.quality,
             "preset": None,
-            "samples": 1,
+            "samples": run.samples,
             **_shown(case),
             "size": [case.view.width, case.view.height],
             "points": len(case.cloud),
@@ -219,6 +230,23 @@ def _draw_float(case: Case, run: Run) -> dict[str, Any]:
     )
 
 
+def _float_steps(quality: str) -> Steps:
+    """Return the approximations of a float quality."""
+    from splatline.contract.presets import PLANE
+    from splatline.sim.reference.point_sampled import Steps
+
+    if quality == FLOAT_ONE_DEPTH:
+        return Steps(depth="splat")
+    if quality == FLOAT_DEPTHS:
+        return Steps(
+            depth_bits=PLANE.depth_bits,
+            intensity_bits=PLANE.intensity_bits,
+            materials=1 << PLANE.material_bits,
+            channel_bits=PLANE.channel_bits,
+        )
+    return Steps()
+
+
 def _error_budget(
     case: Case, sweep: Sweep, advance: Callable[[str], None]
 ) -> Iterator[dict[str, Any]]:
@@ -227,18 +255,29 @@ def _error_budget(
     from splatline.host.shading.lighting import Lighting
     from splatline.sim.reference.error_budget import ladder, walk
 
-    for quality, preset in budgeted(sweep, case.splats):
-        rungs = ladder(quality, CONFIGS[preset])
+    for run in budgeted(sweep, case.splats):
+        assert run.preset is not None
+        rungs = ladder(run.quality, CONFIGS[run.preset], run.samples)
         steps = walk(
-            rungs, case.cloud, case.view, case.radii, Lighting(), case.exact, case.background
-        )
+            rungs, case.cloud, case.view, case.radii, Lighting(), case.exact, case.background,
+            run.samples,
+        )  # fmt: skip
+        name = {"quality": run.quality, "preset": run.preset, "samples": run.samples}
         for rung in rungs:
-            advance(f"{case.scene}, {case.splats or 'auto'}: {quality} {preset}, {rung.name}")
-            yield _rounded({**case.key, "quality": quality, "preset": preset, **next(steps)})
+            what = f"{way(run.quality, run.samples)} {run.preset}, {rung.name}"
+            advance(f"{case.scene}, {case.splats or 'auto'}: {what}")
+            yield _rounded({**case.key, **name, **next(steps)})
 
 
-def _make_frames(case: Case, run: Run, config: EngineConfig, repeats: int) -> list[Frame]:
-    """Return the frames of the fastest call; the first call, which may compile, is left out."""
+def _make_frames(
+    case: Case, run: Run, config: EngineConfig, repeats: int
+) -> tuple[list[Frame], float]:
+    """Return the frames of the fastest call, and the least processor seconds of a call.
+
+    The first call, which may compile, is left out.
+    """
+    import time
+
     from splatline.host.pipeline import make_frames, total_counts
     from splatline.host.shading.materials import find_materials
     from splatline.host.visibility.block_index import build_index
@@ -247,26 +286,36 @@ def _make_frames(case: Case, run: Run, config: EngineConfig, repeats: int) -> li
     skips = DEFAULT_SKIPS if run.switched is None else DEFAULT_SKIPS ^ {run.switched}
     found = find_materials(case.cloud, 1 << config.material_bits)
     index = build_index(case.cloud, case.radii, found)
-    calls = [
-        make_frames(index, case.view, run.samples, config=config, quality=run.quality, skips=skips)
-        for _ in range(repeats + 1)
-    ]
-    return min(calls[1:], key=lambda frames: sum(total_counts(frames)["seconds"].values()))
+    calls, busy = [], []
+    for _ in range(repeats + 1):
+        begin = time.process_time()
+        calls.append(
+            make_frames(
+                index, case.view, run.samples, config=config, quality=run.quality, skips=skips
+            )
+        )
+        busy.append(time.process_time() - begin)
+    frames = min(calls[1:], key=lambda frames: sum(total_counts(frames)["seconds"].values()))
+    return frames, min(busy[1:])
 
 
-def _golden(frame: Frame, repeats: int) -> tuple[Raster, float]:
-    """Return the golden renderer's picture, and the seconds of the fastest warm call."""
+def _golden(frame: Frame, repeats: int) -> tuple[Raster, float, float]:
+    """Return the golden renderer's picture, and the least seconds of a warm call.
+
+    The first number is the time that passed, the second that of the processor's cores together.
+    """
     import time
 
     from splatline.sim import golden
 
     raster = golden.render(frame)
-    best = float("inf")
+    best = busy = float("inf")
     for _ in range(repeats):
-        begin = time.perf_counter()
+        begin, begin_busy = time.perf_counter(), time.process_time()
         raster = golden.render(frame)
         best = min(best, time.perf_counter() - begin)
-    return raster, best
+        busy = min(busy, time.process_time() - begin_busy)
+    return raster, best, busy
 
 
 def _shown(case: Case) -> dict[str, Any]:
@@ -274,7 +323,11 @@ def _shown(case: Case) -> dict[str, Any]:
     return {
         "cloud": case.source,
         "view": {**case.camera, "orbit": list(case.camera["orbit"])},
-        "splat_size": "auto" if case.splats is None else f"{case.splats:g} px",
+        "splat_size": case.splats
+        if isinstance(case.splats, str)
+        else "auto"
+        if case.splats is None
+        else f"{case.splats:g} px",
         "dropped": case.cloud.dropped,
     }
 

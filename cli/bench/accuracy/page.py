@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from splatline.cli.bench.markdown import table
 
-from .sweep import FLOAT, FLOAT_ONE_DEPTH, way
+from .planes import plane_section
+from .sweep import FLOAT, FLOAT_ONE_DEPTH, TWICE, way
 from .targets import TARGETS, judge, pick
 
 __all__ = ["budgets", "fitted", "page", "title"]
@@ -46,17 +49,19 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
         f"Made by `splatline bench accuracy` from [accuracy.json](accuracy.json). Pictures have"
         f" {width} x {height} pixels, and the reference has {samples} x {samples} samples a"
         f" pixel. {machine['processor'] or machine['platform']}, {machine['cores']} cores; {tools}."
-        f" Times are the fastest of {results['repeats']} warm calls.",
+        " Times are those of the processor, of all its cores together, the least of"
+        f" {results['repeats']} warm calls; other programs that run change them little.",
         "## Targets",
         *(f"- {name}: {meaning}." for name, meaning in TARGETS.items()),
         _targets(runs),
+        *plane_section(runs),
         "## Run time against error",
         "Splats of the points' spacing. PSNR is the mean over all scenes and views, costs are"
         " geometric means. Points with a light rim are on the Pareto front.",
         "![Run time against error](pareto.png)",
         "![Each scene](pareto_scenes.png)",
         "## Error budget",
-        "PSNR in dB after each step, from one exact sample a pixel to the engine's picture. Each"
+        "PSNR in dB after each step, from exact samples to the engine's picture. Each"
         " column has all approximations of the columns to its left. The last column is the golden"
         " renderer's picture of the code words. Its difference from the column before is the effect"
         " of approximations that the budget leaves out.",
@@ -69,7 +74,7 @@ def page(results: Mapping[str, Any], pictures: Iterable[str]) -> str:
         " times, words and cycles are those of all samples together.",
         _fitted_table(runs),
         "## Splats of other sizes",
-        "PSNR in dB; the size is the median diameter in pixels.",
+        "PSNR in dB; a size in pixels is the median diameter.",
         _sizes_table(runs),
         "## Skips",
         "Each row but the first of a scene has one skip switched from its default. The first row"
@@ -90,13 +95,13 @@ def title(row: Mapping[str, Any]) -> str:
 def fitted(runs: Iterable[_Run]) -> dict[str, list[_Run]]:
     """Return the engines' runs with splats of the points' spacing, by scene and view.
 
-    In the returned runs, ``seconds`` is the sum for host and golden renderer,
+    In the returned runs, ``seconds`` is the processor's time for host and golden renderer,
     ``cycles_per_element`` is that of all samples, and ``way`` names quality and samples.
     """
     scenes: dict[str, list[_Run]] = {}
     for run in pick(runs, splats="auto", switched=None):
         if run["preset"] is not None and run["psnr_db"] is not None:
-            seconds = run["seconds"]["host"] + run["seconds"]["golden"]
+            seconds = math.fsum(run["processor_seconds"].values())
             cycles = run["cycles_per_element"]
             costs = {"seconds": seconds, "cycles_per_element": cycles and cycles * run["samples"]}
             shown = {**run, **costs, "way": way(run["quality"], run["samples"])}
@@ -104,21 +109,32 @@ def fitted(runs: Iterable[_Run]) -> dict[str, list[_Run]]:
     return scenes
 
 
-def budgets(results: Mapping[str, Any]) -> dict[tuple[Any, str, str], dict[str, dict[str, float]]]:
-    """Return error budgets: PSNR by (splats, quality, preset), scene and step; golden is last."""
-    found: dict[tuple[Any, str, str], dict[str, dict[str, float]]] = {}
+def budgets(
+    results: Mapping[str, Any],
+) -> dict[tuple[Any, str, str, int], dict[str, dict[str, float]]]:
+    """Return error budgets: PSNR by (splats, quality, preset, samples), scene and step.
+
+    The last step is golden.
+    """
+    found: dict[tuple[Any, str, str, int], dict[str, dict[str, float]]] = {}
     for row in results["ladders"]:
-        scenes = found.setdefault((row["splats"], row["quality"], row["preset"]), {})
+        scenes = found.setdefault(_budget_key(row), {})
         scenes.setdefault(title(row), {})[row["step"]] = row["psnr_db"]
-    for run in pick(results["runs"], switched=None, samples=1):
-        scenes = found.get((run["splats"], run["quality"], run["preset"]), {})
+    for run in pick(results["runs"], switched=None):
+        scenes = found.get(_budget_key(run), {})
         if title(run) in scenes:
             scenes[title(run)]["golden"] = run["psnr_db"]
     return found
 
 
+def _budget_key(row: Mapping[str, Any]) -> tuple[Any, str, str, int]:
+    return row["splats"], row["quality"], row["preset"], row["samples"]
+
+
 def size_name(splats: Any) -> str:
     """Return the name of a size of splats."""
+    if splats == TWICE:
+        return "twice the points' spacing"
     return "the points' spacing" if splats == "auto" else f"{splats:g} px"
 
 
@@ -133,9 +149,12 @@ def _targets(runs: list[_Run]) -> str:
 
 
 def _budget_tables(results: Mapping[str, Any]) -> Iterable[str]:
-    for (splats, quality, preset), scenes in budgets(results).items():
-        yield f"Preset `{preset}`, quality `{quality}`, splats of {size_name(splats)}:"
+    for (splats, quality, preset, samples), scenes in budgets(results).items():
         steps = list(next(iter(scenes.values())))
+        yield (
+            f"Preset `{preset}`, quality `{way(quality, samples)}`, splats of {size_name(splats)}."
+            f" {_next_in_line(steps, scenes)}"
+        )
         rows = [
             [name, *(f"{values[step]:.2f}" if values.get(step) is not None else "-"
                      for step in steps)]
@@ -144,12 +163,28 @@ def _budget_tables(results: Mapping[str, Any]) -> Iterable[str]:
         yield table(["scene", *steps], rows, 1)
 
 
+def _next_in_line(steps: list[str], scenes: Mapping[str, Mapping[str, float]]) -> str:
+    """Return a sentence on the largest losses of a budget, in the mean of its scenes."""
+    losses = {}
+    for before, step in itertools.pairwise(steps):
+        changes = [
+            values[step] - values[before]
+            for values in scenes.values()
+            if values.get(step) is not None and values.get(before) is not None
+        ]
+        if changes:
+            losses[step] = math.fsum(changes) / len(changes)
+    most = sorted(losses.items(), key=lambda item: item[1])[:2]
+    named = ", then ".join(f"{step} ({loss:+.2f} dB)" for step, loss in most)
+    return f"Largest losses in the mean: {named}."
+
+
 def _fitted_table(runs: list[_Run]) -> str:
     heads = ["scene", "quality", "preset", "host ms", "golden ms", "words an element",
              "cycles an element", *(head for _, head, _ in ERRORS)]  # fmt: skip
     rows = []
     for run in pick(runs, splats="auto", switched=None):
-        seconds = run["seconds"]
+        seconds = run["processor_seconds"] or {}
         rows.append(
             [
                 title(run),
@@ -176,10 +211,10 @@ def _sizes_table(runs: list[_Run]) -> str:
         values = {_column(run): run["psnr_db"] for run in here}
         bars = [values.get((None, quality)) for quality in (FLOAT, FLOAT_ONE_DEPTH)]
         found = [*bars, *(values.get(column) for column in columns)]
-        rows.append([key[0], f"{key[1]:g}", *(_format(value, "{:.2f}") for value in found)])
-    heads = ["scene", "px", FLOAT, FLOAT_ONE_DEPTH]
+        rows.append([key[0], size_name(key[1]), *(_format(value, "{:.2f}") for value in found)])
+    heads = ["scene", "splats", FLOAT, FLOAT_ONE_DEPTH]
     heads += [f"{preset} {name}" for preset, name in columns]
-    return table(heads, rows, 1)
+    return table(heads, rows, 2)
 
 
 def _column(run: _Run) -> tuple[str | None, str]:
@@ -201,8 +236,8 @@ def _skips_table(runs: list[_Run]) -> str:
             [
                 scene,
                 ", ".join(run["skips"]) or "none",
-                _format(run["seconds"]["host"], "{:.1f}", 1e3),
-                _format(run["seconds"]["golden"], "{:.1f}", 1e3),
+                _format(run["processor_seconds"]["host"], "{:.1f}", 1e3),
+                _format(run["processor_seconds"]["golden"], "{:.1f}", 1e3),
                 f"{run['elements']:,}",
                 f"{run['codewords']:,}",
                 _format(run["cycles_per_element"], "{:.3f}"),

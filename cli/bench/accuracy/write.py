@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from splatline.cli.options.outputs import lines_of_json
 
 from .page import budgets, fitted, page, size_name
-from .sweep import way
+from .planes import judge_means
+from .sweep import TWICE, way
 from .targets import judge
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops
     from splatline.host.files.atomic_write import atomic_write
     from splatline.plots.bench_plots import plot_pareto, plot_pareto_scenes, plot_waterfall
 
-    results = {**results, "targets": judge(results["runs"])}
+    runs = results["runs"]
+    results = {**results, "targets": judge(runs), "plane_means": judge_means(runs)}
     scenes = fitted(results["runs"])
     sheets = _sheets(crops, results["runs"])
     files = {
@@ -80,17 +82,14 @@ def _mean(scenes: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[dict[str, A
 
 
 def _panels(results: Mapping[str, Any]) -> list[tuple[str, dict[str, list[float]]]]:
-    """Return the panels of the error budget, for the first and the last size of splats."""
-    found = budgets(results)
-    sizes = list(dict.fromkeys(splats for splats, _, _ in found))
+    """Return the panels of the error budget: splats of the points' spacing, and twice as large."""
     panels = []
-    for splats in dict.fromkeys((sizes[0], sizes[-1])):
-        for (size, quality, preset), scenes in found.items():
-            if size == splats:
-                steps = next(iter(scenes.values()))
-                heights = {step: [scene[step] for scene in scenes.values()] for step in steps}
-                name = f"preset {preset}, quality {quality}, splats of {size_name(splats)}"
-                panels.append((name, heights))
+    for (size, quality, preset, samples), scenes in budgets(results).items():
+        if size in ("auto", TWICE):
+            steps = next(iter(scenes.values()))
+            heights = {step: [scene[step] for scene in scenes.values()] for step in steps}
+            named = way(quality, samples)
+            panels.append((f"preset {preset}, {named}, splats of {size_name(size)}", heights))
     return panels
 
 

@@ -6,7 +6,16 @@ from click.testing import CliRunner
 from PIL import Image
 
 from splatline.cli.bench.accuracy.measure import measure
-from splatline.cli.bench.accuracy.sweep import FLOAT, FLOAT_ONE_DEPTH, Sweep, plan
+from splatline.cli.bench.accuracy.planes import judge_means, plane_section
+from splatline.cli.bench.accuracy.sweep import (
+    FLOAT,
+    FLOAT_DEPTHS,
+    FLOAT_ONE_DEPTH,
+    TWICE,
+    Sweep,
+    plan,
+    plane_presets,
+)
 from splatline.cli.bench.accuracy.targets import TARGETS, judge
 from splatline.cli.bench.accuracy.write import write_accuracy
 from splatline.cli.main import main
@@ -63,28 +72,27 @@ def test_a_quick_run_writes_numbers_page_plots_and_pictures(quick):
             ("exact", "plane"),
         }
         assert {entry["quality"] for entry in fitted if not entry["preset"]} == {
-            FLOAT, FLOAT_ONE_DEPTH}  # fmt: skip
+            FLOAT, FLOAT_DEPTHS, FLOAT_ONE_DEPTH}  # fmt: skip
         assert {entry["switched"] for entry in fitted} == {None, *SKIPS}
         assert {entry["splats"] for entry in here} == {"auto", 3.5}
         sampled = [entry for entry in here if entry["samples"] > 1]
         assert {(entry["splats"], entry["preset"], entry["samples"]) for entry in sampled} == {
             (3.5, "paper", 4),
             ("auto", "paper", 4),
-            ("auto", "plane", 4),
+            *(("auto", preset, samples) for preset in ("plane", None) for samples in (4, 16)),
         }
-        assert [entry["quality"] for entry in sampled if entry["splats"] == 3.5] == [
-            "paper",
-            "exact",
-        ]
+        middle = [entry for entry in sampled if entry["splats"] == 3.5]
+        assert [entry["quality"] for entry in middle] == ["paper", "exact"]
     for entry in runs:
         assert entry["psnr_db"] > 5.0
         if entry["preset"]:
             assert entry["seconds"]["host"] > 0.0
             assert entry["seconds"]["golden"] > 0.0
+            assert min(entry["processor_seconds"].values()) > 0.0
             assert entry["codewords"] > entry["elements"] > 0
 
     page = (out / "accuracy.md").read_text()
-    for heading in ("Targets", "Error budget", "Skips", "Pictures"):
+    for heading in ("Targets", "Planes", "Error budget", "Skips", "Pictures"):
         assert f"\n## {heading}\n" in page
     # Every row of a table has as many cells as its head.
     tables = [block.splitlines() for block in page.split("\n\n") if block.startswith("| ")]
@@ -118,6 +126,22 @@ def test_the_error_budget_has_every_step(quick):
         "one sample a pixel", "one depth a fraction", "9-bit depth", "shading table", "materials",
         "3-bit colour",
     ]  # fmt: skip
+
+
+def test_the_error_budget_of_planes_has_one_sample_a_pixel_and_sixteen(quick):
+    ladders = json.loads((quick[0] / "accuracy.json").read_text())["ladders"]
+    for samples, first in ((1, "one sample a pixel"), (16, "16 samples a pixel")):
+        key = "ball", "plane", samples
+        here = [
+            row for row in ladders if (row["scene"], row["preset"], row["samples"]) == key
+            and row["splats"] == "auto"
+        ]  # fmt: skip
+        assert [row["step"] for row in here] == [
+            first, "12-bit depth", "7-bit slopes", "shading table", "materials", "8-bit colour",
+        ]  # fmt: skip
+    page = (quick[0] / "accuracy.md").read_text()
+    assert "Preset `plane`, quality `exact \N{MULTIPLICATION SIGN}16`, splats of the" in page
+    assert "Largest losses in the mean: " in page
 
 
 def test_the_number_of_runs_is_known_before(quick):
@@ -197,6 +221,35 @@ def test_the_verdicts_are_those_of_the_targets():
         "holes": (1.09, True),
     }
     assert list(verdicts) == [name for name in TARGETS if not name.startswith("plane")]
+
+
+def test_planes_are_judged_at_both_sizes_and_in_the_mean():
+    runs = [
+        entry(FLOAT, None, psnr=38.0),
+        entry(FLOAT, None, TWICE, psnr=35.0),
+        entry(FLOAT_DEPTHS, None, psnr=44.0, samples=4),
+        entry(FLOAT_DEPTHS, None, TWICE, psnr=42.0, samples=4),
+        entry("exact", "plane", psnr=37.0),
+        entry("exact", "plane", TWICE, psnr=33.7),
+        entry("exact", "plane", psnr=43.6, samples=4),
+        entry("exact", "plane", TWICE, psnr=41.6, samples=4),
+        {**entry("exact", "plane", psnr=30.0, samples=4), "scene": "terrain"},
+    ]
+    verdicts = {row["target"]: (row["figure"], row["met"]) for row in judge(runs[:-1])}
+    assert verdicts["plane"] == (-1.3, False)
+    assert verdicts["plane_samples"] == (-0.4, True)
+    means = [(row["samples"], row["psnr_db"], row["met"]) for row in judge_means(runs)]
+    assert means == [(1, 37.0, None), (4, 36.8, False)]
+    table = plane_section(runs)[-1]
+    assert "| knot (0, 0) | twice as large | 35.0 / - / - | - / 42.0 / - | - / - / - |" in table
+    assert "| -1.30, **not met** | -0.40, met |" in table
+    assert plane_section(runs[:2]) == []
+
+
+def test_every_engine_with_planes_is_measured_but_for_variants():
+    assert plane_presets()[0] == "plane"
+    assert all(CONFIGS[name].plane for name in plane_presets())
+    assert set(plane_presets()) <= set(Sweep((), (), ()).presets)
 
 
 def test_holes_where_float_has_none_are_infinitely_many():
