@@ -93,10 +93,11 @@ def plane_rows(fields: npt.NDArray[Any]) -> tuple[_Ints, _Ints]:
 def depth_at(fields: npt.NDArray[Any], row: int, column: int, config: EngineConfig) -> _Ints:
     """Return the depth of elements at a row and a column of their blocks: shape (n,).
 
-    The column may be one past the block, as in words without planes; no plane word has it.
+    A pixel at the background's depth is not drawn. The column may be one past the block, as in
+    words without planes; no plane word has it.
     """
     shift = np.array(SHIFTS)[fields["scale"]]
     total = fields["z"] << SUM_FRACTION - Z_FRACTION
     total = total + (column * fields["slope_x"] + row * fields["slope_y"] << shift)
-    depth: _Ints = np.clip(total >> SUM_FRACTION, 0, config.background_depth - 1)
+    depth: _Ints = np.clip(total >> SUM_FRACTION, 0, config.background_depth)
     return depth

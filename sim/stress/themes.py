@@ -77,8 +77,7 @@ def themes() -> dict[str, Theme]:
             "Drawn by `plane`. A word holds slopes of up to 252 levels a pixel; a wall that leans"
             " by 71 degrees and fills the depth range has them. A steeper plane is cut off so that"
             " it leans the same way and goes through its disc's centre, and so does one whose Z"
-            " would be beyond its range. Slopes that vanish are 0. No depth wraps, and none is the"
-            " background's.",
+            " would be beyond its range. Slopes that vanish are 0. No depth wraps.",
             tuple(plane_cases()),
             qualities=("exact",),
         ),

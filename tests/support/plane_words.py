@@ -118,9 +118,10 @@ def extreme_frames(config):
     and its line modulo four, so each combination is drawn at all of these. Elements lie apart.
     """
     half, top = 1 << config.slope_bits - 1, (1 << config.depth_bits + 1) - 1
+    depths = 0, 1, top // 2 + 1, top - 3, top
     planes = list(
         itertools.product(
-            (-half, half - 1, 0), (-half, half - 1, -1), range(4), (0, 1, top // 2 + 1, top - 3, top),
+            (-half, half - 1, 0), (-half, half - 1, -1), range(4), depths,
             range(config.pixels_per_word),
         )
     )  # fmt: skip

@@ -15,7 +15,7 @@ from tests.support.codewords import bits
 
 STEEPEST = 63 * 4  # levels a pixel, of the coarsest scale
 TIE = Fraction(1, 10**6)
-FURTHEST = 4094
+FURTHEST = 4095  # the background's
 
 config = pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
 any_float = st.floats(width=64)
