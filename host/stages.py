@@ -60,7 +60,7 @@ def draw_up(
         splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
     elif config.plane:  # each pixel has its own depth, and beyond the range none
         splats = dataclasses.replace(
-            splats, depth_range=depth_extent(splats, 1.0 / view.focal, config.background_depth - 1)
+            splats, depth_range=depth_extent(splats, view, config.background_depth - 1)
         )
     clock.lap("project")
     encoded = encode(

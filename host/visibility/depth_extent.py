@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 
 from .splats import DEPTH, DIAMETER, SLOPE_X, SLOPE_Y, Splats
+from .view import View
 
 __all__ = ["depth_extent"]
 
@@ -21,7 +22,7 @@ ROUNDING = 2.0
 a quarter of a level over 14 pixels, 1.75, and half a unit of Z."""
 
 
-def depth_extent(splats: Splats, inverse_focal: float, levels: int) -> tuple[float, float]:
+def depth_extent(splats: Splats, view: View, levels: int) -> tuple[float, float]:
     """Return the least and the greatest distance along the view of any disc.
 
     With n' as in :func:`splatline.host.visibility.project.project` the distance changes by
@@ -31,22 +32,22 @@ def depth_extent(splats: Splats, inverse_focal: float, levels: int) -> tuple[flo
     ----------
     splats
         The splats.
-    inverse_focal
-        Inverse of the focal length, in pixels.
+    view
+        The view: its focal length and its near distance, before which nothing counts.
     levels
         Levels of depth in the range; the furthest disc ends ``ROUNDING`` before the last.
 
     Returns
     -------
     tuple of float
-        In the cloud's unit; (0, 0) if there is no splat. None is below 0.
+        In the cloud's unit; (0, 0) if there is no splat.
     """
     if not len(splats):
         return 0.0, 0.0
     floats, _, doubles = splats.views()
     limits = np.empty((len(splats.starts), 2))
-    _extents(floats, doubles, splats.starts, splats.stops, inverse_focal, limits)
-    low, high = max(float(limits[:, 0].min()), 0.0), float(limits[:, 1].max())
+    _extents(floats, doubles, splats.starts, splats.stops, 1.0 / view.focal, limits)
+    low, high = max(float(limits[:, 0].min()), view.near), float(limits[:, 1].max())
     return low, high + (high - low) * ROUNDING / levels
 
 
