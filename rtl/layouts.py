@@ -7,7 +7,7 @@ inner ones are the engine's own.
 from amaranth.hdl import signed
 from amaranth.lib import data
 
-from splatline.contract.config import EngineConfig
+from splatline.contract.config import BLOCK, EngineConfig
 from splatline.contract.plane import PLANE_BITS, SHIFTS, SIDES
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "RasterLayout",
     "TableWriteLayout",
     "WordLayout",
+    "sum_bits",
 ]
 
 
@@ -154,6 +155,17 @@ class ElementLayout(data.StructLayout):
                 **(_slopes(config) if config.plane else {}),
             }
         )
+
+
+def sum_bits(config: EngineConfig) -> int:
+    """Return the bits of a pixel's depth in fractions of a level, signed.
+
+    They hold the depth of every pixel of a block (``docs/contract.md``, "Plane words").
+    """
+    steps, shift = 2 * (BLOCK - 1), SHIFTS[-1]
+    least = -steps * (1 << config.slope_bits - 1 + shift)
+    most = (config.z.mask << 1) + steps * ((1 << config.slope_bits - 1) - 1 << shift)
+    return max(most.bit_length(), (-least - 1).bit_length()) + 1
 
 
 class PlaneLayout(data.StructLayout):

@@ -2,12 +2,12 @@
 
 from typing import NamedTuple
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value
+from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
-from splatline.rtl.layouts import PixelLayout, WordLayout
+from splatline.rtl.layouts import PixelLayout, WordLayout, sum_bits
 
 __all__ = ["HALVES", "BeatWordsLayout", "LaneRow", "RowRequestLayout", "row_address_bits"]
 
@@ -37,11 +37,13 @@ class RowRequestLayout(data.StructLayout):
 
     ``addresses``: addresses of the even and the odd word. ``again``: the block drawn one cycle
     before, and two cycles before, has the same even or odd word; the group of the line is not
-    compared. ``behind``: that block is nearer than this one, or as near.
+    compared. ``behind``: that block is nearer than this one, or as near. With planes there is
+    ``line`` instead, the line's share of the pixels' depths (see :class:`BlockLayout`).
     """
 
     def __init__(self, config: EngineConfig):
         address = row_address_bits(config)
+        depth = {"line": signed(sum_bits(config))} if config.plane else {"behind": 2}
         super().__init__(
             {
                 "draw": 1,
@@ -51,7 +53,7 @@ class RowRequestLayout(data.StructLayout):
                 "odd": config.pixels_per_word,
                 "addresses": data.StructLayout(dict.fromkeys(HALVES, address)),
                 "again": data.ArrayLayout(data.StructLayout(dict.fromkeys(HALVES, 1)), 2),
-                "behind": 2,
+                **depth,
             }
         )
 
@@ -74,9 +76,12 @@ class Stages(NamedTuple):
     odd
         Test: pixels in the odd word.
     before
-        Test: the depth that is compared; 0 for a clear.
-    depth, colour
-        Test: what is written.
+        Test: the depth that is compared; 0 for a clear. With planes Catch: the depth to draw in
+        each column.
+    depth
+        Test: the depth that is written in each column.
+    colour
+        Test: the colour that is written.
     """
 
     caught: Value
@@ -86,7 +91,7 @@ class Stages(NamedTuple):
     not_even: Value
     odd: Value
     before: Value
-    depth: Value
+    depth: list[Value]
     colour: Value
 
 
@@ -141,12 +146,16 @@ class LaneRow(wiring.Component):
         super().__init__(
             {
                 "request": In(RowRequestLayout(config)),
-                "new": In(PixelLayout(config)),
+                **self._new(),
                 "loaded": In(BeatWordsLayout(config)),
                 "outside": In(data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word))),
                 "leaving": Out(BeatWordsLayout(config)),
             }
         )
+
+    def _new(self):
+        """Return the members that give what is drawn."""
+        return {"new": In(PixelLayout(self.config))}
 
     def elaborate(self, platform):
         """Build the circuit."""
@@ -156,7 +165,7 @@ class LaneRow(wiring.Component):
         stages = self._stages(m)
         kept = self._keep(m)
         written = Signal(data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word)))
-        hazards = self._meet(m, stages.caught, stages.addresses, written)
+        hazards = self._meet(m, stages, written)
         blank = {"depth": [config.background_depth for _ in columns]}
         leaving = Signal(
             BeatWordsLayout(config), init=dict.fromkeys(HALVES, blank), reset_less=True
@@ -178,27 +187,35 @@ class LaneRow(wiring.Component):
         set and reset inputs of their flip-flops are used for the clear.
         """
         config, request = self.config, self.request
-        background = config.background_depth
         caught = Signal(RowRequestLayout(config))
         mask = Signal(config.pixels_per_word, reset_less=True)  # of what is drawn
         addresses = Signal.like(caught.addresses, name="addresses")
         draws = Signal(config.pixels_per_word, init=-1, reset_less=True)
         not_even = Signal(config.pixels_per_word, reset_less=True)
         odd = Signal(config.pixels_per_word, init=-1, reset_less=True)
-        before = Signal(config.depth_bits, reset_less=True)  # the depth that is compared
-        depth = Signal(config.depth_bits, init=background, reset_less=True)
-        colour = Signal(config.colour_bits, reset_less=True)
         m.d.sync += [
             caught.eq(request),
             mask.eq(Mux(request.draw, request.mask, 0)),
             addresses.eq(caught.addresses),
             not_even.eq(Mux(caught.clear, 0, caught.odd)),
             odd.eq(Mux(caught.clear, -1, caught.odd)),
+        ]
+        before, depth = self._depths(m, caught)
+        colour = Signal(config.colour_bits, reset_less=True)
+        m.d.sync += colour.eq(Mux(caught.clear, 0, self.new.colour))
+        return Stages(caught, mask, addresses, draws, not_even, odd, before, depth, colour)
+
+    def _depths(self, m, caught):
+        """Return the depth that is compared, and the one that is written in each column."""
+        config = self.config
+        background = config.background_depth
+        before = Signal(config.depth_bits, reset_less=True)
+        depth = Signal(config.depth_bits, init=background, reset_less=True)
+        m.d.sync += [
             before.eq(Mux(caught.clear, 0, self.new.depth)),
             depth.eq(Mux(caught.clear, background, self.new.depth)),
-            colour.eq(Mux(caught.clear, 0, self.new.colour)),
         ]
-        return Stages(caught, mask, addresses, draws, not_even, odd, before, depth, colour)
+        return before, [depth] * config.pixels_per_word
 
     def _keep(self, m):
         """Return which pixels that are read are not flushed."""
@@ -232,7 +249,7 @@ class LaneRow(wiring.Component):
             load.data.depth.eq(loaded.depth[column]),
             load.data.colour.eq(loaded.colour[column]),
             write.addr.eq(getattr(stages.addresses, half)),
-            write.data.depth.eq(stages.depth),
+            write.data.depth.eq(stages.depth[column]),
             write.data.colour.eq(stages.colour),
         ]
         return read, write
@@ -275,23 +292,20 @@ class LaneRow(wiring.Component):
             writes["odd"].en.eq(written.odd[column]),
         ]
 
-    def _meet(self, m, caught, addresses, written):
+    def _meet(self, m, stages, written):
         """Find read-after-write hazards of the pixels in the test stage.
 
         ``hidden``: a nearer element wrote the pixel one cycle before. ``twice``: an element wrote
         it two cycles before. ``behind``: the element of two cycles before is nearer, or as near.
         """
-        words = written.shape()
+        caught, words = stages.caught, written.shape()
         hidden, again, twice = (
             Signal(words, name=name, reset_less=True) for name in ("hidden", "again", "twice")
         )
         behind = Signal(reset_less=True)
         m.d.sync += [twice.eq(again), behind.eq(caught.behind[1])]
         for half in HALVES:
-            now, then, last = (
-                getattr(place, half)[self.config.word_bits - 1 :]  # the group of its line
-                for place in (self.request.addresses, caught.addresses, addresses)
-            )
+            now, then, last = self._groups(half, stages)
             hides = getattr(caught.again[0], half) & caught.behind[0] & (then == last)
             meets = getattr(self.request.again[1], half) & (now == last)
             there = getattr(written, half)
@@ -300,3 +314,8 @@ class LaneRow(wiring.Component):
                 getattr(again, half).eq(Mux(meets & ~self.request.clear, there, 0)),
             ]
         return hidden, twice, behind
+
+    def _groups(self, half, stages):
+        """Return the groups of the lines of the last three requests, the latest first."""
+        requests = (self.request.addresses, stages.caught.addresses, stages.addresses)
+        return (getattr(place, half)[self.config.word_bits - 1 :] for place in requests)

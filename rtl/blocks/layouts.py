@@ -4,8 +4,17 @@ from amaranth.hdl import signed
 from amaranth.lib import data
 
 from splatline.contract.config import BLOCK, EngineConfig
+from splatline.rtl.layouts import PlaneLayout, sum_bits
 
-__all__ = ["BlockLayout", "ClearedLayout"]
+__all__ = ["BlockLayout", "ClearedLayout", "ColumnsLayout"]
+
+
+class ColumnsLayout(data.ArrayLayout):
+    """What each column of lanes adds to an element's depth, in quarters of a level."""
+
+    def __init__(self, config: EngineConfig):
+        slope = PlaneLayout(config)["across"].shape.width
+        super().__init__(signed(slope + config.pixel_bits), config.pixels_per_word)
 
 
 class BlockLayout(data.StructLayout):
@@ -17,6 +26,9 @@ class BlockLayout(data.StructLayout):
     ``touch[q]``: pixels of an odd word are drawn on the line, and of an even one. ``rows[q]``: any
     pixel is. ``mode``: only the first four lines have pixels. ``end`` and ``top`` as in
     :class:`TileLayout`.
+
+    ``z``: depth of all pixels. With planes, a pixel has the sum of ``lines[q]`` and ``columns[p]``,
+    in quarters of a level.
     """
 
     def __init__(self, config: EngineConfig):
@@ -33,8 +45,17 @@ class BlockLayout(data.StructLayout):
                 "mode": config.mode.width,
                 "top": signed(config.line_bits + 2),
                 "end": 1,
+                **_plane(config),
             }
         )
+
+
+def _plane(config: EngineConfig) -> dict:
+    """Return the fields of a block that give each pixel its depth."""
+    if not config.plane:
+        return {}
+    lines = data.ArrayLayout(signed(sum_bits(config)), BLOCK)
+    return {"lines": lines, "columns": ColumnsLayout(config)}
 
 
 class ClearedLayout(data.StructLayout):

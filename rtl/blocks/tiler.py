@@ -13,6 +13,11 @@ from .layouts import BlockLayout, ClearedLayout
 __all__ = ["BlockTiler"]
 
 
+def _kept(config: EngineConfig) -> tuple[str, ...]:
+    """Return the fields of an element that the tiler's first stages keep as they are."""
+    return ("mode", "x", "z", "top", "end", *(("plane",) if config.plane else ()))
+
+
 class ShapeLayout(data.StructLayout):
     """An element's rows, and how they are rotated and clipped.
 
@@ -28,7 +33,7 @@ class ShapeLayout(data.StructLayout):
         element = GeometryLayout(config).members
         super().__init__(
             {
-                **{name: element[name] for name in ("mode", "x", "z", "top", "end")},
+                **{name: element[name] for name in _kept(config)},
                 "rows": data.ArrayLayout(BLOCK, BLOCK),
                 "shifted": 1,
                 "turns": data.ArrayLayout(BLOCK, 2),
@@ -46,7 +51,7 @@ class TurnedLayout(data.StructLayout):
     """
 
     def __init__(self, config: EngineConfig):
-        names = ("mode", "x", "z", "top", "end", "rows", "groups")
+        names = (*_kept(config), "rows", "groups")
         shape = ShapeLayout(config).members
         super().__init__(
             {
@@ -144,6 +149,11 @@ class BlockTiler(wiring.Component):
                 touch.eq(Cat((mask & odd).any(), (mask & ~odd).any()))
                 for touch, mask, odd in zip(last.touch, lanes.mask, lanes.odd, strict=True)
             ]
+            if self.config.plane:
+                m.d.sync += [
+                    sums.eq(line + (lanes.z << 1))
+                    for sums, line in zip(last.lines, lanes.lines, strict=True)
+                ]
             with m.If(laid):
                 m.d.sync += top.eq(lanes.top)
             with m.Elif(offered & last.end):
@@ -184,7 +194,10 @@ class BlockTiler(wiring.Component):
         for row, mask in zip(shape.rows, masks, strict=True):
             m.d.comb += mask.eq(Cat((row.first <= c) & (row.last >= c) for c in range(BLOCK)))
         # Row 3 of a raised shape is its middle row and has no half rotation.
-        turned = [mask[::-1] for mask in masks[::-1]]
+        halves = [mask[::-1] for mask in masks]
+        if config.plane:
+            halves = self._half_turns(m, element, shape)
+        turned = halves[::-1]
         raised = [*turned[1:], 0]
         # The lower rows and ``groups`` are masked by gates. Yosys would make a reset of the
         # register from a Mux with 0, which depends on ``ready`` and would be late.
@@ -201,7 +214,7 @@ class BlockTiler(wiring.Component):
             groups.eq((self.last_line >> 3) - (element.top >> 3) + 1),
         ]
         more = groups[2:-1].any()
-        m.d.comb += [rows[name].eq(element[name]) for name in ("mode", "x", "z", "top", "end")]
+        m.d.comb += [rows[name].eq(element[name]) for name in _kept(config)]
         m.d.comb += [
             rows.rows.eq(Cat(*masks, *lower)),
             rows.shifted.eq(shape.shifted),
@@ -211,6 +224,36 @@ class BlockTiler(wiring.Component):
         ]
         return rows
 
+    def _half_turns(self, m, element, shape):
+        """Return the half turns of a plane word's rows as masks.
+
+        A row has the columns from its first one on that are not after its last one. An end is moved
+        by a shift of all columns on its inner side, which keep the block's outermost one: no end
+        leaves the block.
+        """
+        masks = []
+        for k, row in enumerate(shape.rows):
+            # The half turn's first column comes from the row's last one. What belongs to its last
+            # column is mirrored.
+            ends = (
+                Cat(row.last >= BLOCK - 1 - c for c in range(BLOCK)),
+                Cat(row.first <= c for c in range(BLOCK)),
+            )
+            moved = []
+            for end, columns in enumerate(ends):
+                given = Signal(BLOCK, name=f"inner_{k}_{end}")
+                shifted = Signal(BLOCK, name=f"moved_{k}_{end}")
+                inwards = Cat(0, given[: BLOCK - 2], 1)
+                outwards = Cat(given[1:], 1)
+                moves = element.sides[2 * k + end] & shape.filled[k]
+                m.d.comb += [
+                    given.eq(columns),
+                    shifted.eq(Mux(moves, Mux(element.outwards[end], outwards, inwards), given)),
+                ]
+                moved.append(shifted)
+            masks.append(moved[0] & moved[1][::-1])
+        return masks
+
     def _turn(self, m, shape):
         """Return the rows with their columns rotated to the lanes, and clipped.
 
@@ -218,7 +261,7 @@ class BlockTiler(wiring.Component):
         """
         turned = Signal(TurnedLayout(self.config))
         bits = self.config.pixel_bits
-        kept = ("mode", "x", "z", "top", "end", "groups")
+        kept = (*_kept(self.config), "groups")
         m.d.comb += [turned[name].eq(shape[name]) for name in kept]
         m.d.comb += turned.turn.eq(_one_of(shape.top[:3]))
         # The lower rows may lie a column further right.
@@ -259,6 +302,15 @@ class BlockTiler(wiring.Component):
                 row.eq(q - top[:3]),
                 block.odd[q].eq(Mux(row[2], turned.odd[1], turned.odd[0])),
             ]
+            if self.config.plane:
+                m.d.comb += block.lines[q].eq(turned.plane.down * row)
+        if self.config.plane:
+            for p in range(BLOCK):
+                column = Signal(bits, name=f"column_of_{p}")
+                m.d.comb += [
+                    column.eq(p - turned.x[:bits]),
+                    block.columns[p].eq(turned.plane.across * column),
+                ]
         return block
 
     def _lines(self, m, turned, block):

@@ -20,8 +20,10 @@ from splatline.rtl.window.service import (
 from .dirty_bits import residue_bits
 from .flush_scan import BlockFlushScan
 from .lane_row import HALVES, BeatWordsLayout, LaneRow, RowRequestLayout, row_address_bits
-from .layouts import BlockLayout, ClearedLayout
+from .layouts import BlockLayout, ClearedLayout, ColumnsLayout
+from .plane_row import PlaneLaneRow
 from .readout import BlockReadout
+from .requests import register_load, request_addresses, request_pixels, word_of
 
 __all__ = ["BlockWindow"]
 
@@ -77,7 +79,8 @@ class BlockWindow(wiring.Component):
     flushes stop once the FIFO is half full. Blocks go on as long as their lines are in the window.
 
     Hazards: none stalls. Each block comes with a comparison to the two blocks before it
-    (``_follow``), by which a lane decides about pixels that are still being written.
+    (``_follow``), by which a lane decides about pixels that are still being written. With planes
+    lanes compare depths (:class:`PlaneLaneRow`).
 
     After reset the lanes are cleared, in as many cycles as one of their memories has pixels.
 
@@ -150,9 +153,9 @@ class BlockWindow(wiring.Component):
         grants = self._arbitrate(m, flush_scan, loader, readout, clearing.swept, close)
         new, again, behind = self._follow(m, grants.going)
         requests, loaded = self._rows(m, flush_scan, readout, new)
-        self._request(m, requests, grants, again, behind, clearing.sweeping)
-        self._address(m, requests, grants, clearing)
-        self._load(m, loaded, loader)
+        request_pixels(m, self, requests, grants, again, behind, clearing.sweeping)
+        request_addresses(m, self, requests, grants, clearing)
+        register_load(m, self, loaded, loader)
         self._mark(m, flush_scan, loader, grants, clearing)
         return m
 
@@ -292,66 +295,28 @@ class BlockWindow(wiring.Component):
         many lanes.
         """
         config = self.config
-        rows = [LaneRow(config) for _ in range(BLOCK)]
+        rows = [PlaneLaneRow(config) if config.plane else LaneRow(config) for _ in range(BLOCK)]
         requests = [
             Signal(RowRequestLayout(config), name=f"request_{q}", reset_less=True)
             for q in range(BLOCK)
         ]
         loaded = Signal(BeatWordsLayout(config), reset_less=True)
         outside = self._outside(m, flush_scan.flush.payload.word)
+        if config.plane:
+            columns = Signal(ColumnsLayout(config), reset_less=True)
+            m.d.sync += columns.eq(self.i.payload.columns)
         for q, (row, request) in enumerate(zip(rows, requests, strict=True)):
             m.submodules[f"row_{q}"] = row
             m.d.comb += [
                 row.request.eq(request),
-                row.new.eq(new),
+                row.new.colour.eq(new.colour) if config.plane else row.new.eq(new),
                 row.loaded.eq(loaded),
                 row.outside.eq(outside),
                 readout.rows[q].eq(row.leaving),
             ]
+            if config.plane:
+                m.d.comb += row.columns.eq(columns)
         return requests, loaded
-
-    def _request(self, m, requests, grants, again, behind, sweeping):
-        """Request the block's pixels, the load and the flush of their rows of lanes."""
-        block = self.i.payload
-        for q, request in enumerate(requests):
-            m.d.sync += [
-                request.draw.eq(grants.going),
-                request.mask.eq(block.mask[q]),
-                request.odd.eq(block.odd[q]),
-                request.again.eq(again),
-                request.behind.eq(behind),
-                request.load.eq(grants.loading & grants.row_served[q]),
-                request.clear.eq((grants.flushing & grants.row_served[q]) | sweeping),
-            ]
-
-    def _address(self, m, requests, grants, clearing):
-        """Set the rows' addresses: of the block's words, of the service, or of the clearing."""
-        config = self.config
-        block, service = self.i.payload, grants.service
-        group = service.line[residue_bits(config) : config.slot_bits]
-        place = Signal(row_address_bits(config))
-        served = Cat(service.word[1:], group)
-        m.d.comb += place.eq(Mux(clearing.sweeping, clearing.sweep, served))
-        for half, name in enumerate(HALVES):
-            m.d.sync += [
-                getattr(request.addresses, name).eq(
-                    Mux(grants.busy[q], Cat(_word(block, half), block.group[q]), place)
-                )
-                for q, request in enumerate(requests)
-            ]
-
-    def _load(self, m, loaded, loader):
-        """Split the loaded beat into its even and its odd word; background has colour 0."""
-        pixels = loader.o.payload.pixels
-        for half, name in enumerate(HALVES):
-            word = getattr(loaded, name)
-            for column in range(self.config.pixels_per_word):
-                pixel = self.config.pixels_per_word * half + column
-                depth, colour = pixels.depth[pixel], pixels.colour[pixel]
-                m.d.sync += [
-                    word.depth[column].eq(depth),
-                    word.colour[column].eq(Mux(depth.all(), 0, colour)),
-                ]
 
     def _mark(self, m, flush_scan, loader, grants, clearing):
         """Tell the flush scan which words are written, and when it may take dirty bits."""
@@ -377,15 +342,15 @@ class BlockWindow(wiring.Component):
         """Compare the block with the two before it; return the earlier pixel, and the results.
 
         The results are ``again`` and ``behind`` of :class:`RowRequestLayout`. The pixel is that of
-        two cycles before, which the rows draw in this cycle.
+        two cycles before, which the rows draw in this cycle. With planes only its colour counts.
         """
-        block = self.i.payload
-        words = data.StructLayout(dict.fromkeys(HALVES, self.config.word_bits - 1))
-        past = data.StructLayout({"drawn": 1, "new": PixelLayout(self.config), "words": words})
+        config, block = self.config, self.i.payload
+        words = data.StructLayout(dict.fromkeys(HALVES, config.word_bits - 1))
+        past = data.StructLayout({"drawn": 1, "new": PixelLayout(config), "words": words})
         latest, before, before_that = (
             Signal(past, name=f"drawn_{n}", reset_less=n > 0) for n in range(3)
         )
-        again = Signal(RowRequestLayout(self.config).members["again"])
+        again = Signal(RowRequestLayout(config).members["again"])
         behind = Signal(2)
         m.d.comb += [
             latest.drawn.eq(going),
@@ -393,7 +358,7 @@ class BlockWindow(wiring.Component):
             latest.new.colour.eq(self.shade),
         ]
         for half, name in enumerate(HALVES):
-            m.d.comb += getattr(latest.words, name).eq(_word(block, half))
+            m.d.comb += getattr(latest.words, name).eq(word_of(block, half))
         m.d.sync += [before.eq(latest), before_that.eq(before)]
         for n, other in enumerate((before, before_that)):
             # The depth of what was not offered may be undefined.
@@ -415,11 +380,3 @@ class BlockWindow(wiring.Component):
         m.d.sync += requested.eq(word[1:])
         is_last = requested == self.last_column[bits:]
         return Cat(is_last & (n > self.last_column[:bits]) for n in range(config.raster_pixels))
-
-
-def _word(block, half):
-    """Return the number of a block's even or odd word among the even or odd words of its line.
-
-    If the first of its two words is even, both numbers are the same.
-    """
-    return block.words[1 - half][1:]

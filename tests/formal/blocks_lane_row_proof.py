@@ -203,7 +203,7 @@ PROOFS = [
                 LaneRow,
                 r"(depth\.eq\()Mux\([^,]*, background, (.*)\)\)",
                 r"\1\2)",
-                "_stages",
+                "_depths",
             ),
             Fault(
                 "the colour not cleared",
