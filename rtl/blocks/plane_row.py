@@ -59,21 +59,22 @@ class PlaneLaneRow(LaneRow):
         return saturated, written
 
     def _saturate(self, m, column, total):
-        """Return a column's depth in the cycle after its sum, in 0 .. the largest that draws."""
+        """Return a column's depth in the cycle after its sum.
+
+        A pixel at the background's depth or beyond has that one: it is nearer than nothing.
+        """
         bits = self.config.depth_bits
         level = Signal(bits, name=f"level_{column}", reset_less=True)
         before = Signal(name=f"before_{column}", reset_less=True)  # before depth 0
-        beyond = Signal(name=f"beyond_{column}", reset_less=True)  # or nearer than 0
+        beyond = Signal(name=f"beyond_{column}", reset_less=True)  # means nothing before depth 0
         saturated = Signal(bits, name=f"saturated_{column}")
         levels = total[SUM_FRACTION:]
         m.d.sync += [
             level.eq(levels[:bits]),
             before.eq(levels[-1]),
-            # The background's depth is the first that is too large.
-            beyond.eq(levels[bits:-1].any() | levels[:bits].all()),
+            beyond.eq(levels[bits:-1].any()),
         ]
-        largest = self.config.background_depth - 1
-        m.d.comb += saturated.eq(Mux(before, 0, Mux(beyond, largest, level)))
+        m.d.comb += saturated.eq(Mux(before, 0, Mux(beyond, self.config.background_depth, level)))
         return saturated
 
     def _read(self, m, name, pixel, caught):

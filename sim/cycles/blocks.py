@@ -10,7 +10,7 @@ from typing import Any
 import numba as nb
 import numpy as np
 
-from splatline.contract.codeword import unfold
+from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK
 
 from .blocks_flush import BEATS, FLUSHED, HERE, LINE, OLDEST, WRITTEN, new_scan, reached, step_scan
@@ -36,13 +36,15 @@ LAGGING = 2
 
 
 @nb.njit(cache=True)
-def count_blocks(words: Any, machine: Machine) -> int:
+def count_blocks(words: Any, highs: Any, machine: Machine) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
     Parameters
     ----------
     words
         Code words: shape (n,), int64 (the bits of unsigned ones).
+    highs
+        The upper 32 bits of plane words: shape (n,), int64; shape (0,) without planes.
     machine
         The engine and the image.
 
@@ -112,7 +114,7 @@ def count_blocks(words: Any, machine: Machine) -> int:
                 given, top = END if laid == front.state[END_WORD] else ELEMENT, laid_top
                 last_rows = _rows(words[laid])
             if given == ELEMENT:
-                _place(words[laid], top, block, machine)
+                _place(laid, words, highs, top, block, machine)
             laid, laid_top = turned, turned_top
             turned, turned_top = front.held[HEAD], front.tops[HEAD]
         advance(words, front, steps, machine, rigid=True)
@@ -127,10 +129,14 @@ def _rows(word: int) -> int:
 
 
 @nb.njit(cache=True)
-def _place(word: int, top: int, block: Any, machine: Machine) -> None:
+def _place(index: int, words: Any, highs: Any, top: int, block: Any, machine: Machine) -> None:
     """Set ``block`` to that of an element, clipped to the image, columns by whole words."""
     rows = np.empty((BLOCK, 2), np.int64)
-    unfold(word, rows)
+    word = words[index]
+    if len(highs):
+        unfold_plane(word, highs[index], rows)
+    else:
+        unfold(word, rows)
     x = word >> machine.x_lsb & machine.x_mask
     block[FIRST_LINE], block[COLUMN] = top, x
     room = max((machine.last_column // machine.pixels + 1) * machine.pixels - x, 0)

@@ -42,20 +42,15 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     Raises
     ------
     InputError
-        If there is no end-of-frame word, or for an engine of blocks with planes, which has no
-        model.
+        If there is no end-of-frame word.
     """
     config = frame.config
-    if config.plane and config.draws_blocks:
-        raise InputError(f"no cycle model of preset {config.name} yet; simulate its Verilog")
     clearing = clearing_cycles(config) if after_reset else 0
     words, highs = halves_of(slots(frame.codewords, config), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
     machine = machine._replace(hazard=conflicts)
-    if config.draws_blocks:
-        cycles = count_blocks(words, machine)
-    else:
-        cycles = count_tiles(words, highs, machine)
+    count = count_blocks if config.draws_blocks else count_tiles
+    cycles = count(words, highs, machine)
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
     return int(cycles)

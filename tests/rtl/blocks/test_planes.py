@@ -14,10 +14,12 @@ from splatline.sim.cosim.player import frames
 from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
+from splatline.sim.cycles.cycles import count_cycles
 from tests.rtl.blocks.test_window_faults import collide
 from tests.rtl.test_planes import jobs, mismatches
 from tests.support import plane_words as pw
 from tests.support.planted import plant, play_with
+from tests.support.random_frames import nonsense, shapes
 
 BLOCKS = {"window": "blocks", "pixels_per_word": 8, "raster_words": 2}
 DEEP = pw.DEEP.replace(name="deep-blocks", **BLOCKS)
@@ -44,8 +46,7 @@ FAULTS = {
     ),
     "an empty row's half turn": (BlockTiler, "_half_turns", r" & shape\.filled\[k\]", ""),
     "nothing before depth 0": (PlaneLaneRow, "_saturate", r"eq\(levels\[-1\]\)", "eq(0)"),
-    "the background's depth": (PlaneLaneRow, "_saturate", r" \| levels\[:bits\]\.all\(\)", ""),
-    "nothing beyond": (PlaneLaneRow, "_saturate", r"levels\[bits:-1\]\.any\(\) \| ", ""),
+    "nothing beyond": (PlaneLaneRow, "_saturate", r"levels\[bits:-1\]\.any\(\)", "0"),
     "not cleared": (PlaneLaneRow, "_test", r"eq\(caught\.clear\)", "eq(0)"),
     "the other word's depth": (PlaneLaneRow, "_test", r'olds\["odd"\]', 'olds["even"]'),
     "as it was read": (PlaneLaneRow, "_test", r"forwarded, old", "old, old"),
@@ -115,6 +116,20 @@ def test_a_fault_is_noticed(name):
     played = [*jobs(SWIFT_PLANE, range(4)), *crowds()]
     number = list(FAULTS).index(name) + 1
     assert any(mismatches(played, play_with(number, played, unkind())))
+
+
+def test_the_model_counts_its_cycles():
+    rng = np.random.default_rng(3)
+    played = [frames.Job(frame=crowded(seed)) for seed in range(4)]
+    for width, height in ((64, 48), (509, 30), (13, 90), (1, 1)):
+        played += [
+            frames.Job(frame=part(rng, 400, width, height, config=SWIFT_PLANE))
+            for part in (shapes, nonsense)
+        ]
+    outcomes = play_with(0, played, unkind())
+    assert mismatches(played, outcomes) == [0] * 12
+    counted = [count_cycles(job.frame, after_reset=n == 0) for n, job in enumerate(played)]
+    assert [outcome.cycles for outcome in outcomes] == counted
 
 
 def test_a_word_a_cycle_in_any_order():

@@ -5,7 +5,7 @@ import pytest
 
 from splatline.cli.bench.engine.few_elements import few_splats
 from splatline.contract.errors import InputError
-from splatline.contract.presets import LANES8, PAPER, PLANE, RGB24, SWIFT
+from splatline.contract.presets import LANES8, PAPER, PLANE, RGB24, SWIFT, SWIFT_PLANE
 from splatline.host.encode.partition import deal
 from splatline.host.encode.sort_by_line import advance_word
 from splatline.rtl.engine import engine_latency
@@ -130,8 +130,8 @@ def test_the_count_is_that_of_the_verilog_to_the_cycle(played):
 
 @pytest.mark.parametrize(
     ("config", "most"),
-    [(RGB24, 220), (SWIFT, 100), (PLANE, 220)],
-    ids=["rgb24", "swift", "plane"],
+    [(RGB24, 220), (SWIFT, 100), (PLANE, 220), (SWIFT_PLANE, 100)],
+    ids=["rgb24", "swift", "plane", "swift-plane"],
 )
 def test_ten_splats_anywhere_take_few_cycles(config, most):
     """By Verilog and model: of a second frame, as the window is cleared before the first."""
@@ -155,7 +155,10 @@ def test_clearing_the_window_holds_a_first_frame_up(played):
 
 @pytest.mark.parametrize(
     "config",
-    [PAPER, LANES8, SWIFT, PLANE, variant("depth12"), variant("lines32"), variant("word2")],
+    [
+        *(PAPER, LANES8, SWIFT, PLANE, SWIFT_PLANE),
+        *(variant("depth12"), variant("lines32"), variant("word2")),
+    ],
     ids=lambda config: config.name,
 )
 def test_known_counts(config):
