@@ -7,7 +7,7 @@ from splatline.rtl.layouts import PixelLayout
 from tests.formal.properties import SWIFT_NINE, OneWord, Properties, any_constant
 from tests.formal.prove import Fault, Proof
 
-__all__ = ["PROOFS"]
+__all__ = ["PROOFS", "LaneRowProperties"]
 
 
 class LaneRowProperties(Properties):
@@ -16,6 +16,8 @@ class LaneRowProperties(Properties):
     It lies in any column and either half. A request has two more stages: its pixels were read, and
     they are tested, and written. A load has none.
     """
+
+    row = LaneRow
 
     def __init__(self, config):
         self.config = config
@@ -28,14 +30,14 @@ class LaneRowProperties(Properties):
         self.half = any_constant(m, 1, "half")
         # That its two writers keep apart is assumed of the pixel, and of no other one.
         self.memories = OneWord(self.address, apart=False)
-        self.dut = dut = LaneRow(config)
+        self.dut = dut = self.row(config)
         self.add(m, dut)
         self.free(m, dut)
 
         # What was requested in the two cycles before; and what the last three were to draw, the
         # first of which is known now.
         caught, tested = (Signal(RowRequestLayout(config), name=n) for n in ("asked", "tested"))
-        news = [dut.new, *(Signal(PixelLayout(config), name=f"new_{n}") for n in (1, 2))]
+        news = [self._new(m), *(Signal(PixelLayout(config), name=f"new_{n}") for n in (1, 2))]
         drew = Signal(2)  # what lay before what is caught was to be drawn
         # The registers without a reset have none of what they began with, stage by stage.
         begun = Signal(2)
@@ -48,6 +50,10 @@ class LaneRowProperties(Properties):
         self.given(m, "begins", begun[1] | ~loads)
         pixel, known = self._define(m, tested, news[1], loads)
         self._assert_leaving(m, caught, pixel, known, begun)
+
+    def _new(self, m):
+        """Return the pixel that the request of the cycle before draws."""
+        return self.dut.new
 
     def _pick(self, m, words):
         """Return the chosen pixel of two words."""
@@ -98,8 +104,9 @@ class LaneRowProperties(Properties):
             same = before.draw & (self._word(before) == self._word(request))
             other = before.draw & (before.clear | before.load)  # the word is that one's
             self.given(m, f"again_{n}", ~request.draw | other | (again == same))
-            told = caught.behind[n] == (self.dut.new.depth >= news[n + 1].depth)
-            self.given(m, f"behind_{n}", ~(caught.draw & drew[n]) | told)
+            if not self.config.plane:
+                told = caught.behind[n] == (self.dut.new.depth >= news[n + 1].depth)
+                self.given(m, f"behind_{n}", ~(caught.draw & drew[n]) | told)
 
     def _assume_clears(self, m, caught, tested):
         """Assume that clears and loads keep their distance; return whether the pixel is loaded."""
