@@ -8,7 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from splatline.contract.presets import PAPER, PLANE, SWIFT
+from splatline.contract.presets import PAPER, PLANE, SWIFT, SWIFT_PLANE
 from splatline.flow.verilog import generate
 from splatline.host.device.driver import Engine
 from splatline.rtl.blocks.window import BlockWindow
@@ -32,6 +32,9 @@ EDITIONS = ("2001", "2005", "2005-sv", "2009", "2012")
 
 BLOCKS = SWIFT.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 """The same with fewer bits, which Icarus draws in less time."""
+
+PLANES = SWIFT_PLANE.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
+"""Blocks with planes. All lanes compare depths, which are undefined where nothing is drawn."""
 
 FAULTS = [
     (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
@@ -66,8 +69,8 @@ def wrong_pixels(built, config, edges):
 @in_icarus
 @pytest.mark.parametrize(
     "config, edges",
-    [(PAPER, 1), (PAPER, 4), (BLOCKS, 1), (PLANE, 1)],
-    ids=["paper-1", "paper-4", "blocks-1", "plane-1"],
+    [(PAPER, 1), (PAPER, 4), (BLOCKS, 1), (PLANE, 1), (PLANES, 1)],
+    ids=["paper-1", "paper-4", "blocks-1", "plane-1", "planes-1"],
 )
 def test_the_first_frame_after_a_short_reset_is_right(config, edges):
     assert wrong_pixels(engine(config, "icarus"), config, edges) == 0
