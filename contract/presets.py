@@ -35,12 +35,13 @@ with 12 bits of depth and 256 materials. The most accurate picture, and one code
 element of up to 8 x 8 pixels. It has no AXI top yet."""
 
 SWIFT_PLANE = SWIFT.replace(name="swift-plane", plane=True, depth_bits=12, material_bits=8)
-"""``swift`` with a depth for every pixel: the code words of ``plane``, one a cycle."""
+"""``swift`` with a depth for every pixel: the code words of ``plane``, one a cycle. The fewest
+cycles for the most accurate picture, with twice the LUTs of ``swift`` and as many block RAMs."""
 
 DEFAULT = RGB24
 """The default of commands and functions."""
 
-PRESETS = {config.name: config for config in (PAPER, RGB24, LANES8, SWIFT, PLANE)}
+PRESETS = {config.name: config for config in (PAPER, RGB24, LANES8, SWIFT, PLANE, SWIFT_PLANE)}
 """Named configurations."""
 
 REMOVED = {

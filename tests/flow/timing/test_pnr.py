@@ -95,7 +95,7 @@ def test_the_vendor_s_constraints_fit_the_pins():
 
 def test_only_draws_blocks_are_placed_for_short_wires_alone():
     short = [c.name for c in (*PRESETS.values(), *VARIANTS) if placer(c) == SHORT]
-    assert short == ["swift"]
+    assert short == ["swift", "swift-plane"]
 
 
 def test_block_rams_of_pairs_come_from_a_library_that_promises_more(tmp_path):
