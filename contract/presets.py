@@ -32,7 +32,7 @@ LANES8 = RGB24.replace(name="lanes8", pixels_per_word=8)
 PLANE = RGB24.replace(name="plane", plane=True, depth_bits=12, material_bits=8)
 """``rgb24`` with a depth for every pixel: code words of 96 bits carry the plane of their element,
 with 12 bits of depth and 256 materials. The most accurate picture, and one code word for each
-element of up to 8 x 8 pixels. It has no AXI top yet."""
+element of up to 8 x 8 pixels."""
 
 SWIFT_PLANE = SWIFT.replace(name="swift-plane", plane=True, depth_bits=12, material_bits=8)
 """``swift`` with a depth for every pixel: the code words of ``plane``, one a cycle. The fewest

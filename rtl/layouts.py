@@ -143,7 +143,11 @@ def _geometry(config: EngineConfig) -> dict:
 
 
 class ElementLayout(data.StructLayout):
-    """An element with its line; or the end of the frame, with ``end`` and the largest ``top``."""
+    """An element with its line; or the end of the frame, with ``end`` and the largest ``top``.
+
+    With planes ``line_modulo_4`` has the low bits of an element's ``top``. Those of an end mean
+    nothing.
+    """
 
     def __init__(self, config: EngineConfig):
         super().__init__(
@@ -152,7 +156,7 @@ class ElementLayout(data.StructLayout):
                 "specular": config.specular.width,
                 "material": config.material.width,
                 **_geometry(config),
-                **(_slopes(config) if config.plane else {}),
+                **({**_slopes(config), "line_modulo_4": 2} if config.plane else {}),
             }
         )
 
@@ -160,7 +164,8 @@ class ElementLayout(data.StructLayout):
 def sum_bits(config: EngineConfig) -> int:
     """Return the bits of a pixel's depth in fractions of a level, signed.
 
-    They hold the depth of every pixel of a block (``docs/contract.md``, "Plane words").
+    They hold the depth of every pixel of a block (``docs/contract.md``, "Plane words"). What wraps
+    lies outside of it.
     """
     steps, shift = 2 * (BLOCK - 1), SHIFTS[-1]
     least = -steps * (1 << config.slope_bits - 1 + shift)

@@ -39,7 +39,7 @@ def plane_of(m, element, enable, config: EngineConfig):
                 m.d.comb += [
                     one.eq(1 << shift),
                     column.eq(element.x[: config.pixel_bits] << shift),
-                    line.eq(element.top[:2] << shift),
+                    line.eq(element.line_modulo_4 << shift),
                 ]
     with m.If(enable):
         m.d.sync += [

@@ -73,7 +73,9 @@ class Sequencer(wiring.Component):
             element.top.eq(Mux(control, lowest, top)),
         ]
         for name in element.shape().members:
-            if name not in ("top", "end"):
+            if name == "line_modulo_4":  # early, as a multiplier follows
+                m.d.comb += element.line_modulo_4.eq(top[:2])
+            elif name not in ("top", "end"):
                 m.d.comb += element[name].eq(codeword[name])
         with m.If(self.i.valid & self.i.ready):
             m.d.sync += self.open.eq(~(control & end))

@@ -4,22 +4,9 @@ from amaranth.hdl import signed
 from amaranth.lib import data
 
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.contract.plane import SHIFTS
-from splatline.rtl.layouts import PlaneLayout
+from splatline.rtl.layouts import PlaneLayout, sum_bits
 
-__all__ = ["PlaneTileLayout", "TileLayout", "sum_bits"]
-
-
-def sum_bits(config: EngineConfig) -> int:
-    """Return the bits of a pixel's depth in fractions of a level, signed.
-
-    They hold the depth of every pixel of a block (``docs/contract.md``, "Plane words"). What wraps
-    lies outside of it.
-    """
-    steps, shift = 2 * (BLOCK - 1), SHIFTS[-1]
-    least = -steps * (1 << config.slope_bits - 1 + shift)
-    most = (config.z.mask << 1) + steps * ((1 << config.slope_bits - 1) - 1 << shift)
-    return max(most.bit_length(), (-least - 1).bit_length()) + 1
+__all__ = ["PlaneTileLayout", "TileLayout"]
 
 
 def _pixels(config: EngineConfig) -> dict:

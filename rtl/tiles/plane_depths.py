@@ -6,8 +6,9 @@ from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.plane import SUM_FRACTION
+from splatline.rtl.layouts import sum_bits
 
-from .layouts import PlaneTileLayout, TileLayout, sum_bits
+from .layouts import PlaneTileLayout, TileLayout
 from .overlap import overlap
 
 __all__ = ["PlaneDepths"]

@@ -5,11 +5,11 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.rtl.layouts import GeometryLayout
+from splatline.rtl.layouts import GeometryLayout, sum_bits
 from splatline.rtl.lib.mux import number_of, pick
 from splatline.rtl.shapes.rows import ShapeRows
 
-from .layouts import PlaneTileLayout, TileLayout, sum_bits
+from .layouts import PlaneTileLayout, TileLayout
 from .overlap import overlap
 
 __all__ = ["Tiler"]

@@ -30,6 +30,8 @@ class ColourProperties(Properties):
         self.add(m, dut)
         self.free(m, dut)
         element = dut.i.payload
+        beside = element.line_modulo_4 == element.top[:2]
+        self.given(m, "beside", ~dut.i.valid | element.end | beside)
         taken = Signal(element.shape())
         with m.If(dut.i.valid & dut.i.ready):
             m.d.sync += taken.eq(element)
@@ -66,7 +68,7 @@ PROOFS = [
             Fault("a shift", colour, r"one\.eq\(1 << shift\)", "one.eq(1)", "plane_of"),
             Fault("another column", colour, r"x\[: config\.pixel_bits\] << shift",
                   "x[: config.pixel_bits]", "plane_of"),
-            Fault("another line", colour, r"top\[:2\]", "top[:1]", "plane_of"),
+            Fault("another line", colour, r"line_modulo_4 <<", "line_modulo_4[:1] <<", "plane_of"),
             Fault("slopes exchanged", colour, r"down\.eq\(element\.slope_y",
                   "down.eq(element.slope_x", "plane_of"),
         ),

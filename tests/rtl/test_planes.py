@@ -10,6 +10,7 @@ from splatline.contract.presets import PLANE
 from splatline.flow.verilog import generate
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility.view import fit_view
+from splatline.rtl.front.sequencer import Sequencer
 from splatline.rtl.tiles.plane_depths import PlaneDepths
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
@@ -29,6 +30,7 @@ FAULTS = {
     "columns of the word before": (Tiler, "_plane", r"tile\.next\[j\]", "0"),
     "the block's own column": (Tiler, "_plane", r" - given\.before", ""),
     "the block's own line": (Tiler, "_plane", r" - given\.above", ""),
+    "the lines of another block": (Sequencer, "elaborate", r"eq\(top\[:2\]\)", "eq(top[1:3])"),
     "moved beyond the block": (Tiler, "_halves", r"moved & ~stays", "moved"),
     "an end moved the other way": (Tiler, "_halves", r"Mux\(out, -1, 1\)", "Mux(out, 1, -1)"),
     "an empty row's half turn": (Tiler, "_halves", r" & shape\.filled\[k\]", ""),
