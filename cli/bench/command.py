@@ -22,6 +22,12 @@ from .subjects import check_names
 __all__ = ["bench"]
 
 
+ACCURACY_SIZES: dict[str, float | str | None] = {
+    "auto": None, "twice": "twice", "1.5": 1.5, "3.5": 3.5, "7": 7.0, "14": 14.0,
+}  # fmt: skip
+"""Sizes of splats that ``splatline bench accuracy`` measures, by their names."""
+
+
 @click.group()
 def bench() -> None:
     """Run benchmarks; write their results as JSON, tables and plots.
@@ -52,6 +58,10 @@ def bench() -> None:
 )
 @click.option("--size", type=SIZE, metavar="WxH", default=None, show_default="512x512",
               help="Size of the image in pixels.")  # fmt: skip
+@click.option("--splats", "sizes", multiple=True, default=ACCURACY_SIZES, show_default="all",
+              type=click.Choice(list(ACCURACY_SIZES)),
+              help="Size of the splats: auto, the points' own spacing; twice, twice as large; or the"
+              " median diameter in pixels. May be given several times.")  # fmt: skip
 @folder_option("accuracy.json, accuracy.md and the plots")
 @click.option(
     "--no-pictures",
@@ -67,6 +77,7 @@ def accuracy(
     scenes: tuple[str, ...],
     views: tuple[tuple[float, float], ...],
     size: tuple[int, int] | None,
+    sizes: tuple[str, ...],
     out_dir: Path,
     unseen: tuple[str, ...],
     quick: bool,
@@ -80,6 +91,7 @@ def accuracy(
     Examples:
       splatline bench accuracy
       splatline bench accuracy scan.ply --view 30,20 --view -120,5 --out-dir build/bench
+      splatline bench accuracy scan.ply --splats auto --splats twice
       splatline bench accuracy --scene knot --quick --out-dir build/bench
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from splatline.cli.bench.accuracy.measure import measure
@@ -93,7 +105,8 @@ def accuracy(
         if name not in names:
             raise InputError(f"no pictures of {name!r} to leave out; there are: {', '.join(names)}")
     check_folder(out_dir)
-    sweep = Sweep(clouds, scenes or SCENES, views, size or (512, 512))
+    splats = tuple(ACCURACY_SIZES[name] for name in dict.fromkeys(sizes))
+    sweep = Sweep(clouds, scenes or SCENES, views, size or (512, 512), splats)
     if quick:
         sweep = Sweep(
             clouds,

@@ -18,6 +18,7 @@ from splatline.cli.bench.accuracy.sweep import (
 )
 from splatline.cli.bench.accuracy.targets import TARGETS, judge
 from splatline.cli.bench.accuracy.write import write_accuracy
+from splatline.cli.bench.command import ACCURACY_SIZES
 from splatline.cli.main import main
 from splatline.contract.variants import CONFIGS
 from splatline.host.encode.quality import QUALITIES
@@ -257,3 +258,7 @@ def test_holes_where_float_has_none_are_infinitely_many():
     assert judge([bar, entry("exact")])[0]["met"]
     worse = judge([bar, entry("exact", holes=0.001)])[0]
     assert (worse["figure"], worse["met"]) == (None, False)
+
+
+def test_every_size_that_the_command_takes_is_one_of_the_sweep():
+    assert tuple(ACCURACY_SIZES.values()) == Sweep((), (), ()).splats
