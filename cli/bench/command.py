@@ -60,8 +60,8 @@ def bench() -> None:
               help="Size of the image in pixels.")  # fmt: skip
 @click.option("--splats", "sizes", multiple=True, default=ACCURACY_SIZES, show_default="all",
               type=click.Choice(list(ACCURACY_SIZES)),
-              help="Size of the splats: auto, the points' own spacing; twice, twice as large; or the"
-              " median diameter in pixels. May be given several times.")  # fmt: skip
+              help="Size of the splats: auto, the points' own spacing; twice, twice as large; or"
+              " the median diameter in pixels. May be given several times.")  # fmt: skip
 @folder_option("accuracy.json, accuracy.md and the plots")
 @click.option(
     "--no-pictures",
