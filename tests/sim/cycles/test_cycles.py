@@ -130,7 +130,7 @@ def test_the_count_is_that_of_the_verilog_to_the_cycle(played):
 
 @pytest.mark.parametrize(
     ("config", "most"),
-    [(RGB24, 220), (SWIFT, 100), (PLANE, 220), (SWIFT_PLANE, 100)],
+    [(RGB24, 220), (SWIFT, 100), (PLANE, 240), (SWIFT_PLANE, 100)],
     ids=["rgb24", "swift", "plane", "swift-plane"],
 )
 def test_ten_splats_anywhere_take_few_cycles(config, most):
