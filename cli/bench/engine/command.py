@@ -27,7 +27,9 @@ SPLATS = (None, 2.0, 3.0, 4.0, 6.5)
 """Median diameters in pixels; None: the points' own spacing."""
 
 MEASURED_QUALITIES = ("fast", "exact")
-MEASURED_PRESETS = tuple(PRESETS[name] for name in ("paper", "rgb24", "plane", "lanes8", "swift"))
+MEASURED_PRESETS = tuple(
+    PRESETS[name] for name in ("paper", "rgb24", "plane", "lanes8", "swift", "swift-plane")
+)
 
 
 @click.command()
