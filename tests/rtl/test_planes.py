@@ -10,6 +10,7 @@ from splatline.contract.presets import PLANE
 from splatline.flow.verilog import generate
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility.view import fit_view
+from splatline.rtl.engine import Engine
 from splatline.rtl.front.sequencer import Sequencer
 from splatline.rtl.tiles.plane_depths import PlaneDepths
 from splatline.rtl.tiles.tiler import Tiler
@@ -34,6 +35,7 @@ FAULTS = {
     "moved beyond the block": (Tiler, "_halves", r"moved & ~stays", "moved"),
     "an end moved the other way": (Tiler, "_halves", r"Mux\(out, -1, 1\)", "Mux(out, 1, -1)"),
     "an empty row's half turn": (Tiler, "_halves", r" & shape\.filled\[k\]", ""),
+    "the next frame goes early": (Engine, "elaborate", r"eq\(depths\.ending\)", "eq(0)"),
     "nothing before depth 0": (PlaneDepths, "_sum", r"total\[-1\] \| ", ""),
     "nothing beyond": (PlaneDepths, "_sum", r" & ~beyond", ""),
     "no overlap": (PlaneDepths, "elaborate", r"overlap\(m, tile, given\)", "0"),
@@ -60,8 +62,29 @@ def jobs(config, seeds, stalls=(0.0, 0.4), count=400):
 
 def mismatches(played, outcomes):
     return [
-        outcome.rasters[0].mismatches(golden.render(job.frame))
+        sum(
+            raster.mismatches(golden.render(frame))
+            for frame, raster in zip((job.frame, *job.followed_by), outcome.rasters, strict=True)
+        )
         for job, outcome in zip(played, outcomes, strict=True)
+    ]
+
+
+def faulty_jobs():
+    """Four frames, and two that are followed at once by one far below its window's first lines."""
+    square = pw.encode([(0, 7)] * 4, mode=0, x=9, z=200, d=9)
+    low = pw.make_frame([pw.advance(26), square], (40, 30))
+    single = jobs(PLANE, range(4))
+    return [
+        *single,
+        *(
+            frames.Job(
+                frame=job.frame,
+                followed_by=[dataclasses.replace(low, tables=job.frame.tables)],
+                write_tables="first",
+            )
+            for job in single[:2]
+        ),
     ]
 
 
@@ -123,12 +146,12 @@ def planted():
 
 
 def test_without_a_fault_the_build_with_faults_is_right():
-    played = jobs(PLANE, range(4))
-    assert mismatches(played, play_with(0, played, planted())) == [0] * 4
+    played = faulty_jobs()
+    assert mismatches(played, play_with(0, played, planted())) == [0] * 6
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_noticed(name):
-    played = jobs(PLANE, range(4))
+    played = faulty_jobs()
     number = list(FAULTS).index(name) + 1
     assert any(mismatches(played, play_with(number, played, planted())))
