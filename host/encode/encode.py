@@ -43,8 +43,6 @@ class Encoded:
         Shape (slots,), uint64; of an engine with planes (slots, 2).
     lines
         The engine's line at which each is drawn: shape (slots,), int16.
-    keys
-        Sort key of each among the words of its line and column: shape (slots,), uint8.
     starts, stops
         The slots of each chunk: shape (chunks,), int64.
     counts
@@ -57,7 +55,6 @@ class Encoded:
 
     words: npt.NDArray[np.uint64]
     lines: npt.NDArray[np.int16]
-    keys: npt.NDArray[np.uint8]
     starts: npt.NDArray[np.int64]
     stops: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int32]
@@ -120,7 +117,6 @@ def encode(
     slots = Slots(
         starts=starts[:-1],
         stops=np.empty(chunks, np.int64),
-        keys=np.empty(starts[-1], np.uint8),
         counts=np.zeros((chunks, view.height + ROWS), np.int32),
         elements=np.empty(chunks, np.int64),
         hidden=np.zeros(chunks, np.int64),
@@ -143,7 +139,6 @@ def _encoded(words: npt.NDArray[np.uint64], lines: npt.NDArray[np.int16], slots:
     return Encoded(
         words,
         lines,
-        slots.keys,
         slots.starts,
         slots.stops,
         slots.counts,

@@ -51,7 +51,6 @@ def encode_planes(
     slots = Slots(
         starts=starts[:-1],
         stops=np.empty(chunks, np.int64),
-        keys=np.empty(starts[-1], np.uint8),
         counts=np.zeros((chunks, fixed.height + ROWS), np.int32),
         elements=np.empty(chunks, np.int64),
         hidden=np.zeros(chunks, np.int64),

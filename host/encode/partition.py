@@ -14,7 +14,7 @@ from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 
 from .partition_methods import DEFAULT_METHOD, METHODS
-from .sort_by_line import advance_word, end_word, interleaved
+from .sort_by_line import advance_word, end_word
 from .stand_ins import X_LSB, replace, stand_in
 
 __all__ = ["deal"]
@@ -173,11 +173,18 @@ def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any,
         for engine in range(engines):
             first, last = cuts[engine], cuts[engine + 1]
             for rank in range(first, last):
-                position = interleaved(rank - first, last - first, 2)
+                position = _alternating(rank - first, last - first)
                 order[begin + first + position] = ranked[rank]
                 owners[begin + rank] = engine
         begin = end
     return order, owners
+
+
+@nb.njit(inline="always")
+def _alternating(rank: int, count: int) -> int:
+    """Return where the word with a rank among ``count`` goes if the two halves alternate."""
+    half = count + 1 >> 1
+    return 2 * rank if rank < half else 2 * (rank - half) + 1
 
 
 @nb.njit(cache=True)

@@ -19,7 +19,7 @@ from .large_splats import cut, fraction_of, row_of
 from .plane_block import TRUE_ROWS, encode_block
 from .plane_words import plane_bits, put_plane
 from .shape_table import EMPTY_SCANS
-from .splat_loop import own_pixel, sort_key
+from .splat_loop import own_pixel
 from .write_words import ONE_PIXEL, quantised_depth
 
 __all__ = ["encode_plane_splats"]
@@ -47,7 +47,7 @@ def encode_plane_splats(
     floats, bits, doubles, begins, ends = source
     lines, width, height = to[1], to[2], to[3]
     skip_hidden, bound, coarse = occluders
-    starts, stops, keys, counts, elements, hidden = slots
+    starts, stops, counts, elements, hidden = slots
     inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
     nearest_pixel, middle_x, middle_y = fixed.nearest_pixel, fixed.middle_x, fixed.middle_y
     for number in nb.prange(len(wave)):
@@ -107,9 +107,7 @@ def encode_plane_splats(
                 high = plane_bits(depth, change_x, change_y, right, down, layout)
                 at = put_plane(look | scans << 1 | 1, high, x, top + ROWS, at, to, layout)
             drawn += at > before
-            key = sort_key(column, line)
             for word in range(before, at):
-                keys[word] = key
                 counts[chunk, lines[word]] += 1
         stops[chunk] = at
         elements[chunk] = drawn

@@ -12,16 +12,22 @@ from splatline.contract.config import EngineConfig
 
 from .encode import Encoded
 from .shape_table import EMPTY_SCANS
-from .stand_ins import X_LSB, replace, stand_in
+from .stand_ins import X_LSB, number_of, replace, stand_in
 
-__all__ = ["advance_word", "end_word", "interleaved", "sort_by_line"]
+__all__ = ["PERIOD", "advance_word", "end_word", "sort_by_line"]
 
 
-KEYS = 256
-"""Values of a sort key."""
+GROUP_BITS = 3
 
-STRIPS = 4
-"""Strips of columns of a line; its words come from them alternately."""
+GROUP = 1 << GROUP_BITS
+"""Columns of a group: those of a block, so that words of the groups 0, 2, 4 and so on share no
+pixel if their groups differ."""
+
+PERIOD = 2 * GROUP
+"""Columns after which the order repeats."""
+
+FEW = 16
+"""Words up to which insertion sorts them."""
 
 
 def advance_word(lines: int, config: EngineConfig) -> int:
@@ -41,9 +47,14 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     it. Each line with words costs one control word, unless the gap before it is more than X holds.
 
     An element costs the engine a cycle if it follows another into the same memory word. A line's
-    words are therefore sorted by column and cut into four strips, which alternate: two consecutive
-    words are a quarter of the line's words apart. Words of one column are sorted by key, and words
-    of one key keep their order.
+    words are therefore taken from groups of eight columns in turn, of each group as evenly as its
+    number of words allows, left to right: first from the groups 0, 2, 4 and so on, then from the
+    others. Words of one column come in ascending order, the nearest first.
+
+    **The order of two words that share a pixel depends on these two alone.** Such words are at most
+    eight columns apart, so they lie in one group or in neighbouring groups. So of equal depths the
+    same word stays, whatever else is drawn, and wherever the image begins, as long as its lines and
+    columns are moved by multiples of ``PERIOD`` (decision 0015). Compact words are wider.
 
     Parameters
     ----------
@@ -74,42 +85,18 @@ def sort_by_line(encoded: Encoded, config: EngineConfig) -> tuple[npt.NDArray[np
     total = int(ends[-1]) if len(used) else 0
     stream = np.empty(total + 1, np.uint64)
     _write_controls(stream, starts[used], gaps, steps, config)
-    words, keys = np.empty(total, np.uint64), np.empty(total, np.uint8)
-    by_key = np.empty(total, np.uint64)
+    words, ordered = np.empty(total, np.uint64), np.empty(total, np.uint64)
     positions = np.cumsum(counts) - counts  # of each line's words without control words
     before += positions
-    _by_line(
-        element_words,
-        encoded.lines,
-        encoded.keys,
-        encoded.starts,
-        encoded.stops,
-        before,
-        words,
-        keys,
-    )
-    _by_key(words, keys, positions, counts, by_key)
-    _by_column(by_key, positions, counts, starts, (x_lsb, config.x.mask), stream)
+    lookup = encoded.words if config.plane else np.empty((0, 2), np.uint64)
+    plane = lookup, config.plane
+    chunks = encoded.lines, encoded.starts, encoded.stops, before
+    _by_line(element_words, chunks, words)
+    _by_column(words, ordered, positions, counts, starts, (x_lsb, config.x.mask), plane, stream)
     stream[-1] = end_word(config)
     if config.plane:
         stream = replace(stream, encoded.words)
     return stream, int(steps.sum()) + 1
-
-
-@nb.njit(inline="always")
-def interleaved(rank: int, count: int, strips: int) -> int:
-    """Return where the word with a rank among ``count`` goes if strips of them alternate.
-
-    The first strips have one word more if the count is no multiple of the strips.
-    """
-    shortest, longer = divmod(count, strips)
-    head = longer * (shortest + 1)  # words of the strips that have one more
-    if rank < head:
-        strip, position = divmod(rank, shortest + 1)
-    else:
-        strip, position = divmod(rank - head, shortest)
-        strip += longer
-    return strips * position + strip
 
 
 def _control(config: EngineConfig) -> int:
@@ -134,60 +121,146 @@ def _write_controls(
         )
 
 
+@nb.njit(inline="always")
+def _value(word: int, plane: Any) -> Any:
+    """Return what words of one column are sorted by: first their highest 64 bits, then the others.
+
+    Parameters
+    ----------
+    word
+        The word or stand-in.
+    plane
+        Plane words by their number, and whether the words stand for them.
+    """
+    lookup, is_plane = plane
+    if not is_plane:
+        return word, np.uint64(0)
+    low, high = lookup[number_of(word), 0], lookup[number_of(word), 1]
+    return high << np.uint64(32) | low >> np.uint64(32), low
+
+
 @nb.njit(parallel=True, cache=True)
-def _by_line(
-    words: Any,
-    lines: Any,
-    keys: Any,
-    begins: Any,
-    ends: Any,
-    before: Any,
-    sorted_words: Any,
-    sorted_keys: Any,
-) -> None:
+def _by_line(words: Any, chunks: Any, sorted_words: Any) -> None:
     """Bring the words of each line together; each chunk knows where its own go."""
+    lines, begins, ends, before = chunks
     for chunk in nb.prange(len(begins)):
         positions = before[chunk]
         for i in range(begins[chunk], ends[chunk]):
             position = positions[lines[i]]
             positions[lines[i]] = position + 1
             sorted_words[position] = words[i]
-            sorted_keys[position] = keys[i]
-
-
-@nb.njit(parallel=True, cache=True)
-def _by_key(words: Any, keys: Any, positions: Any, counts: Any, by_key: Any) -> None:
-    """Sort each line's words by their keys."""
-    for line in nb.prange(len(counts)):
-        if counts[line]:
-            begin, end = positions[line], positions[line] + counts[line]
-            following = np.zeros(KEYS + 1, np.int64)
-            for i in range(begin, end):
-                following[keys[i] + 1] += 1
-            following[0] = begin
-            for key in range(KEYS):
-                following[key + 1] += following[key]
-            for i in range(begin, end):
-                by_key[following[keys[i]]] = words[i]
-                following[keys[i]] += 1
 
 
 @nb.njit(parallel=True, cache=True)
 def _by_column(
-    by_key: Any, positions: Any, counts: Any, starts: Any, x: tuple[int, int], stream: Any
+    words: Any,
+    ordered: Any,
+    positions: Any,
+    counts: Any,
+    starts: Any,
+    x: tuple[int, int],
+    plane: Any,
+    stream: Any,
 ) -> None:
-    """Sort each line's words by X, and put them into the stream from the strips alternately."""
+    """Put each line's words into the stream, from its groups of columns in turn.
+
+    Parameters
+    ----------
+    words
+        The words of each line together.
+    ordered
+        Overwritten: shape of ``words``.
+    positions, counts, starts
+        Of each line: its words in ``words``, their number, and where they go in ``stream``.
+    x
+        Lowest bit and mask of X.
+    plane
+        See :func:`_value`.
+    """
     lsb, mask = np.uint64(x[0]), np.uint64(x[1])
+    half = (x[1] + 1) // 2
     for line in nb.prange(len(counts)):
         if counts[line]:
             begin, end = positions[line], positions[line] + counts[line]
-            following = np.zeros(x[1] + 2, np.int64)
+            following = np.zeros(2 * half + 1, np.int64)
             for i in range(begin, end):
-                following[(by_key[i] >> lsb & mask) + np.uint64(1)] += 1
-            for column in range(x[1] + 1):
-                following[column + 1] += following[column]
+                following[_place(words[i] >> lsb & mask, half) + 1] += 1
+            following[0] = begin
+            for place in range(2 * half):
+                following[place + 1] += following[place]
             for i in range(begin, end):
-                column = by_key[i] >> lsb & mask
-                rank = following[column]
-                following[column] += 1
-                stream[starts[line] + interleaved(rank, counts[line], STRIPS)] = by_key[i]
+                place = _place(words[i] >> lsb & mask, half)
+                ordered[following[place]] = words[i]
+                following[place] += 1
+            # Now ``following`` has where the words of each place end.
+            first = begin
+            for place in range(2 * half):
+                last = following[place]
+                if last > first + 1:
+                    _ascending(ordered, first, last, plane)
+                first = last
+            to = starts[line]
+            middle = following[half - 1]
+            _in_turn(ordered, begin, middle, following[:half], stream, to)
+            _in_turn(ordered, middle, end, following[half:-1], stream, to + middle - begin)
+
+
+@nb.njit(inline="always")
+def _place(column: int, half: int) -> int:
+    """Return a column's place if the groups 0, 2, 4 and so on come first, then the others."""
+    number = np.int64(column)
+    within = number >> GROUP_BITS + 1 << GROUP_BITS | number & GROUP - 1
+    return within + half * (number >> GROUP_BITS & 1)
+
+
+@nb.njit
+def _ascending(words: Any, first: int, last: int, plane: Any) -> None:
+    """Sort words of one column; there are two or more."""
+    if last - first > FEW:
+        values = np.empty(last - first, np.uint64)
+        for i in range(first, last):
+            values[i - first] = _value(words[i], plane)[0]
+        words[first:last] = words[first:last][np.argsort(values)]
+    for i in range(first + 1, last):
+        word = words[i]
+        own = _value(word, plane)
+        at = i
+        while at > first and own < _value(words[at - 1], plane):
+            words[at] = words[at - 1]
+            at -= 1
+        words[at] = word
+
+
+@nb.njit
+def _in_turn(words: Any, begin: int, end: int, ends: Any, stream: Any, to: int) -> None:
+    """Put words into the stream, those of each group evenly over all of them.
+
+    The word of rank r among n of its group goes to the share (r + 1/2) / n of the way.
+
+    Parameters
+    ----------
+    words
+        Those from ``begin`` to ``end`` are sorted by group.
+    ends
+        Where the words of each column end.
+    stream, to
+        They go from here on.
+    """
+    count = end - begin
+    following = np.zeros(count + 1, np.int64)
+    for turn in range(2):
+        first = begin
+        for group in range(len(ends) >> GROUP_BITS):
+            last = ends[(group + 1 << GROUP_BITS) - 1]
+            share = count / (2.0 * (last - first)) if last > first else 0.0
+            for i in range(first, last):
+                step = int((2 * (i - first) + 1) * share)
+                if turn == 0:
+                    following[step + 1] += 1
+                else:
+                    stream[to + following[step]] = words[i]
+                    following[step] += 1
+            first = last
+        if turn == 0:
+            for step in range(count):
+                following[step + 1] += following[step]

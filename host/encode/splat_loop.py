@@ -29,7 +29,7 @@ from .paper_shapes import encode_symmetric
 from .quality import AS_PAPER, EXACT, FAST
 from .write_words import ONE_PIXEL, quantised_depth, write_fraction
 
-__all__ = ["Fixed", "encode_splats", "measure_room", "own_pixel", "sort_key"]
+__all__ = ["Fixed", "encode_splats", "measure_room", "own_pixel"]
 
 SMALL = 2.0
 """Diameter in pixels of a splat that takes one word unless it is near the eye or far aslant."""
@@ -155,13 +155,12 @@ class Slots(NamedTuple):
     ----------
     starts
         First slot of each chunk.
-    stops, keys, counts, elements, hidden
+    stops, counts, elements, hidden
         Set; ``elements`` and ``hidden`` for each chunk.
     """
 
     starts: Any
     stops: Any
-    keys: Any
     counts: Any
     elements: Any
     hidden: Any
@@ -187,7 +186,7 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
     floats, bits, doubles, begins, ends = source
     words, lines, width, height, x_lsb, z_lsb, largest = to
     skip_hidden, bound, coarse = occluders
-    starts, stops, keys, counts, elements, hidden = slots
+    starts, stops, counts, elements, hidden = slots
     # Read before the loop, which would read them again for every splat.
     inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
     look_lsb, nearest_pixel = fixed.look_lsb, fixed.nearest_pixel
@@ -245,9 +244,7 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
                 ellipse = centre_x, centre_y, square, share * share
                 at = _encode_other(splat, common, found, form, ellipse, fixed, at, to)
             drawn += at > before
-            key = sort_key(column, line)
             for word in range(before, at):
-                keys[word] = key
                 counts[chunk, lines[word]] += 1
         stops[chunk] = at
         elements[chunk] = drawn
@@ -262,17 +259,6 @@ def own_pixel(
     x, top = math.floor(column), math.floor(line)
     found = int(covers_own_pixel(column, line, square, form))
     return found if 0 <= x < width and 0 <= top < height else 0, x, top
-
-
-@nb.njit(inline="always")
-def sort_key(column: float, line: float) -> int:
-    """Return a splat's sort key among the words of its line: a hash of its position.
-
-    The order of two words depends neither on other words nor on the order of the points. The
-    multipliers are those of Fibonacci hashing and of xxHash.
-    """
-    across, down = int(column * 1024.0), int(line * 1024.0)
-    return (across * 0x9E3779B1 + down * 0x85EBCA77) >> 24 & 255
 
 
 @nb.njit(error_model="numpy")

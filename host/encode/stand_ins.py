@@ -11,7 +11,7 @@ import numpy.typing as npt
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import are_control
 
-__all__ = ["X_LSB", "replace", "stand_in"]
+__all__ = ["X_LSB", "number_of", "replace", "stand_in"]
 
 X_LSB = 48
 """Lowest bit of X in a stand-in. Below it lie the number of the word, and a 0 as its MODE, so that
@@ -53,14 +53,19 @@ def replace(
     return found
 
 
+@nb.njit(inline="always")
+def number_of(word: int) -> int:
+    """Return the number of the plane word that a stand-in stands for."""
+    return word >> np.uint64(1) & np.uint64((1 << X_LSB - 1) - 1)
+
+
 @nb.njit(parallel=True, cache=True)
 def _replace(stream: Any, words: Any, found: Any) -> None:
     """Fill in the words of a stream."""
-    number_mask = np.uint64((1 << X_LSB - 1) - 1)
     for i in nb.prange(len(stream)):
         word = stream[i]
         if word >> np.uint64(63):
-            number = word >> np.uint64(1) & number_mask
+            number = number_of(word)
             found[i, 0], found[i, 1] = words[number, 0], words[number, 1]
         else:
             found[i, 0], found[i, 1] = word, np.uint64(0)
