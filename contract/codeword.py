@@ -1,16 +1,19 @@
-"""Decodes a code word: the columns that it covers on each of its block's eight lines."""
+"""Decodes a code word: the columns that it covers on its block's eight lines, and its depths."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numba as nb
+import numpy as np
 
-from .config import BLOCK, ROWS
-from .plane import LOW_BITS
+from .config import BLOCK, ROWS, EngineConfig
+from .plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
 from .presets import PAPER, PLANE
 
-__all__ = ["COLUMN", "FIRST", "LAST", "unfold", "unfold_plane"]
+__all__ = ["COLUMN", "FIRST", "LAST", "plane_at", "plane_fields", "unfold", "unfold_plane"]
+
+SHIFT = np.array(SHIFTS, np.int64)
 
 # The scans have the same position in every configuration, so it is a constant for the compiler.
 FIRST = tuple(PAPER.first(row).lsb for row in range(ROWS))
@@ -90,3 +93,36 @@ def unfold_plane(low: int, high: int, rows: Any) -> None:
             last = BLOCK - 1 - rows[row, 0] + last_way * (low >> SIDE[row][1] & 1)
             rows[below, 0] = min(max(first, 0), BLOCK - 1)
             rows[below, 1] = min(max(last, 0), BLOCK - 1)
+
+
+def plane_fields(config: EngineConfig) -> tuple[int, int, int, int, int, int]:
+    """Return where :func:`plane_at` finds a plane, in the high half of a configuration's words."""
+    lsbs = (config.slope_x.lsb, config.slope_y.lsb, config.scale.lsb, config.z.lsb)
+    x, y, scale, z = (lsb - LOW_BITS for lsb in lsbs)
+    return x, y, config.slope_bits, scale, z, config.z.mask
+
+
+@nb.njit(cache=True)
+def plane_at(high: int, fields: Any) -> tuple[int, int, int]:
+    """Return a plane's depth at row 0, column 0 of the block, and its change from pixel to pixel.
+
+    All have ``SUM_FRACTION`` fraction bits; see ``docs/contract.md``, "Depth".
+
+    Parameters
+    ----------
+    high
+        The high half of a plane word: int64.
+    fields
+        See :func:`plane_fields`.
+
+    Returns
+    -------
+    start, a, b
+        The depth, and its change from column to column and from line to line.
+    """
+    x_lsb, y_lsb, slope_bits, scale_lsb, z_lsb, z_mask = fields
+    shift = SHIFT[high >> scale_lsb & 3]
+    half = 1 << slope_bits - 1
+    a = ((high >> x_lsb & 2 * half - 1 ^ half) - half) << shift
+    b = ((high >> y_lsb & 2 * half - 1 ^ half) - half) << shift
+    return (high >> z_lsb & z_mask) << SUM_FRACTION - Z_FRACTION, a, b

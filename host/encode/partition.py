@@ -7,15 +7,14 @@ from typing import Any
 
 import numba as nb
 import numpy as np
-import numpy.typing as npt
 
-from splatline.contract.config import ROWS, EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 
 from .partition_methods import DEFAULT_METHOD, METHODS
+from .read_stream import read_stream
 from .sort_by_line import advance_word, end_word
-from .stand_ins import X_LSB, replace, stand_in
+from .stand_ins import X_LSB, replace
 
 __all__ = ["deal"]
 
@@ -56,12 +55,8 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
     if engines < 1:
         raise InputError(f"elements are dealt to at least one engine, not {engines}")
     config = frame.config
-    words, x_lsb = np.ascontiguousarray(frame.codewords, np.uint64), config.x.lsb
-    if config.plane:
-        words, x_lsb = stand_in(words, config), X_LSB
-    elements, lines, ended = _read(words, _fields(config))
-    if not ended:
-        raise InputError("the code words have no end-of-frame word: the stream is cut short")
+    elements, lines = read_stream(frame.codewords, config)
+    x_lsb = X_LSB if config.plane else config.x.lsb
     if method == "elements":
         owners = np.arange(len(elements), dtype=np.int64) % engines
     elif method == "lines":
@@ -75,7 +70,7 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         lines,
         owners,
         engines,
-        len(words),
+        len(frame.codewords),
         advance_word(0, config),
         end_word(config),
         config.x.lsb,
@@ -89,38 +84,6 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         dataclasses.replace(frame, codewords=stream, counts={"elements": int(count)})
         for stream, count in zip(streams, counts, strict=True)
     ]
-
-
-def _fields(config: EngineConfig) -> npt.NDArray[np.int64]:
-    """Return the lowest bits of a control word's rows, of its end bit and X, and the mask of X."""
-    rows = [place.lsb for row in range(ROWS) for place in (config.first(row), config.last(row))]
-    return np.array([*rows, config.control_end.lsb, config.x.lsb, config.x.mask], np.int64)
-
-
-@nb.njit(cache=True)
-def _read(words: Any, fields: Any) -> tuple[Any, Any, bool]:
-    """Return the elements up to the end word, their lines, and whether there is an end word."""
-    elements = np.empty(len(words), np.uint64)
-    lines = np.empty(len(words), np.int64)
-    count, line = 0, 0
-    for word in words:
-        control = word & np.uint64(1) == 1
-        row = 0
-        while control and row < ROWS:
-            first = word >> np.uint64(fields[2 * row]) & np.uint64(7)
-            last = word >> np.uint64(fields[2 * row + 1]) & np.uint64(7)
-            control = first > last
-            row += 1
-        if not control:
-            elements[count] = word
-            lines[count] = line
-            count += 1
-        elif word >> np.uint64(fields[2 * ROWS]) & np.uint64(1):
-            return elements[:count], lines[:count], True
-        else:
-            step = word >> np.uint64(fields[2 * ROWS + 1]) & np.uint64(fields[2 * ROWS + 2])
-            line += int(step)
-    return elements[:count], lines[:count], False
 
 
 @nb.njit(cache=True)

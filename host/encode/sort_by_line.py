@@ -206,7 +206,7 @@ def _by_column(
 
 
 @nb.njit(inline="always")
-def _place(column: int, half: int) -> int:
+def _place(column: Any, half: int) -> Any:
     """Return a column's place if the groups 0, 2, 4 and so on come first, then the others."""
     number = np.int64(column)
     within = number >> GROUP_BITS + 1 << GROUP_BITS | number & GROUP - 1

@@ -54,7 +54,7 @@ def replace(
 
 
 @nb.njit(inline="always")
-def number_of(word: int) -> int:
+def number_of(word: Any) -> Any:
     """Return the number of the plane word that a stand-in stands for."""
     return word >> np.uint64(1) & np.uint64((1 << X_LSB - 1) - 1)
 

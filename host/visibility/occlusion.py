@@ -16,9 +16,9 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.codeword import unfold, unfold_plane
+from splatline.contract.codeword import plane_at, plane_fields, unfold, unfold_plane
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
-from splatline.contract.plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
+from splatline.contract.plane import SUM_FRACTION
 
 __all__ = ["Pyramid", "cover", "cover_planes", "is_hidden", "new_pyramid"]
 
@@ -135,12 +135,7 @@ def cover_planes(
 
     A word counts as if all its pixels had the largest depth among them.
     """
-    fields = (
-        (config.x.lsb, config.x.mask),
-        (config.slope_x.lsb - LOW_BITS, config.slope_y.lsb - LOW_BITS, config.slope_bits),
-        (config.scale.lsb - LOW_BITS, config.z.lsb - LOW_BITS, config.z.mask),
-        config.background_depth,
-    )
+    fields = (config.x.lsb, config.x.mask), plane_fields(config), config.background_depth
     bound, mask, gathered, coarse = pyramid
     _cover_planes(words.view(np.int64), lines, starts, stops, fields, bound, mask, gathered)
     _coarsen(bound, coarse)
@@ -211,9 +206,6 @@ def _cover(
                 _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
-SHIFT = np.array(SHIFTS, np.int64)
-
-
 @nb.njit(parallel=True, cache=True)
 def _cover_planes(
     words: Any,
@@ -226,7 +218,7 @@ def _cover_planes(
     gathered: Any,
 ) -> None:
     """Fill the cells with plane words, as :func:`_cover` does with others."""
-    (x_lsb, x_mask), slopes, heights, background = fields
+    (x_lsb, x_mask), plane, background = fields
     rows = len(bound)
     for band in nb.prange(BANDS):
         first_row, end_row = rows * band // BANDS, rows * (band + 1) // BANDS
@@ -239,28 +231,22 @@ def _cover_planes(
                 low, high = words[i, 0], words[i, 1]
                 x = low >> x_lsb & x_mask
                 unfold_plane(low, high, block)
-                z = _largest_depth(high, block, slopes, heights, background)
+                z = _largest_depth(high, block, plane, background)
                 end = min(-(-(top + (ROWS if low & 1 else BLOCK)) // HIGH), end_row)
                 first = max(top // HIGH, first_row)
                 _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
 @nb.njit
-def _largest_depth(high: int, block: Any, slopes: Any, heights: Any, background: int) -> int:
-    """Return the largest depth of a plane word's pixels; see ``docs/contract.md``, "Depth"."""
-    x_lsb, y_lsb, slope_bits = slopes
-    scale_lsb, z_lsb, z_mask = heights
-    shift = SHIFT[high >> scale_lsb & 3]
-    half = 1 << slope_bits - 1
-    a = ((high >> x_lsb & 2 * half - 1 ^ half) - half) << shift
-    b = ((high >> y_lsb & 2 * half - 1 ^ half) - half) << shift
+def _largest_depth(high: int, block: Any, plane: Any, background: int) -> int:
+    """Return the largest depth of a plane word's pixels."""
+    start, a, b = plane_at(high, plane)
     furthest = -(1 << 40)
     for row in range(BLOCK):
         first, last = block[row]
         if first <= last:
             furthest = max(furthest, b * row + max(a * first, a * last))
-    total = ((high >> z_lsb & z_mask) << SUM_FRACTION - Z_FRACTION) + furthest
-    return min(max(total >> SUM_FRACTION, 0), background)
+    return min(max(start + furthest >> SUM_FRACTION, 0), background)
 
 
 @nb.njit
