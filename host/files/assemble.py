@@ -81,6 +81,7 @@ def assemble_cloud(
         name=name,
         dropped={
             "non_finite": count - finite,
+            **columns.dropped,
             **({"far_away": int(np.count_nonzero(lost))} if lost.any() else {}),
         },
         used=columns.used,

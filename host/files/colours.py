@@ -22,6 +22,9 @@ HARMONIC = 0.28209479177387814
 DARKEST, LIGHTEST = 40.0, 235.0
 """Greys of the least and the greatest intensity."""
 
+PIECE = 1 << 20
+"""Values that are counted at once."""
+
 _Bytes = npt.NDArray[np.uint8]
 
 
@@ -47,6 +50,8 @@ def colours_to_bytes(colours: npt.NDArray[Any]) -> _Bytes:
     """
     if colours.dtype in (np.uint8, np.int8):
         return np.ascontiguousarray(colours).view(np.uint8)
+    if colours.dtype == np.uint16:
+        return _from_16_bits(colours)
     values = colours.astype(np.float64)
     finite: npt.NDArray[np.bool_] = np.all(np.isfinite(values), axis=1)
     values[~finite] = 0.0
@@ -54,6 +59,20 @@ def colours_to_bytes(colours: npt.NDArray[Any]) -> _Bytes:
     values = np.clip(values * (255.0 / _largest_of_scale(values, whole)), 0.0, 255.0)
     values[~finite] = NEUTRAL
     return np.rint(values).astype(np.uint8)
+
+
+def _from_16_bits(colours: npt.NDArray[np.uint16]) -> _Bytes:
+    """Return colours of 16 bits as bytes, by a table of all values."""
+    flat = colours.reshape(-1)
+    counts = np.zeros(1 << 16, np.int64)
+    for start in range(0, len(flat), PIECE):
+        counts += np.bincount(flat[start : start + PIECE], minlength=1 << 16)
+    counts[0] = 0
+    largest = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
+    mostly_bytes = 2 * int(counts[:257].sum()) > int(counts.sum())
+    full = 255.0 if largest <= 255 or mostly_bytes else 65535.0
+    table = np.rint(np.minimum(np.arange(1 << 16) * (255.0 / full), 255.0)).astype(np.uint8)
+    return table[colours]
 
 
 def _largest_of_scale(values: npt.NDArray[np.float64], whole: bool) -> float:

@@ -97,6 +97,13 @@ class Columns:
         Names of the other columns.
     notes
         What a person should know about how the file was read; each is one line.
+    dropped
+        Points of the file that are left out, by reason.
+    radii
+        Shape (n,): radii of the discs in the file's unit, or None. Those that are not finite and
+        above 0 are measured.
+    two_sided
+        Whether the signs of the normals mean nothing.
     """
 
     positions: npt.NDArray[Any]
@@ -105,6 +112,9 @@ class Columns:
     used: dict[str, str] = field(default_factory=dict)
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    dropped: dict[str, int] = field(default_factory=dict)
+    radii: npt.NDArray[Any] | None = None
+    two_sided: bool = False
 
 
 @dataclass(frozen=True)
@@ -242,8 +252,23 @@ def _stack(table: Mapping[str, Any], names: Names) -> npt.NDArray[Any] | None:
     """Return columns side by side, in the machine's own byte order: shape (n, columns)."""
     if not names:
         return None
+    if len(names) > 1 and (whole := _whole([table[name] for name in names])) is not None:
+        return whole
     if len(names) > 1:
         return np.stack([np.asarray(table[name]) for name in names], axis=-1)
     column = np.asarray(table[names[0]])
     column = column.astype(column.dtype.newbyteorder("="))
     return column if column.ndim == 2 else column[:, np.newaxis]
+
+
+def _whole(columns: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any] | None:
+    """Return the array whose columns these are, if that needs no copy."""
+    whole = columns[0].base
+    if not isinstance(whole, np.ndarray) or whole.ndim != 2 or whole.shape[1] != len(columns):
+        return None
+    rows = whole[: len(columns[0])]
+    same = all(
+        column.__array_interface__ == rows[:, i].__array_interface__
+        for i, column in enumerate(columns)
+    )
+    return rows if same else None

@@ -15,6 +15,7 @@ from splatline.host.cloud.cloud import Cloud
 
 from .assemble import assemble_cloud
 from .columns import Columns
+from .read_las import read_las
 from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
 from .read_ply import read_ply
@@ -33,6 +34,8 @@ FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".asc": read_text,
     ".csv": read_text,
     ".pts": read_text,
+    ".las": read_las,
+    ".laz": read_las,
     ".npz": read_npz,
     ".npy": read_npy,
 }

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from plyfile import PlyData, PlyElement
-from pypcd4 import Encoding, PointCloud
+from pypcd4 import PointCloud
 
 COUNT = 60
 RNG = np.random.default_rng(1)
@@ -70,18 +70,4 @@ def write_pcd(path, encoding):
 
 def write_text(path, *columns, header="", delimiter=" "):
     np.savetxt(path, np.column_stack(columns), "%.9g", delimiter, header=header, comments="")
-    return path
-
-
-def good_file(folder, suffix):
-    """A whole file of any format, with no line end that a text could lose unnoticed."""
-    path = folder / f"whole{suffix}"
-    if suffix == ".ply":
-        write_ply(path)
-    elif suffix == ".pcd":
-        write_pcd(path, Encoding.BINARY)
-    elif suffix == ".npz":
-        np.savez_compressed(path, points=POSITIONS, normals=NORMALS)
-    else:
-        write_text(path, POSITIONS, NORMALS)
     return path

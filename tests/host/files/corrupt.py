@@ -21,6 +21,7 @@ from tests.host.files.cloud_files import (
     write_text,
 )
 from tests.host.files.kinds import compressed_pcd
+from tests.host.files.las_files import las, las_with_normals, laz
 
 WORDS = (
     b"nan -nan(ind) inf 1e39 -1 0 1 99999999999 4294967295 2147483648 property element list uchar"
@@ -108,6 +109,8 @@ def whole_files() -> list[Sample]:
         add("a.pts", b"\n")
         path.write_bytes(path.read_text().encode("utf-16"))
         add("a.txt", b"")
+    found += [Sample("a.las", las(form), 375) for form in (0, 3, 7)]
+    found += [Sample("a.laz", laz(data), 900) for data in (las(3), las(8), las_with_normals())]
     rows = np.empty(len(POSITIONS), [(name, "f4") for name in "xyz"])
     for name, column in zip("xyz", POSITIONS.T, strict=True):
         rows[name] = column

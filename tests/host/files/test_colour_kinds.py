@@ -5,6 +5,7 @@ import io
 import numpy as np
 import pytest
 
+from splatline.host.files.colours import colours_to_bytes
 from tests.host.files.kinds import (
     CLAY,
     COLOURS,
@@ -217,3 +218,12 @@ def test_signed_bytes_have_the_bits_of_bytes(tmp_path):
     columns = [*SPHERE.T, *COLOURS.view(np.int8).T]
     content = ply([*XYZ_PLY, "char red", "char green", "char blue"], columns)
     assert_coloured(read(tmp_path, "a.ply", content))
+
+
+@pytest.mark.parametrize("largest", [1, 200, 256, 257, 300, 5000, 65535])
+def test_colours_of_16_bits_are_what_they_are_in_wider_integers(largest):
+    random = np.random.default_rng(largest)
+    for count in (1, 10, 1000):
+        colours = random.integers(0, largest + 1, (count, 3)).astype(np.uint16)
+        colours[: count // 3] = random.integers(0, 65536, (count // 3, 3))
+        assert np.array_equal(colours_to_bytes(colours), colours_to_bytes(colours.astype(np.int64)))

@@ -5,17 +5,20 @@ import pytest
 from pypcd4 import Encoding, PointCloud
 
 from splatline.contract.errors import InputError
+from splatline.host.files.read_text import read_text
 from splatline.host.files.readers import FORMATS, read_cloud
 from tests.host.files.cloud_files import (
     FACES,
     NORMALS,
     POSITIONS,
-    good_file,
     vertices,
     write_pcd,
     write_ply,
     write_text,
 )
+from tests.host.files.good_files import good_file
+
+TEXTS = [suffix for suffix, read in FORMATS.items() if read is read_text] + [".npy"]
 
 
 class TestErrors:
@@ -34,7 +37,7 @@ class TestErrors:
         (tmp_path / "a.ply").mkdir()
         self.fails(tmp_path / "a.ply", "is a folder")
 
-    @pytest.mark.parametrize("name", ["a.las", "a"])
+    @pytest.mark.parametrize("name", ["a.foo", "a"])
     def test_unknown_format(self, tmp_path, name):
         (tmp_path / name).write_bytes(b"LASF")
         self.fails(tmp_path / name, r"unknown format .* one of \.ply .*\.npz")
@@ -57,7 +60,7 @@ class TestErrors:
         whole = path.read_bytes()
         # A text is cut inside a number's neighbourhood: just before a blank.
         cut = int(len(whole) * share)
-        if suffix not in (".ply", ".pcd", ".npz"):
+        if suffix in TEXTS:
             cut = whole.index(b"\n", cut) + 10
         path.write_bytes(whole[:cut])
         self.fails(path, ": ")

@@ -1,0 +1,177 @@
+"""LAS and LAZ files: version 1.0 to 1.4, every point format; COPC is LAZ too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.errors import InputError
+
+from .columns import Columns, Meaning, find_meaning, gather
+from .las_fields import Fields, Table, field_names
+from .las_header import LasHeader, read_las_header
+from .laz_chunks import open_laz
+from .source import Source
+
+__all__ = ["las_chunks", "las_meaning", "las_tables", "read_las"]
+
+PIECE = 1 << 20
+"""Points that are decoded at once."""
+
+NOISE = (7, 18)
+"""Classes of low and of high noise."""
+
+FLAGS_SINCE = 1
+"""Minor version in which a class got its flags. Before, it means what the maker of a file says."""
+
+LONG_CLASS = 6
+"""First point format with a class of 8 bits; class 18 is no noise in those before."""
+
+
+def read_las(source: Source) -> Columns:
+    """Return the points of a LAS or LAZ file.
+
+    Coordinates are the file's integers times its scale plus its offset, in float64: exact to 1e-8
+    of a metre at 10^7 metres. Extra bytes may hold normals. If all colours are black, as programs
+    write where there is none, the intensity is drawn.
+
+    Points flagged as *withheld* are left out: the standard says that they are deleted. So are those
+    classified as noise (7, and 18 in formats from 6 on): whoever classified the scan says that they
+    are not of the scene, and a few of them, high above it, would make the picture small. Both are
+    counted. Synthetic points and key points are drawn. Files of LAS 1.0 have no such flags.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged, has no points, or all of them are left out.
+    """
+    header = read_las_header(source)
+    meaning = las_meaning(header)
+    table, dropped = _read_all(source, header, meaning.names)
+    notes: list[str] = []
+    if meaning.kind == "colour" and not any(table[name].any() for name in meaning.colours):
+        notes.append("all colours are black, so the intensity is drawn")
+        meaning = las_meaning(header, colours=False)
+        table |= _read_all(source, header, meaning.colours)[0]
+    if not len(table["x"]):
+        raise InputError(f"has no points but {header.count:,} that are withheld or noise")
+    columns = gather(table, meaning, notes)
+    columns.dropped.update(dropped)
+    return columns
+
+
+def las_chunks(source: Source, points: int) -> Iterator[Columns]:
+    """Yield the points of a file in its order, up to ``points`` at a time.
+
+    Memory follows ``points``, not the file. Colours keep the file's scale, which the values of one
+    chunk may not tell (see ``colours_to_bytes``), and greys of an intensity are those of the chunk
+    alone; ``las_tables`` yields the numbers as they are.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged or has no points.
+    """
+    header = read_las_header(source)
+    meaning = las_meaning(header)
+    for table, dropped in las_tables(source, header, meaning.names, points):
+        columns = gather(table, meaning)
+        columns.dropped.update(dropped)
+        yield columns
+
+
+def las_meaning(header: LasHeader, *, colours: bool = True) -> Meaning:
+    """Return what the fields of a file are taken for, with its colours or without."""
+    names = field_names(header)
+    hidden = () if colours else ("red", "green", "blue")
+    meaning = find_meaning([name for name in names if name not in hidden])
+    assert meaning is not None
+    ignored = tuple(name for name in names if name not in (*meaning.names, *hidden))
+    return Meaning(meaning.positions, meaning.normals, meaning.colours, meaning.kind, ignored)
+
+
+def las_tables(
+    source: Source, header: LasHeader, names: Sequence[str], points: int
+) -> Iterator[tuple[Table, dict[str, int]]]:
+    """Yield some fields of the points that are drawn, and how many are left out, by reason.
+
+    Each table stands for up to ``points`` points of the file, at least 1. Its arrays have shape
+    (n,): float64 for coordinates and fields with a scale, else the file's own type. Other fields
+    are not decompressed, where the format allows that.
+    """
+    fields = Fields(header, names)
+    for rows, dropped in _rows(source, header, fields, points):
+        table = fields.empty(len(rows))
+        fields.fill(table, 0, rows)
+        yield table, dropped
+
+
+def _read_all(
+    source: Source, header: LasHeader, names: Sequence[str]
+) -> tuple[Table, dict[str, int]]:
+    """Return some fields of all points, and how many points are left out, by reason."""
+    fields = Fields(header, names)
+    total: dict[str, int] = {}
+    table: Table = {}
+    at = 0
+    for rows, dropped in _rows(source, header, fields, PIECE):
+        table = table or fields.empty(header.count)  # the file was found to be large enough
+        fields.fill(table, at, rows)
+        at += len(rows)
+        for reason, count in dropped.items():
+            total[reason] = total.get(reason, 0) + count
+    return {name: values[:at] for name, values in table.items()}, total
+
+
+def _rows(
+    source: Source, header: LasHeader, fields: Fields, points: int
+) -> Iterator[tuple[npt.NDArray[Any], dict[str, int]]]:
+    """Yield points of ``fields.dtype`` without those left out, and the number of these."""
+    flags = None
+    if header.minor >= FLAGS_SINCE:
+        flags = Fields(header, ("withheld", "classification"))
+    read = _open(source, header, Fields(header, (*fields.names, *(flags.names if flags else ()))))
+    left = header.count
+    while left:
+        count = min(points, left)
+        rows = read(count).view(fields.dtype)
+        left -= count
+        dropped: dict[str, int] = {}
+        if flags is not None:
+            table = flags.empty(count)
+            flags.fill(table, 0, rows)
+            withheld = table["withheld"] != 0
+            noise = np.isin(table["classification"], NOISE[: 1 + (header.form >= LONG_CLASS)])
+            noise &= ~withheld
+            for reason, which in (("withheld", withheld), ("noise", noise)):
+                if found := int(np.count_nonzero(which)):
+                    dropped[reason] = found
+            if dropped:
+                rows = rows[~(withheld | noise)]
+        source.tell()
+        yield rows, dropped
+
+
+def _open(
+    source: Source, header: LasHeader, fields: Fields
+) -> Callable[[int], npt.NDArray[np.uint8]]:
+    """Return what reads the bytes of the next points; the file is large enough for all of them."""
+    if not header.laszip:
+        there = (source.size - header.start) // header.length
+        if header.count > there:
+            raise InputError(
+                f"ends after {there:,} of its {header.count:,} points; is it damaged, or truncated?"
+            )
+        source.stream.seek(header.start)
+        return lambda count: source.read(count * header.length)
+    decompressor = open_laz(source, header, fields.selection())
+
+    def unpack(count: int) -> npt.NDArray[np.uint8]:
+        data = np.empty(count * header.length, np.uint8)
+        decompressor.decompress_many(data)
+        return data
+
+    return unpack

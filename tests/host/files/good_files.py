@@ -1,0 +1,28 @@
+"""A whole file of any format."""
+
+import numpy as np
+from pypcd4 import Encoding
+
+from tests.host.files.cloud_files import NORMALS, POSITIONS, write_pcd, write_ply, write_text
+from tests.host.files.las_files import las, laz
+
+MADE = {
+    ".las": lambda: las(7),
+    ".laz": lambda: laz(las(7)),
+}
+
+
+def good_file(folder, suffix):
+    """A whole file of any format, with no line end that a text could lose unnoticed."""
+    path = folder / f"whole{suffix}"
+    if suffix in MADE:
+        path.write_bytes(MADE[suffix]())
+    elif suffix == ".ply":
+        write_ply(path)
+    elif suffix == ".pcd":
+        write_pcd(path, Encoding.BINARY)
+    elif suffix == ".npz":
+        np.savez_compressed(path, points=POSITIONS, normals=NORMALS)
+    else:
+        write_text(path, POSITIONS, NORMALS)
+    return path
