@@ -16,7 +16,7 @@ from .las_header import LasHeader, read_las_header
 from .laz_chunks import open_laz
 from .source import Source
 
-__all__ = ["las_chunks", "las_meaning", "las_tables", "read_las"]
+__all__ = ["las_chunks", "las_meaning", "las_sample", "las_tables", "read_las"]
 
 PIECE = 1 << 20
 """Points that are decoded at once."""
@@ -104,9 +104,33 @@ def las_tables(
     """
     fields = Fields(header, names)
     for rows, dropped in _rows(source, header, fields, points):
-        table = fields.empty(len(rows))
-        fields.fill(table, 0, rows)
-        yield table, dropped
+        yield _table(fields, rows), dropped
+
+
+def las_sample(
+    source: Source, header: LasHeader, names: Sequence[str], places: int, points: int
+) -> Table:
+    """Return some fields of some points: up to ``points`` from each of evenly spaced places.
+
+    What the file's order means plays no part, as a few thousand points do not tell the fields of a
+    whole file. Points that are left out are no part of it.
+    """
+    fields = Fields(header, names)
+    places = max(1, min(places, header.count // max(points, 1)))
+    starts = np.linspace(0, max(header.count - points, 0), places).astype(int).tolist()
+    pieces = [
+        rows
+        for start in starts
+        for rows, _ in _rows(source, header, fields, points, start, start + points)
+    ]
+    return _table(fields, np.concatenate(pieces))
+
+
+def _table(fields: Fields, rows: npt.NDArray[Any]) -> Table:
+    """Return the fields of some points in new arrays."""
+    table = fields.empty(len(rows))
+    fields.fill(table, 0, rows)
+    return table
 
 
 def _read_all(
@@ -127,14 +151,22 @@ def _read_all(
 
 
 def _rows(
-    source: Source, header: LasHeader, fields: Fields, points: int
+    source: Source,
+    header: LasHeader,
+    fields: Fields,
+    points: int,
+    begin: int = 0,
+    end: int | None = None,
 ) -> Iterator[tuple[npt.NDArray[Any], dict[str, int]]]:
-    """Yield points of ``fields.dtype`` without those left out, and the number of these."""
+    """Yield points of ``fields.dtype`` without those left out, and the number of these.
+
+    They are those from the number ``begin`` up to ``end``, or all.
+    """
     flags = None
     if header.minor >= FLAGS_SINCE:
         flags = Fields(header, ("withheld", "classification"))
-    read = _open(source, header, Fields(header, (*fields.names, *(flags.names if flags else ()))))
-    left = header.count
+    read = _open(source, header, Fields(header, (*fields.names, *(flags.names if flags else ()))), begin)
+    left = min(header.count, end or header.count) - begin
     while left:
         count = min(points, left)
         rows = read(count).view(fields.dtype)
@@ -156,18 +188,23 @@ def _rows(
 
 
 def _open(
-    source: Source, header: LasHeader, fields: Fields
+    source: Source, header: LasHeader, fields: Fields, begin: int
 ) -> Callable[[int], npt.NDArray[np.uint8]]:
-    """Return what reads the bytes of the next points; the file is large enough for all of them."""
+    """Return what reads the bytes of the points from ``begin`` on.
+
+    The file is large enough for all of them.
+    """
     if not header.laszip:
         there = (source.size - header.start) // header.length
         if header.count > there:
             raise InputError(
                 f"ends after {there:,} of its {header.count:,} points; is it damaged, or truncated?"
             )
-        source.stream.seek(header.start)
+        source.stream.seek(header.start + begin * header.length)
         return lambda count: source.read(count * header.length)
     decompressor = open_laz(source, header, fields.selection())
+    if begin:
+        decompressor.seek(begin)
 
     def unpack(count: int) -> npt.NDArray[np.uint8]:
         data = np.empty(count * header.length, np.uint8)
