@@ -16,6 +16,7 @@ from typing import Any
 
 _HOMES = {
     "Cloud": "host.cloud.cloud",
+    "ColourBy": "host.files.wanted",
     "Columns": "host.files.assemble",
     "Frame": "contract.frame",
     "Index": "host.visibility.block_index",

@@ -37,6 +37,7 @@ def encode(request: RenderRequest, output: Path) -> None:
     \b
     Examples:
       splatline encode scan.ply -o scan.frame
+      splatline encode scan.ply --colour intensity --map magma -o scan.frame
       splatline encode --scene knot --orbit 80,10 -o knot.frame
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from splatline.host.frame_file import sidecar_path
@@ -50,7 +51,7 @@ def encode(request: RenderRequest, output: Path) -> None:
     save_frame(prepared.frames[0], output, view=prepared.view)
     counts = prepared.frames[0].counts
 
-    from splatline.cli.report.tables import format_value, nonzero, print_facts
+    from splatline.cli.report.tables import colour_lines, format_value, nonzero, print_facts
 
     print_facts(
         [
@@ -59,6 +60,7 @@ def encode(request: RenderRequest, output: Path) -> None:
             ("elements", format_value(counts["elements"])),
             ("code words", format_value(counts["codewords"])),
             ("control words", format_value(counts["control_words"])),
+            *colour_lines(prepared.cloud.colour_key),
             *(("note", line) for line in prepared.notes),
             None,
             *((f"{stage}, s", f"{value:.3f}") for stage, value in stages.seconds.items()),

@@ -91,6 +91,9 @@ def render(
       splatline render scan.ply -o scan.png --orbit 30,20
       splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
       splatline render scan.ply --samples 4                smooth edges, four frames
+      splatline render scan.ply --up z --colour height --map turbo
+      splatline render scan.ply --colour intensity --map magma --range 0,4000
+      splatline render scan.ply --colour classification    ground brown, buildings red ...
       splatline render --scene knot --engine rtl           simulate the Verilog, compare
       splatline render --engine rtl --engines 4            the same with a chain of four
       splatline render scan.ply --reference --stats scan.json
@@ -124,6 +127,7 @@ def render(
         "splat_size": request.splat_size or "auto",
         "dropped": prepared.cloud.dropped,
         "far_away": prepared.far_away,
+        "colour": prepared.cloud.colour_key or None,
         "notes": prepared.notes,
         **drawing_statistics(
             prepared.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed

@@ -14,8 +14,10 @@ from click.core import ParameterSource
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import DEFAULT
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
+from splatline.host.files.wanted import ColourBy
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
+from .colour_by import colour_by, colour_options
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
 
 __all__ = ["RenderRequest", "request_options"]
@@ -59,6 +61,8 @@ class RenderRequest:
         Source of the shapes of the quality ``paper``.
     fit
         Points that the view fits: ``bulk``, without those far from the rest, or ``all``.
+    colour
+        What colours a point. Its ``up`` counts for nothing; the view's does.
     """
 
     path: Path | None
@@ -74,6 +78,7 @@ class RenderRequest:
     skips: frozenset[str]
     shapes: str = "table"
     fit: str = "bulk"
+    colour: ColourBy | None = None
 
     @property
     def name(self) -> str:
@@ -193,6 +198,9 @@ def request_options(command: _Command) -> _Command:
         keep: tuple[str, ...],
         shapes: str,
         fit: str,
+        colour: str | None,
+        colour_map: str | None,
+        colour_range: tuple[float, float] | None,
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
@@ -215,13 +223,14 @@ def request_options(command: _Command) -> _Command:
             (DEFAULT_SKIPS | set(skip)) - set(keep),
             shapes,
             fit,
+            colour_by(colour, colour_map, colour_range),
         )
         return command(request=request, **rest)
 
     decorated: Any = with_request
     for option in (*_ENCODING_OPTIONS, *_VIEW_OPTIONS):
         decorated = option(decorated)
-    return decorated
+    return colour_options(decorated)
 
 
 def _quality_for_rom(quality: str) -> str:

@@ -12,7 +12,7 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PRESETS, REMOVED
 from splatline.contract.variants import CONFIGS
 
-__all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "SIZE", "SPLAT_SIZE", "UP_AXES"]
+__all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "RANGE", "SIZE", "SPLAT_SIZE", "UP_AXES"]
 
 UP_AXES = click.Choice(["x", "y", "z", "-x", "-y", "-z"])
 """The axes that ``host.visibility.view.fit_view`` accepts."""
@@ -62,6 +62,27 @@ class _Orbit(click.ParamType):  # type: ignore[type-arg]
                 ctx,
             )
         return angles[0], angles[1]
+
+
+class _Range(click.ParamType):  # type: ignore[type-arg]
+    """``LOW,HIGH``: two numbers, the lower first."""
+
+    name = "LOW,HIGH"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        """Return (low, high)."""
+        if isinstance(value, tuple):
+            return value
+        ends = [end for part in value.split(",") if (end := _finite(part)) is not None]
+        if len(ends) != 2 or value.count(",") != 1 or not ends[0] < ends[1]:
+            self.fail(
+                f"{value!r} is not a range; write LOW,HIGH, the lower number first, like 0,255",
+                param,
+                ctx,
+            )
+        return ends[0], ends[1]
 
 
 class _SplatSize(click.ParamType):  # type: ignore[type-arg]
@@ -133,6 +154,7 @@ def _finite(text: str) -> float | None:
 
 SIZE = _Size()
 ORBIT = _Orbit()
+RANGE = _Range()
 SPLAT_SIZE = _SplatSize("auto|WORLD", "the cloud's own unit")
 DIAMETER = _SplatSize("auto|PIXELS", "pixels")
 COLOUR = _Colour()

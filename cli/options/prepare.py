@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from splatline.contract.frame import Frame
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
+    from splatline.host.files.wanted import ColourBy
     from splatline.host.visibility.view import View
 
 __all__ = ["PreparedFrames", "measure_in_stages", "prepare", "read_in_stages"]
@@ -70,18 +71,25 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     """
     from splatline.host.visibility.view import fit_view
 
+    colour = request.colour
     parameters = inspect.signature(fit_view).parameters
     camera = {key: parameters[key].default for key in _CAMERA}
     if request.path is None:
+        from splatline.host.files.colouring import check_map, colour_scene
         from splatline.host.scenes.scenes import load_scene
+
+        check_map(colour)
 
         with stages.stage("read", f"Making the scene {request.scene}"):
             scene = load_scene(request.scene)
-        cloud = scene.cloud
         camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
-    else:
-        cloud = read_in_stages(request.path, stages)
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
+    if colour is not None:
+        colour = replace(colour, up=camera["up"])
+    if request.path is not None:
+        cloud = read_in_stages(request.path, stages, colour)
+    else:
+        cloud = scene.cloud if colour is None else colour_scene(scene.cloud, colour)
     far_away = 0
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):
@@ -110,13 +118,13 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     return PreparedFrames(cloud, view, discs.radii, frames, camera, far_away)
 
 
-def read_in_stages(path: Path, stages: Stages) -> Cloud:
-    """Read a cloud file in the stages ``read`` and ``normals``."""
+def read_in_stages(path: Path, stages: Stages, colour: ColourBy | None = None) -> Cloud:
+    """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, progress=tell)
+        return read_cloud(path, colour=colour, progress=tell)
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["format_value", "nonzero", "print_facts", "print_statistics"]
+__all__ = [
+    "colour_lines",
+    "format_range",
+    "format_value",
+    "nonzero",
+    "print_facts",
+    "print_statistics",
+]
 
 _Fact = tuple[str, "str | tuple[str, str]"]
+
+MOST_CLASSES = 24
+"""Classes of points that are printed; the JSON has more."""
 
 _QUALITY = {
     "psnr_db": ("PSNR", "{:.2f} dB"),
@@ -54,6 +66,8 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
         for key, (label, template) in _QUALITY.items():
             value = stats.get(key)
             facts.append((label, "-" if value is None else template.format(value)))
+    if stats.get("colour"):
+        facts += [None, *colour_lines(stats["colour"])]
     if stats.get("notes"):
         facts += [None, *(("note", line) for line in stats["notes"])]
     facts.append(None)
@@ -81,6 +95,32 @@ def print_facts(facts: list[_Fact | None], *, title: str) -> None:
     Console().print(table)
 
 
+def colour_lines(key: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Return lines of a table about a ``Cloud.colour_key``; none if it is empty."""
+    if not key:
+        return []
+    by = f"{key['by']} along {key['up']}" if "up" in key else str(key["by"])
+    lines = []
+    if "classes" in key:
+        for item in key["classes"][:MOST_CLASSES]:
+            name = f" {item['name']}" if item["name"] else ""
+            points = f"{format_value(item['points'])} points"
+            lines.append((f"class {item['class']}", f"{item['colour']}{name}, {points}"))
+        more = len(key["classes"]) - MOST_CLASSES + key["other_classes"]
+        if more > 0:
+            lines.append(("other classes", format_value(more)))
+    elif key["range"] is None:
+        by += ", but no point has a value"
+    elif key["range"][0] == key["range"][1]:
+        by += f", {format_value(key['range'][0])} for every point"
+    else:
+        low, high = format_range(*key["range"])
+        by += f", {low} to {high}, map {key['map']}"
+    if key["without_value"]:
+        lines.append(("without a value", f"{format_value(key['without_value'])} points"))
+    return [("coloured by", by), *lines]
+
+
 def format_value(value: Any) -> str:
     """Return a number with thousands separators, or a dict as ``name 1, name 2``."""
     if isinstance(value, dict):
@@ -91,6 +131,20 @@ def format_value(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value)
     return f"{value:,}" if isinstance(value, int) else f"{value:,.6g}"
+
+
+def format_range(low: float, high: float) -> tuple[str, str]:
+    """Return both ends of a range with as many digits as tell a thousandth of it, and at least six.
+
+    Whole numbers keep all of their digits.
+    """
+    digits = 6
+    if low < high and max(abs(low), abs(high)) < math.inf:
+        digits += max(0, math.ceil(math.log10(max(abs(low), abs(high)) / (high - low))) - 2)
+    low_text, high_text = (
+        f"{end:,}" if isinstance(end, int) else f"{end:,.{min(digits, 17)}g}" for end in (low, high)
+    )
+    return low_text, high_text
 
 
 def nonzero(value: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +43,12 @@ class Cloud:
         Columns of the file that are not used.
     notes
         What a person should know about how the file was read; each is one line.
+    colour_key
+        What the colours stand for if values became colours, ready for JSON: ``by``, the field;
+        ``map`` and ``range``, or ``classes``; ``without_value``, the number of points without a
+        value. Empty if the colours are the file's own.
+    facts
+        What else the file says of itself, such as its ``coordinate system``.
     """
 
     positions: npt.NDArray[np.float64]
@@ -54,6 +61,8 @@ class Cloud:
     used: dict[str, str] = field(default_factory=dict)
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    colour_key: dict[str, Any] = field(default_factory=dict)
+    facts: dict[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of points."""

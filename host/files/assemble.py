@@ -13,8 +13,10 @@ from splatline.host.cloud.bulk import bounds, far_points, lost_points
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.normals import estimate_normals
 
+from .colouring import Coloured, colour_values, heights
 from .colours import NEUTRAL, colours_to_bytes
 from .columns import Columns
+from .wanted import HEIGHT
 
 __all__ = ["Columns", "assemble_cloud"]
 
@@ -33,7 +35,8 @@ def assemble_cloud(
     Points whose position is not finite are dropped (``Cloud.dropped["non_finite"]``), and so are
     those beyond every scanner's reach (``["far_away"]``, see ``lost_points``). Strays do not move
     the centre. Normals are scaled to unit length; those that are missing, zero or not finite are
-    estimated, and their points two-sided. Without colours every point is ``NEUTRAL``.
+    estimated, and their points two-sided. Without colours every point is ``NEUTRAL``; if a field is
+    to colour the points, see ``colour_values``.
 
     Parameters
     ----------
@@ -63,19 +66,17 @@ def assemble_cloud(
     lost = lost_points(positions)
     positions = _rows(positions, ~lost)
     kept[kept] = ~lost
-    low, high = bounds(_rows(positions, ~far_points(positions)))
+    usual = ~far_points(positions)
+    low, high = bounds(_rows(positions, usual))
     origin = low + 0.5 * (high - low)
     positions -= origin
 
     normals, two_sided = _unit_normals(columns.normals, kept)
-    if columns.colours is None:
-        colours = np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1))
-    else:
-        colours = colours_to_bytes(_rows(columns.colours, kept))
+    coloured = _colours(columns, kept, positions, origin, usual)
     cloud = Cloud(
         positions=positions,
         normals=normals,
-        colours=colours,
+        colours=coloured.colours,
         two_sided=two_sided,
         origin=origin,
         name=name,
@@ -87,6 +88,8 @@ def assemble_cloud(
         used=columns.used,
         ignored=columns.ignored,
         notes=columns.notes,
+        colour_key=coloured.key,
+        facts=columns.facts,
     )
     if two_sided.any():
         if progress is not None:
@@ -108,6 +111,24 @@ def _are_finite(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
 def _rows(array: npt.NDArray[Any], kept: npt.NDArray[np.bool_]) -> npt.NDArray[Any]:
     """Return some rows, or the array itself if these are all."""
     return array if kept.all() else array[kept]
+
+
+def _colours(
+    columns: Columns,
+    kept: npt.NDArray[np.bool_],
+    positions: npt.NDArray[np.float64],
+    origin: npt.NDArray[np.float64],
+    usual: npt.NDArray[np.bool_],
+) -> Coloured:
+    """Return the colours of the points that are kept; ``usual`` do not lie far from the rest."""
+    by = columns.colour
+    if by is not None and by.kind == HEIGHT:
+        return colour_values(heights(positions, origin, by.up), by, usual)
+    if by is not None and columns.values is not None:
+        return colour_values(_rows(columns.values, kept), by)
+    if columns.colours is None:
+        return Coloured(np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1)), {})
+    return Coloured(colours_to_bytes(_rows(columns.colours, kept)), {})
 
 
 def _unit_normals(

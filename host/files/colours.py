@@ -9,7 +9,15 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-__all__ = ["NEUTRAL", "colours_to_bytes", "greys", "harmonics_to_bytes", "unpack_colours"]
+__all__ = [
+    "NEUTRAL",
+    "are_known",
+    "colours_to_bytes",
+    "greys",
+    "harmonics_to_bytes",
+    "robust_range",
+    "unpack_colours",
+]
 
 NEUTRAL = (214, 164, 124)
 """Colour of points that have none: clay. With three bits a channel its channels change level one
@@ -24,6 +32,12 @@ DARKEST, LIGHTEST = 40.0, 235.0
 
 PIECE = 1 << 20
 """Values that are counted at once."""
+
+LARGEST = 1e100
+"""Values beyond this stand for no value."""
+
+OUTLIERS = 0.02
+"""Most values above a scale, as a share of those above black, that may be mistakes."""
 
 _Bytes = npt.NDArray[np.uint8]
 
@@ -69,7 +83,7 @@ def _from_16_bits(colours: npt.NDArray[np.uint16]) -> _Bytes:
         counts += np.bincount(flat[start : start + PIECE], minlength=1 << 16)
     counts[0] = 0
     largest = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
-    mostly_bytes = 2 * int(counts[:257].sum()) > int(counts.sum())
+    mostly_bytes = int(counts[257:].sum()) < OUTLIERS * int(counts.sum())
     full = 255.0 if largest <= 255 or mostly_bytes else 65535.0
     table = np.rint(np.minimum(np.arange(1 << 16) * (255.0 / full), 255.0)).astype(np.uint8)
     return table[colours]
@@ -78,8 +92,9 @@ def _from_16_bits(colours: npt.NDArray[np.uint16]) -> _Bytes:
 def _largest_of_scale(values: npt.NDArray[np.float64], whole: bool) -> float:
     """Return 1, 255 or 65535: the value of full brightness.
 
-    Black is black in every scale, so only values above 0 count. The larger half of them decides
-    between bytes and 0..65535; values between 0 and 1 are rare among bytes.
+    Black is black in every scale, so only values above 0 count. A dark picture of 0..65535 may have
+    most of its values below 256, but not nearly all of them. Values between 0 and 1 are rare among
+    bytes.
     """
     bright = values[values > 0.0]
     largest = float(bright.max()) if bright.size else 0.0
@@ -90,7 +105,7 @@ def _largest_of_scale(values: npt.NDArray[np.float64], whole: bool) -> float:
         ones = np.count_nonzero(bright == 1.0)
         if 2 * fractions > bright.size or (largest <= 2.0 and 2 * (fractions + ones) > bright.size):
             return 1.0
-    if largest <= 255.0 or 2 * np.count_nonzero(bright <= 256.0) > bright.size:
+    if largest <= 255.0 or np.count_nonzero(bright > 256.0) < OUTLIERS * bright.size:
         return 255.0
     return 65535.0
 
@@ -126,22 +141,35 @@ def harmonics_to_bytes(constant: npt.NDArray[Any]) -> _Bytes:
     return np.rint(values).astype(np.uint8)
 
 
-def greys(intensity: npt.NDArray[Any]) -> _Bytes:
+def are_known(values: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    """Return which values are finite, and not those that stand for no value, such as 1e308."""
+    known: npt.NDArray[np.bool_] = np.isfinite(values) & (np.abs(values) < LARGEST)
+    return known
+
+
+def robust_range(values: npt.NDArray[np.float64]) -> tuple[float, float] | None:
+    """Return the range of 98 % of finite values, or of all if those are one; None without any."""
+    if not values.size:
+        return None
+    low, high = np.percentile(values, (1.0, 99.0))
+    if low == high:
+        low, high = values.min(), values.max()
+    return float(low), float(high)
+
+
+def greys(intensity: npt.NDArray[Any], ends: tuple[float, float] | None = None) -> _Bytes:
     """Return greys of an intensity: dark for the least, light for the greatest of 98 % of them.
 
-    Points without a finite intensity are ``NEUTRAL``, and so are all if there is only one value.
+    ``ends`` are other values for the darkest and the lightest grey. Points without a finite
+    intensity are ``NEUTRAL``, and so are all if there is only one value.
     """
     values = intensity.astype(np.float64)
-    finite = np.isfinite(values) & (np.abs(values) < 1e100)
+    known = are_known(values)
     grey = np.tile(np.array(NEUTRAL, np.uint8), (len(values), 1))
-    if not finite.any():
-        return grey
-    low, high = np.percentile(values[finite], (1.0, 99.0))
-    if low == high:
-        low, high = values[finite].min(), values[finite].max()
+    low, high = ends or robust_range(values[known]) or (0.0, 0.0)
     if low == high:
         return grey
-    share = np.clip((values[finite] - low) / (high - low), 0.0, 1.0)
+    share = np.clip((values[known] - low) / (high - low), 0.0, 1.0)
     level = np.rint(DARKEST + share * (LIGHTEST - DARKEST)).astype(np.uint8)
-    grey[finite] = level[:, np.newaxis]
+    grey[known] = level[:, np.newaxis]
     return grey

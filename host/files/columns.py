@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,6 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from .colours import greys, harmonics_to_bytes, unpack_colours
+from .column_names import HINTS, NORMALS, POSITIONS, Names, kinds_of, no_field, plain_name
+from .ranges import Range, range_of
+from .wanted import HEIGHT, RGB, USUAL, ColourBy, Wanted
 
 __all__ = [
     "Columns",
@@ -22,61 +24,7 @@ __all__ = [
     "unique_names",
 ]
 
-Names = tuple[str, ...]
-
 AGAIN = " (again)"
-
-POSITIONS: tuple[Names, ...] = (
-    ("x", "y", "z"),
-    ("xyz",),
-    ("position",),
-    ("positions",),
-    ("points",),
-    ("vertices",),
-    ("pos",),
-    ("px", "py", "pz"),
-    ("pos_x", "pos_y", "pos_z"),
-    ("points:0", "points:1", "points:2"),
-    ("easting", "northing", "elevation"),
-    ("easting", "northing", "height"),
-)
-NORMALS: tuple[Names, ...] = (
-    ("nx", "ny", "nz"),
-    ("normal_x", "normal_y", "normal_z"),
-    ("normalx", "normaly", "normalz"),
-    ("n_x", "n_y", "n_z"),
-    ("normals:0", "normals:1", "normals:2"),
-    ("normal",),
-    ("normals",),
-)
-COLOURS: tuple[Names, ...] = (
-    ("red", "green", "blue"),
-    ("r", "g", "b"),
-    ("rf", "gf", "bf"),
-    ("diffuse_red", "diffuse_green", "diffuse_blue"),
-    ("colours",),
-    ("colors",),
-    ("rgb",),
-    ("rgba",),
-    ("colour",),
-    ("color",),
-)
-PACKED: tuple[Names, ...] = (("rgb",), ("rgba",))
-HARMONICS: tuple[Names, ...] = (("f_dc_0", "f_dc_1", "f_dc_2"),)
-INTENSITY: tuple[Names, ...] = (
-    ("intensity",),
-    ("scalar_intensity",),
-    ("intensities",),
-    ("reflectance",),
-    ("scalar_reflectance",),
-    ("reflectivity",),
-    ("remission",),
-)
-
-HINTS = re.compile(r"rgb|colou?r|red$|green$|blue$|norm|^n[xyz]$|intens|reflec|remis|^scalar|f_dc")
-"""Names of columns that a person may expect to see in the picture."""
-
-_UNIT = re.compile(r"\s*[\[(][^\[\]()]*[\])]$")
 
 
 @dataclass(frozen=True)
@@ -104,6 +52,15 @@ class Columns:
         above 0 are measured.
     two_sided
         Whether the signs of the normals mean nothing.
+    values
+        What colours a point if ``colour`` asks for a field: shape (n,), any real type, or None.
+    colour
+        The request that the reader was given, or None.
+    ranges
+        The least and the greatest finite value of columns, and how many are not finite, by name, if
+        they were asked for; None for both if no value is finite.
+    facts
+        What else the file says of itself, such as its ``coordinate system``, by a name in words.
     """
 
     positions: npt.NDArray[Any]
@@ -115,6 +72,10 @@ class Columns:
     dropped: dict[str, int] = field(default_factory=dict)
     radii: npt.NDArray[Any] | None = None
     two_sided: bool = False
+    values: npt.NDArray[Any] | None = None
+    colour: ColourBy | None = None
+    ranges: dict[str, Range] = field(default_factory=dict)
+    facts: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -126,11 +87,15 @@ class Meaning:
     positions, normals
         Three columns, or one column of three values.
     colours
-        The same, or one column of packed colours or of intensities.
+        The same, or one column of packed colours, or of the values that colours stand for.
     kind
-        What ``colours`` hold: colour, packed colour, spherical harmonics or intensity.
+        What ``colours`` hold: colour, packed colour, spherical harmonics, intensity, class, value.
     ignored
         The other columns.
+    colour
+        What colours a point, if it was asked for.
+    measured
+        Columns of numbers whose ranges are wanted.
     """
 
     positions: Names
@@ -138,16 +103,14 @@ class Meaning:
     colours: Names
     kind: str
     ignored: Names
+    colour: ColourBy | None = None
+    measured: Names = ()
 
     @property
     def names(self) -> Names:
-        """All columns that are used."""
-        return (*self.positions, *self.normals, *self.colours)
-
-
-def plain_name(name: str) -> str:
-    """Return a column's name without its unit, in lower case: ``x`` of ``X [m]``."""
-    return _UNIT.sub("", name.strip().lower()).replace(" ", "_")
+        """All columns that are read, each once."""
+        wanted = (*self.positions, *self.normals, *self.colours, *self.measured)
+        return tuple(dict.fromkeys(wanted))
 
 
 def unique_names(names: Sequence[str]) -> list[str]:
@@ -163,7 +126,11 @@ def unique_names(names: Sequence[str]) -> list[str]:
     return found
 
 
-def find_meaning(names: Sequence[str], widths: Mapping[str, int] | None = None) -> Meaning | None:
+def find_meaning(
+    names: Sequence[str],
+    widths: Mapping[str, int] | None = None,
+    wanted: Wanted = USUAL,
+) -> Meaning | None:
     """Return the columns of positions, normals and colours, or None without x, y and z.
 
     Case and units do not matter. Of two columns of one name the first counts.
@@ -173,7 +140,14 @@ def find_meaning(names: Sequence[str], widths: Mapping[str, int] | None = None) 
     names
         The columns; none comes twice.
     widths
-        Values of a column in one row, if it is not 1.
+        Values of a column in one row, if it is not 1; 0 if they are no numbers.
+    wanted
+        What colours a point, and whether ranges are wanted.
+
+    Raises
+    ------
+    InputError
+        If there is no column of what is to colour a point.
     """
     widths = widths or {}
     spelled = {plain_name(name): name for name in reversed(names)}
@@ -182,34 +156,35 @@ def find_meaning(names: Sequence[str], widths: Mapping[str, int] | None = None) 
     def first_of(groups: tuple[Names, ...], alone: tuple[int, ...] = (3,)) -> Names:
         for group in groups:
             found = tuple(spelled[name] for name in group if name in spelled)
-            wanted = (1,) if len(group) == 3 else alone
-            if len(found) == len(group) and all(widths.get(name, 1) in wanted for name in found):
+            sizes = (1,) if len(group) == 3 else alone
+            if len(found) == len(group) and all(widths.get(name, 1) in sizes for name in found):
                 return found
         return ()
 
     positions = first_of(POSITIONS)
     if not positions:
         return None
-    kinds = (
-        ("packed colour", PACKED, (1,)),
-        ("colour", COLOURS, (3, 4)),
-        ("colour, spherical harmonics", HARMONICS, ()),
-        ("intensity, as grey", INTENSITY, (1,)),
-    )
+    kinds = kinds_of(wanted.colour)
     found = [(kind, first_of(groups, alone)) for kind, groups, alone in kinds]
     kind, colours = next((pair for pair in found if pair[1]), ("", ()))
+    if wanted.colour is not None and not colours and wanted.colour.kind != HEIGHT:
+        raise no_field(wanted.colour, [name for name in names if widths.get(name, 1) == 1])
     normals = first_of(NORMALS)
     taken = {*positions, *normals, *colours}
     ignored = tuple(name for name in names if name not in taken)
-    return Meaning(positions, normals, colours, kind, ignored)
+    measured = [name for name in names if widths.get(name, 1)] if wanted.ranges else []
+    return Meaning(positions, normals, colours, kind, ignored, wanted.colour, tuple(measured))
 
 
 def gather(table: Mapping[str, Any], meaning: Meaning, notes: Sequence[str] = ()) -> Columns:
     """Return the columns that a meaning names, taken from a table of arrays."""
-    colours = _stack(table, meaning.colours)
+    colours, values = _stack(table, meaning.colours), None
     if colours is not None:
         if meaning.kind.startswith("packed"):
             colours = unpack_colours(colours[:, 0])
+        elif meaning.colour is not None and meaning.colour.kind != RGB:
+            values = colours[:, 0]
+            colours = None
         elif meaning.kind.startswith("intensity"):
             colours = greys(colours[:, 0])
         elif meaning.kind != "colour":
@@ -220,10 +195,19 @@ def gather(table: Mapping[str, Any], meaning: Meaning, notes: Sequence[str] = ()
     assert positions is not None
     used = dict.fromkeys(meaning.positions, "position")
     used |= dict.fromkeys(meaning.normals, "normal")
-    used |= dict.fromkeys(meaning.colours, meaning.kind)
-    normals = _stack(table, meaning.normals)
-    told = (*notes, *_remarks(meaning))
-    return Columns(positions, normals, colours, used, meaning.ignored, told)
+    for name in meaning.colours:
+        used[name] = f"{used[name]}; {meaning.kind}" if name in used else meaning.kind
+    return Columns(
+        positions,
+        _stack(table, meaning.normals),
+        colours,
+        used,
+        meaning.ignored,
+        (*notes, *_remarks(meaning)),
+        values=values,
+        colour=meaning.colour,
+        ranges={name: range_of(table[name]) for name in meaning.measured},
+    )
 
 
 def bytes_left(count: int) -> tuple[str, ...]:
@@ -240,7 +224,7 @@ def _remarks(meaning: Meaning) -> list[str]:
     missed = [
         name
         for name in meaning.ignored
-        if HINTS.search(plain_name(name)) and not name.endswith(AGAIN)
+        if HINTS.search(plain_name(name)) and not name.endswith(AGAIN) and meaning.colour is None
     ]
     if missed:
         shown = ", ".join(missed[:4]) + (f" and {len(missed) - 4} more" if missed[4:] else "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,19 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .colours import greys
+from .column_names import no_field, plain_name
 from .columns import Columns
+from .ranges import range_of
+from .wanted import HEIGHT, INTENSITY, RGB, USUAL, ColourBy, Wanted
 
 __all__ = ["by_number"]
 
 _Rows = npt.NDArray[Any]
 
 
-def by_number(rows: _Rows, suffix: str, notes: tuple[str, ...] = ()) -> Columns:
+def by_number(
+    rows: _Rows, suffix: str, notes: tuple[str, ...] = (), wanted: Wanted = USUAL
+) -> Columns:
     """Return the points of rows without names.
 
     - 3 columns: position;
@@ -29,6 +35,9 @@ def by_number(rows: _Rows, suffix: str, notes: tuple[str, ...] = ()) -> Columns:
     - 9: position, normal and colour, or position, colour and normal if it is the last that
       are unit vectors.
 
+    The columns are called ``column 1``, ``column 2`` and so on. A fourth column may be asked for as
+    an intensity in every format.
+
     Parameters
     ----------
     rows
@@ -37,12 +46,23 @@ def by_number(rows: _Rows, suffix: str, notes: tuple[str, ...] = ()) -> Columns:
         The file's format.
     notes
         What is known of the file already.
+    wanted
+        What colours a point, and whether ranges are wanted.
 
     Raises
     ------
     InputError
-        If the number of columns means nothing.
+        If the number of columns means nothing, or there is no column of what is to colour a point.
     """
+    found = _usual(rows, suffix, notes)
+    if wanted.ranges:
+        ranges = {f"column {i + 1}": range_of(column) for i, column in enumerate(rows.T)}
+        found = replace(found, ranges=ranges)
+    return found if wanted.colour is None else _coloured(found, rows, wanted.colour)
+
+
+def _usual(rows: _Rows, suffix: str, notes: tuple[str, ...]) -> Columns:
+    """Return the points in the colours that they have; see ``by_number``."""
     count = rows.shape[1]
     normal = colour = extra = 0
     if count == 4:
@@ -79,6 +99,39 @@ def by_number(rows: _Rows, suffix: str, notes: tuple[str, ...] = ()) -> Columns:
         used,
         ignored,
         notes,
+    )
+
+
+def _coloured(found: Columns, rows: _Rows, colour: ColourBy) -> Columns:
+    """Return the points with what is to colour them; other colours are left out."""
+    names = [f"column {i + 1}" for i in range(rows.shape[1])]
+    own = [name for name, meaning in found.used.items() if meaning == "colour"]
+    if colour.kind == RGB:
+        if not own:
+            raise no_field(colour, names)
+        return replace(found, colour=colour)
+    chosen = None
+    if colour.kind == INTENSITY:
+        grey = [name for name, meaning in found.used.items() if meaning.startswith("intensity")]
+        chosen = next(iter([*grey, *found.ignored]), None)
+    elif colour.kind != HEIGHT:
+        asked = plain_name(colour.field)
+        chosen = next((name for name in names if plain_name(name) == asked), None)
+    if chosen is None and colour.kind != HEIGHT:
+        raise no_field(colour, names)
+    used = {name: what for name, what in found.used.items() if what in ("position", "normal")}
+    if chosen is not None:
+        what = "intensity" if colour.kind == INTENSITY else "value"
+        kind = f"{what}, as {'grey' if what == 'intensity' and colour.map is None else 'colour'}"
+        used[chosen] = f"{used[chosen]}; {kind}" if chosen in used else kind
+    return replace(
+        found,
+        colours=None,
+        used=used,
+        ignored=tuple(name for name in names if name not in used),
+        notes=tuple(note for note in found.notes if not note.startswith("not used")),
+        values=None if chosen is None else rows[:, names.index(chosen)],
+        colour=colour,
     )
 
 

@@ -15,6 +15,7 @@ from .las_fields import Fields, Table, field_names
 from .las_header import LasHeader, read_las_header
 from .laz_chunks import open_laz
 from .source import Source
+from .wanted import USUAL, Wanted
 
 __all__ = ["las_chunks", "las_meaning", "las_sample", "las_tables", "read_las"]
 
@@ -49,12 +50,12 @@ def read_las(source: Source) -> Columns:
         If the file is damaged, has no points, or all of them are left out.
     """
     header = read_las_header(source)
-    meaning = las_meaning(header)
+    meaning = las_meaning(header, source.wanted)
     table, dropped = _read_all(source, header, meaning.names)
     notes: list[str] = []
-    if meaning.kind == "colour" and not any(table[name].any() for name in meaning.colours):
+    if meaning.colour is None and meaning.kind == "colour" and not any(table[name].any() for name in meaning.colours):
         notes.append("all colours are black, so the intensity is drawn")
-        meaning = las_meaning(header, colours=False)
+        meaning = las_meaning(header, source.wanted, colours=False)
         table |= _read_all(source, header, meaning.colours)[0]
     if not len(table["x"]):
         raise InputError(f"has no points but {header.count:,} that are withheld or noise")
@@ -76,21 +77,26 @@ def las_chunks(source: Source, points: int) -> Iterator[Columns]:
         If the file is damaged or has no points.
     """
     header = read_las_header(source)
-    meaning = las_meaning(header)
+    meaning = las_meaning(header, source.wanted)
     for table, dropped in las_tables(source, header, meaning.names, points):
         columns = gather(table, meaning)
         columns.dropped.update(dropped)
         yield columns
 
 
-def las_meaning(header: LasHeader, *, colours: bool = True) -> Meaning:
-    """Return what the fields of a file are taken for, with its colours or without."""
-    names = field_names(header)
+def las_meaning(header: LasHeader, wanted: Wanted = USUAL, *, colours: bool = True) -> Meaning:
+    """Return what the fields of a file are taken for, with its colours or without.
+
+    Raises
+    ------
+    InputError
+        If the file lacks what is to colour a point.
+    """
     hidden = () if colours else ("red", "green", "blue")
-    meaning = find_meaning([name for name in names if name not in hidden])
+    names = [name for name in field_names(header) if name not in hidden]
+    meaning = find_meaning(names, wanted=wanted)
     assert meaning is not None
-    ignored = tuple(name for name in names if name not in (*meaning.names, *hidden))
-    return Meaning(meaning.positions, meaning.normals, meaning.colours, meaning.kind, ignored)
+    return meaning
 
 
 def las_tables(

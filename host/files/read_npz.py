@@ -77,8 +77,13 @@ def read_npz(source: Source) -> Columns:
         meaning = find_meaning(list(members), widths)
         if meaning is None:
             raise InputError("has no array named positions, points, xyz, vertices or pos")
+        count = shapes[meaning.positions[0]][0][0]
+        for name, (shape, _) in shapes.items():
+            if name not in meaning.names and (not shape or shape[0] != count):
+                widths[name] = 0  # no value for each point
+        meaning = find_meaning(list(members), widths, source.wanted)
+        assert meaning is not None
         lengths = {name: shapes[name][0][0] for name in meaning.names}
-        count = lengths[meaning.positions[0]]
         for kind_of, group in (("normals", meaning.normals), ("colours", meaning.colours)):
             for name in group:
                 if lengths[name] != count:
@@ -110,11 +115,12 @@ def read_npy(source: Source) -> Columns:
         )
     array = npy.read_array(source.stream, allow_pickle=False)
     if kind.names is None:
-        return by_number(array, source.suffix)
+        return by_number(array, source.suffix, wanted=source.wanted)
     rows = array.reshape(-1)
     parts = {name: rows[name] for name in kind.names if kind[name].base.kind in "iuf"}
     widths = {name: math.prod(part.shape[1:]) for name, part in parts.items()}
-    meaning = find_meaning(list(kind.names), {**dict.fromkeys(kind.names, 0), **widths})
+    widths = {**dict.fromkeys(kind.names, 0), **widths}
+    meaning = find_meaning(list(kind.names), widths, source.wanted)
     if meaning is None:
         raise InputError(f"has no fields x, y and z; it has {', '.join(kind.names)[:80]}")
     return gather(parts, meaning)

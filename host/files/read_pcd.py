@@ -37,7 +37,8 @@ def read_pcd(source: Source) -> Columns:
     """
     header = read_header(source)
     names = [field.name for field in header.fields if field.name.split()[0] != "_"]  # padding
-    meaning = find_meaning(names, {field.name: field.count for field in header.fields})
+    widths = {field.name: field.count for field in header.fields}
+    meaning = find_meaning(names, widths, source.wanted)
     if meaning is None:
         raise InputError(f"has no fields x, y and z; it has {', '.join(names)[:80] or 'none'}")
     source.stream.seek(header.size)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from typing import Any
@@ -43,23 +44,16 @@ def read_ply(source: Source) -> Columns:
     )
     if chosen is None:
         raise InputError("has no vertices with properties x, y and z")
+    meaning = find_meaning(chosen.scalars, wanted=source.wanted)
+    assert meaning is not None
     left = 0
     if header.order is None:
         table = _from_text(source, header, chosen)
     else:
         table, left = _from_bytes(source, header, chosen)
-    meaning = find_meaning(chosen.scalars)
-    assert meaning is not None
     lists = [item.name for item in chosen.properties if item.length is not None]
     columns = gather(table, meaning, bytes_left(left))
-    return Columns(
-        columns.positions,
-        columns.normals,
-        columns.colours,
-        columns.used,
-        (*columns.ignored, *lists),
-        columns.notes,
-    )
+    return replace(columns, ignored=(*columns.ignored, *lists))
 
 
 def _from_bytes(source: Source, header: Header, chosen: Element) -> tuple[_Table, int]:

@@ -46,6 +46,8 @@ class Layout:
         Number of columns.
     promised
         Number of points by a line of its own, if there is one.
+    words
+        Names of the columns that hold no number in the first point.
     """
 
     names: list[str] | None
@@ -53,6 +55,7 @@ class Layout:
     delimiter: str | None
     columns: int
     promised: int | None
+    words: tuple[str, ...] = ()
 
 
 def read_text(source: Source) -> Columns:
@@ -72,7 +75,9 @@ def read_text(source: Source) -> Columns:
     lines = partial(lines_of, source, 0, encoding)
     layout = _find_layout(lines())
     names = layout.names
-    meaning = None if names is None else find_meaning(names)
+    meaning = None
+    if names is not None:
+        meaning = find_meaning(names, dict.fromkeys(layout.words, 0), source.wanted)
     if names is not None and meaning is None:
         raise InputError(f"names its columns {', '.join(names)[:80]}: there is no x, y and z")
     if names is not None and len(names) != layout.columns:
@@ -94,7 +99,7 @@ def read_text(source: Source) -> Columns:
     if layout.promised is not None and len(rows) < layout.promised:
         raise InputError(f"ends after {len(rows)} of its {layout.promised} points; it is truncated")
     if meaning is None:
-        return by_number(rows, source.suffix)
+        return by_number(rows, source.suffix, wanted=source.wanted)
     return gather({name: rows[:, i] for i, name in enumerate(meaning.names)}, meaning)
 
 
@@ -131,7 +136,9 @@ def _find_layout(lines: Iterator[str]) -> Layout:
                 continue
             if names is not None and len(names) != columns and find_meaning(names) is None:
                 names = None  # a title
-            return Layout(names, number, delimiter, columns, counts[0] if counts else None)
+            words = _words(split_line(bare, delimiter), names)
+            promised = counts[0] if counts else None
+            return Layout(names, number, delimiter, columns, promised, words)
         values = _names(bare)
         if find_meaning(values) is not None:
             names = values
@@ -144,6 +151,17 @@ def _find_layout(lines: Iterator[str]) -> Layout:
     if names is None:
         raise InputError("has no points: no line of it holds numbers alone")
     raise InputError("has no points")
+
+
+def _words(values: list[str], names: list[str] | None) -> tuple[str, ...]:
+    """Return the names of columns whose value is neither a number nor one that is missing."""
+    found = []
+    for name, value in zip(names or (), values, strict=False):
+        try:
+            to_number(value)
+        except ValueError:
+            found.append(name)
+    return tuple(found)
 
 
 def _is_number(text: str) -> bool:

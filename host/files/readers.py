@@ -14,6 +14,7 @@ from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
 
 from .assemble import assemble_cloud
+from .colouring import check_map
 from .columns import Columns
 from .read_las import read_las
 from .read_npz import read_npy, read_npz
@@ -21,8 +22,9 @@ from .read_pcd import read_pcd
 from .read_ply import read_ply
 from .read_text import read_text
 from .source import Source, cloud_name, format_suffix, open_source
+from .wanted import ColourBy, Wanted
 
-__all__ = ["FORMATS", "check_format", "read_cloud"]
+__all__ = ["FORMATS", "check_format", "read_cloud", "read_columns"]
 
 FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".ply": read_ply,
@@ -53,7 +55,10 @@ def check_format(path: Path) -> None:
 
 
 def read_cloud(
-    path: str | os.PathLike[str], *, progress: Callable[[str, float], None] | None = None
+    path: str | os.PathLike[str],
+    *,
+    colour: str | ColourBy | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
 
@@ -66,6 +71,10 @@ def read_cloud(
     path
         PLY, PCD, NPZ, NPY, or text: XYZ, XYZN, XYZRGB, PTS, TXT, ASC or CSV; also compressed by
         gzip. A pipe is read to its end.
+    colour
+        What colours a point: ``rgb``, ``height``, ``intensity``, ``classification`` or the name of
+        a column; as a ``ColourBy`` with a colour map and a range too. None: the file's colours,
+        else its intensity as grey, else one colour. ``Cloud.colour_key`` says what stands for what.
     progress
         Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
         A cloud whose normals are all there has no stage ``normals``.
@@ -74,9 +83,12 @@ def read_cloud(
     ------
     InputError
         If the file is missing, unreadable, empty, truncated or otherwise damaged, of an unknown
-        format, or has no x, y and z or no point with a finite position.
+        format, or has no x, y and z or no point with a finite position; if it lacks what is to
+        colour a point, or there is no such colour map.
     """
     place = Path(path)
+    by = ColourBy(colour) if isinstance(colour, str) else colour
+    check_map(by)
     try:
         if place.is_dir():
             raise InputError("is a folder; give the name of a file")
@@ -86,8 +98,8 @@ def read_cloud(
             None if progress is None else functools.partial(progress, stage)
             for stage in ("read", "normals")
         )
-        with np.errstate(all="ignore"), open_source(place, read) as source:
-            columns = _read(FORMATS[source.suffix], source)
+        with np.errstate(all="ignore"), open_source(place, read, Wanted(by)) as source:
+            columns = read_columns(source)
             if read is not None:
                 read(1.0)
             return assemble_cloud(columns, cloud_name(place), progress=normals)
@@ -97,8 +109,9 @@ def read_cloud(
         raise InputError(f"{place}: {error}") from None
 
 
-def _read(read: Callable[[Source], Columns], source: Source) -> Columns:
-    """Return a reader's columns; its failures become ``InputError``."""
+def read_columns(source: Source) -> Columns:
+    """Return the columns of an open file of a known format; failures become ``InputError``."""
+    read = FORMATS[source.suffix]
     kind = source.suffix[1:].upper()
     try:
         with warnings.catch_warnings():

@@ -18,6 +18,8 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
+from .wanted import USUAL, Wanted
+
 __all__ = ["Source", "cloud_name", "format_suffix", "open_source", "unpacked_limit"]
 
 GZIP = b"\x1f\x8b"
@@ -54,12 +56,15 @@ class Source:
         The name's suffix that tells the format, in lower case.
     progress
         Called now and then with the share of the bytes that are read; see :meth:`tell`.
+    wanted
+        What the file is read for.
     """
 
     stream: BinaryIO
     size: int
     suffix: str
     progress: Progress | None = None
+    wanted: Wanted = USUAL
 
     def tell(self) -> None:
         """Tell ``progress``, if there is one, how much is read."""
@@ -95,10 +100,13 @@ def unpacked_limit(size: int) -> int:
 
 
 @contextmanager
-def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source]:
+def open_source(
+    path: Path, progress: Progress | None = None, wanted: Wanted = USUAL
+) -> Iterator[Source]:
     """Open a cloud file. A pipe is read to its end first; a gzip file is unpacked.
 
-    ``progress`` is called now and then with the share that is read, unpacking included.
+    ``progress`` is called now and then with the share that is read, unpacking included. ``wanted``
+    is what the file is read for.
 
     Raises
     ------
@@ -125,7 +133,7 @@ def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source
         if not compressed:
             if path.suffix.lower() == ".gz":
                 raise InputError("is not compressed, although its name ends in .gz; rename it")
-            yield Source(stream, size, format_suffix(path), progress)
+            yield Source(stream, size, format_suffix(path), progress, wanted)
             return
         with tempfile.TemporaryFile() as unpacked:
             packed = Source(stream, size, "", _part(progress, 0.0, UNPACKING))
@@ -135,7 +143,7 @@ def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source
             if not size:
                 raise InputError("the file is empty")
             rest = _part(progress, UNPACKING, 1.0)
-            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path), rest)
+            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path), rest, wanted)
 
 
 def _part(progress: Progress | None, first: float, last: float) -> Progress | None:

@@ -224,6 +224,21 @@ class TestColours:
     def test_every_usual_scale_gives_the_same_bytes(self, written):
         assert np.array_equal(colours_to_bytes(written), COLOURS)
 
+    @pytest.mark.parametrize("kind", [np.uint16, np.int32, np.float32, np.float64])
+    @pytest.mark.parametrize("largest", [900, 4095, 30_000, 65_535])
+    def test_dark_colours_of_sixteen_bits_are_not_brightened(self, kind, largest):
+        # Most values are below 256, as in a picture by night; the scale is that of the type.
+        colours = np.full((1000, 3), 100)
+        colours[:80] = np.linspace(300, largest, 80)[:, np.newaxis]
+        right = np.rint(colours / 257.0)
+        assert np.array_equal(colours_to_bytes(colours.astype(kind)), right)
+
+    @pytest.mark.parametrize("kind", [np.uint16, np.int32, np.float64])
+    @pytest.mark.parametrize("largest", [2, 60, 254, 255])
+    def test_values_up_to_255_are_bytes_in_every_type(self, kind, largest):
+        colours = np.arange(3 * (largest + 1)).reshape(-1, 3) % (largest + 1)
+        assert np.array_equal(colours_to_bytes(colours.astype(kind)), colours)
+
     def test_integers_of_0_and_1_are_bytes(self):
         assert colours_to_bytes(np.array([[0, 1, 1]], np.uint16)).tolist() == [[0, 1, 1]]
 
