@@ -12,6 +12,7 @@ from splatline.contract.errors import InputError
 __all__ = [
     "NEUTRAL",
     "are_known",
+    "brightest",
     "colours_to_bytes",
     "greys",
     "harmonics_to_bytes",
@@ -42,7 +43,18 @@ OUTLIERS = 0.02
 _Bytes = npt.NDArray[np.uint8]
 
 
-def colours_to_bytes(colours: npt.NDArray[Any]) -> _Bytes:
+def brightest(colours: npt.NDArray[Any]) -> float:
+    """Return the value of full brightness of colours: 1, 255 or 65535; see ``colours_to_bytes``."""
+    if colours.dtype in (np.uint8, np.int8):
+        return 255.0
+    if colours.dtype == np.uint16:
+        return _brightest_of_16_bits(colours)
+    values = colours.astype(np.float64)
+    finite = np.isfinite(values).all(axis=1)
+    return _largest_of_scale(values[finite], bool(np.issubdtype(colours.dtype, np.integer)))
+
+
+def colours_to_bytes(colours: npt.NDArray[Any], full: float | None = None) -> _Bytes:
     """Return colours of any usual scale as bytes.
 
     The array's type and most of its values tell the scale, so that a few values beyond it do not:
@@ -56,6 +68,8 @@ def colours_to_bytes(colours: npt.NDArray[Any]) -> _Bytes:
     ----------
     colours
         Shape (n, 3), any real type.
+    full
+        The value of full brightness, if it is known; see :func:`brightest`. None: as above.
 
     Returns
     -------
@@ -65,18 +79,20 @@ def colours_to_bytes(colours: npt.NDArray[Any]) -> _Bytes:
     if colours.dtype in (np.uint8, np.int8):
         return np.ascontiguousarray(colours).view(np.uint8)
     if colours.dtype == np.uint16:
-        return _from_16_bits(colours)
+        full = full or _brightest_of_16_bits(colours)
+        table = np.rint(np.minimum(np.arange(1 << 16) * (255.0 / full), 255.0)).astype(np.uint8)
+        return table[colours]
     values = colours.astype(np.float64)
     finite: npt.NDArray[np.bool_] = np.all(np.isfinite(values), axis=1)
     values[~finite] = 0.0
-    whole = bool(np.issubdtype(colours.dtype, np.integer))
-    values = np.clip(values * (255.0 / _largest_of_scale(values, whole)), 0.0, 255.0)
+    full = full or _largest_of_scale(values, bool(np.issubdtype(colours.dtype, np.integer)))
+    values = np.clip(values * (255.0 / full), 0.0, 255.0)
     values[~finite] = NEUTRAL
     return np.rint(values).astype(np.uint8)
 
 
-def _from_16_bits(colours: npt.NDArray[np.uint16]) -> _Bytes:
-    """Return colours of 16 bits as bytes, by a table of all values."""
+def _brightest_of_16_bits(colours: npt.NDArray[np.uint16]) -> float:
+    """Return the value of full brightness, 255 or 65535, by the counts of all values."""
     flat = colours.reshape(-1)
     counts = np.zeros(1 << 16, np.int64)
     for start in range(0, len(flat), PIECE):
@@ -84,9 +100,7 @@ def _from_16_bits(colours: npt.NDArray[np.uint16]) -> _Bytes:
     counts[0] = 0
     largest = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
     mostly_bytes = int(counts[257:].sum()) < OUTLIERS * int(counts.sum())
-    full = 255.0 if largest <= 255 or mostly_bytes else 65535.0
-    table = np.rint(np.minimum(np.arange(1 << 16) * (255.0 / full), 255.0)).astype(np.uint8)
-    return table[colours]
+    return 255.0 if largest <= 255 or mostly_bytes else 65535.0
 
 
 def _largest_of_scale(values: npt.NDArray[np.float64], whole: bool) -> float:

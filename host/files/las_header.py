@@ -81,6 +81,8 @@ class LasHeader:
         First byte of the points.
     scales, offsets
         A coordinate is a scale times the integer in the file, plus an offset: shape (3,) each.
+    low, high
+        The least and the greatest coordinates, as the file says: shape (3,) each.
     extras
         Fields of the extra bytes that are described.
     laszip
@@ -94,6 +96,8 @@ class LasHeader:
     start: int
     scales: npt.NDArray[np.float64]
     offsets: npt.NDArray[np.float64]
+    low: npt.NDArray[np.float64]
+    high: npt.NDArray[np.float64]
     extras: tuple[Extra, ...]
     laszip: bytes
 
@@ -143,7 +147,8 @@ def read_las_header(source: Source) -> LasHeader:
     extras = _extras(found.get(EXTRA_BYTES, b""), PointFormat(form), length)
     laszip = laszip if compressed else b""
     scales, offsets = numbers[:3], numbers[3:]
-    return LasHeader(minor, form, length, count, start, scales, offsets, extras, laszip)
+    high, low = np.frombuffer(head, "<f8", 6, 179).astype(np.float64).reshape(3, 2).T
+    return LasHeader(minor, form, length, count, start, scales, offsets, low, high, extras, laszip)
 
 
 def _records(source: Source, at: int, count: int, end: int) -> dict[tuple[str, int], bytes]:

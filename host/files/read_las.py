@@ -53,7 +53,11 @@ def read_las(source: Source) -> Columns:
     meaning = las_meaning(header, source.wanted)
     table, dropped = _read_all(source, header, meaning.names)
     notes: list[str] = []
-    if meaning.colour is None and meaning.kind == "colour" and not any(table[name].any() for name in meaning.colours):
+    if (
+        meaning.colour is None
+        and meaning.kind == "colour"
+        and not any(table[name].any() for name in meaning.colours)
+    ):
         notes.append("all colours are black, so the intensity is drawn")
         meaning = las_meaning(header, source.wanted, colours=False)
         table |= _read_all(source, header, meaning.colours)[0]
@@ -171,7 +175,9 @@ def _rows(
     flags = None
     if header.minor >= FLAGS_SINCE:
         flags = Fields(header, ("withheld", "classification"))
-    read = _open(source, header, Fields(header, (*fields.names, *(flags.names if flags else ()))), begin)
+    read = _open(
+        source, header, Fields(header, (*fields.names, *(flags.names if flags else ()))), begin
+    )
     left = min(header.count, end or header.count) - begin
     while left:
         count = min(points, left)

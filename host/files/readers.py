@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +22,17 @@ from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
 from .read_ply import read_ply
 from .read_text import read_text
-from .source import Source, cloud_name, format_suffix, open_source
-from .wanted import ColourBy, Wanted
+from .source import Progress, Source, cloud_name, format_suffix, open_source
+from .wanted import USUAL, ColourBy, Wanted
 
-__all__ = ["FORMATS", "check_format", "read_cloud", "read_columns"]
+__all__ = [
+    "FORMATS",
+    "check_format",
+    "open_cloud_file",
+    "parser_errors",
+    "read_cloud",
+    "read_columns",
+]
 
 FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".ply": read_ply,
@@ -89,20 +97,35 @@ def read_cloud(
     place = Path(path)
     by = ColourBy(colour) if isinstance(colour, str) else colour
     check_map(by)
+    read, normals = (
+        None if progress is None else functools.partial(progress, stage)
+        for stage in ("read", "normals")
+    )
+    with open_cloud_file(place, Wanted(by), read) as source:
+        columns = read_columns(source)
+        if read is not None:
+            read(1.0)
+        return assemble_cloud(columns, cloud_name(place), progress=normals)
+
+
+@contextmanager
+def open_cloud_file(
+    place: Path, wanted: Wanted = USUAL, progress: Progress | None = None
+) -> Iterator[Source]:
+    """Open a cloud file; what goes wrong while it is open is told with its name.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or its name has no suffix of a format that is read.
+    """
     try:
         if place.is_dir():
             raise InputError("is a folder; give the name of a file")
         place.stat()
         check_format(place)
-        read, normals = (
-            None if progress is None else functools.partial(progress, stage)
-            for stage in ("read", "normals")
-        )
-        with np.errstate(all="ignore"), open_source(place, read, Wanted(by)) as source:
-            columns = read_columns(source)
-            if read is not None:
-                read(1.0)
-            return assemble_cloud(columns, cloud_name(place), progress=normals)
+        with np.errstate(all="ignore"), open_source(place, progress, wanted) as source:
+            yield source
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror or error}") from None
     except InputError as error:
@@ -111,12 +134,18 @@ def read_cloud(
 
 def read_columns(source: Source) -> Columns:
     """Return the columns of an open file of a known format; failures become ``InputError``."""
-    read = FORMATS[source.suffix]
+    with parser_errors(source):
+        return FORMATS[source.suffix](source)
+
+
+@contextmanager
+def parser_errors(source: Source) -> Iterator[None]:
+    """Turn what a parser raises, which may be of any type, into an ``InputError`` of one line."""
     kind = source.suffix[1:].upper()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # a warning of a parser is about the file
-            return read(source)
+            yield
     except (OSError, InputError):
         raise
     except MemoryError:

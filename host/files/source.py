@@ -20,7 +20,7 @@ from splatline.contract.errors import InputError
 
 from .wanted import USUAL, Wanted
 
-__all__ = ["Source", "cloud_name", "format_suffix", "open_source", "unpacked_limit"]
+__all__ = ["Progress", "Source", "cloud_name", "format_suffix", "open_source", "unpacked_limit"]
 
 GZIP = b"\x1f\x8b"
 

@@ -251,7 +251,9 @@ def _keys(
         Its first three columns are set: shape (n, 3 or more), int64.
     """
     for i in nb.prange(len(positions)):
-        x, y, z = positions[i, 0] - origin[0], positions[i, 1] - origin[1], positions[i, 2] - origin[2]
+        x = positions[i, 0] - origin[0]
+        y = positions[i, 1] - origin[1]
+        z = positions[i, 2] - origin[2]
         right, down, ahead = from_eye(camera, x, y, z)
         keys[i] = 0
         if not camera.near <= ahead <= grid.farthest:

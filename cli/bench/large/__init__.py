@@ -1,0 +1,1 @@
+"""``splatline bench large``: clouds larger than the memory."""

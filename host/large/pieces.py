@@ -1,0 +1,189 @@
+"""Files in pieces: LAS and LAZ some points at a time, other formats as a whole."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.host.files.colouring import colour_values, heights
+from splatline.host.files.colours import NEUTRAL, brightest, colours_to_bytes, robust_range
+from splatline.host.files.columns import Columns, gather
+from splatline.host.files.las_header import LasHeader, read_las_header
+from splatline.host.files.read_las import las_meaning, las_sample, las_tables
+from splatline.host.files.readers import open_cloud_file, parser_errors, read_columns
+from splatline.host.files.source import Progress, format_suffix
+from splatline.host.files.wanted import HEIGHT, INTENSITY, RGB, ColourBy, Wanted
+
+__all__ = ["Colouring", "PieceFile", "Sample", "colours_of"]
+
+PIECE = 1 << 20
+"""Points of a piece."""
+
+PLACES, AT_PLACE = 32, 8192
+"""Places of a file that a sample is from, and points from each."""
+
+IN_PIECES = (".las", ".laz")
+
+_Bytes = npt.NDArray[np.uint8]
+
+
+@dataclasses.dataclass(frozen=True)
+class Colouring:
+    """How a file's values become colours, the same in all of its pieces.
+
+    Parameters
+    ----------
+    by
+        What colours a point, with its range; None: the file's own colours, or none.
+    full
+        The value of full brightness of the file's own colours.
+    key
+        What colours stand for; see ``Cloud.colour_key``.
+    """
+
+    by: ColourBy | None
+    full: float | None
+    key: dict[str, Any]
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample:
+    """Some points from all over a file, and what its header says.
+
+    Parameters
+    ----------
+    columns
+        The points.
+    count
+        Points that the file promises.
+    bounds
+        The least and the greatest coordinates, shape (3,) each, as the file says; None: it does
+        not.
+    """
+
+    columns: Columns
+    count: int
+    bounds: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None
+
+
+class PieceFile:
+    """A file of a cloud.
+
+    Parameters
+    ----------
+    path
+        The file.
+    by
+        What colours a point; None: the file's colours, else its intensity, else one colour.
+    """
+
+    def __init__(self, path: Path, by: ColourBy | None) -> None:
+        self.path = path
+        self.dropped: dict[str, int] = {}
+        self._by = by
+        self._colours = True
+        self._in_pieces = format_suffix(path) in IN_PIECES
+
+    def sample(self) -> Sample:
+        """Return some points from all over the file.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read.
+        """
+        with open_cloud_file(self.path, Wanted(self._by)) as source:
+            if not self._in_pieces:
+                columns = read_columns(source)
+                count = len(columns.positions)
+                some = slice(None, None, -(-count // (PLACES * AT_PLACE)))
+                return Sample(_rows(columns, some), count, None)
+            with parser_errors(source):
+                header = read_las_header(source)
+                meaning = las_meaning(header, source.wanted)
+                table = las_sample(source, header, meaning.names, PLACES, AT_PLACE)
+                black = meaning.kind == "colour" and not any(
+                    table[name].any() for name in meaning.colours
+                )
+                if black and self._by is None:  # as ``read_las`` has it
+                    self._colours = False
+                    meaning = las_meaning(header, source.wanted, colours=False)
+                    table = las_sample(source, header, meaning.names, PLACES, AT_PLACE)
+                if meaning.kind.startswith("intensity") and self._by is None:
+                    self._by = ColourBy(INTENSITY)
+                    meaning = las_meaning(header, Wanted(self._by), colours=self._colours)
+                return Sample(gather(table, meaning), header.count, (header.low, header.high))
+
+    def pieces(self, progress: Progress | None = None) -> Iterator[Columns]:
+        """Yield the file's points; ``dropped`` then has those left out, by reason.
+
+        Raises
+        ------
+        InputError
+            If the file is damaged.
+        """
+        with open_cloud_file(self.path, Wanted(self._by), progress) as source:
+            if not self._in_pieces:
+                columns = read_columns(source)
+                self.dropped = dict(columns.dropped)
+                yield columns
+                return
+            with parser_errors(source):
+                header = read_las_header(source)
+                yield from self._las_pieces(source, header)
+
+    def _las_pieces(self, source: Any, header: LasHeader) -> Iterator[Columns]:
+        """Yield the points of a LAS or LAZ file."""
+        meaning = las_meaning(header, source.wanted, colours=self._colours)
+        self.dropped = {}
+        for table, dropped in las_tables(source, header, meaning.names, PIECE):
+            for reason, number in dropped.items():
+                self.dropped[reason] = self.dropped.get(reason, 0) + number
+            yield gather(table, meaning)
+
+    def colouring(self, sample: Columns) -> Colouring:
+        """Return how values become colours, so that every piece does as the sample does."""
+        by = sample.colour
+        if by is None or by.kind == RGB:
+            full = None if sample.colours is None else brightest(sample.colours)
+            return Colouring(by, full, {})
+        if by.kind == HEIGHT:
+            values = heights(sample.positions.astype(np.float64), np.zeros(3), by.up)
+        else:
+            assert sample.values is not None
+            values = sample.values.astype(np.float64)
+        if by.kind != HEIGHT or by.range is not None:
+            key = colour_values(values, by).key
+        else:  # without strays
+            ends = robust_range(values[np.isfinite(values)])
+            key = {"by": HEIGHT, "range": ends, "up": by.up}
+        ends = key.get("range")
+        fixed = by if not ends else dataclasses.replace(by, range=tuple(ends))
+        return Colouring(fixed, None, key)
+
+
+def colours_of(columns: Columns, colouring: Colouring) -> _Bytes:
+    """Return the colours of a piece: shape (n, 3), uint8."""
+    by = colouring.by
+    if by is not None and by.kind == HEIGHT:
+        positions = columns.positions.astype(np.float64)
+        return colour_values(heights(positions, np.zeros(3), by.up), by).colours
+    if columns.values is not None and by is not None:
+        return colour_values(columns.values, by).colours
+    if columns.colours is None:
+        return np.tile(np.array(NEUTRAL, np.uint8), (len(columns.positions), 1))
+    return colours_to_bytes(columns.colours, colouring.full)
+
+
+def _rows(columns: Columns, rows: slice) -> Columns:
+    """Return some rows of columns."""
+    fields = ("positions", "normals", "colours", "values", "radii")
+    chosen = {name: getattr(columns, name) for name in fields}
+    return dataclasses.replace(
+        columns, **{name: array[rows] for name, array in chosen.items() if array is not None}
+    )
