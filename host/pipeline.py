@@ -56,6 +56,7 @@ def make_frames(
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
+    may_be_empty: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> list[Frame]:
     """Project, cull, shade, encode and sort a cloud: frames whose mean is the picture.
@@ -95,6 +96,8 @@ def make_frames(
         combined. None: the range of the first frame that draws anything.
     shapes
         One of ``SHAPE_SOURCES``: the source of the shapes of the quality ``paper``.
+    may_be_empty
+        Whether frames that draw nothing are no error, as those of a part of a picture.
     progress
         Called with the share of the work that is done, after the index and after each frame.
 
@@ -123,7 +126,7 @@ def make_frames(
     )
     tell = _frame_counter(progress, samples, index is not cloud)
     frames = functools.partial(_frames_of_samples, draw, view, samples, depth_range, tell)
-    found = _with_something(frames, chosen, index)
+    found = frames(chosen) if may_be_empty else _with_something(frames, chosen, index)
     found[0].counts["seconds"] = {**clock.laps, **found[0].counts["seconds"]}
     return found
 

@@ -28,7 +28,11 @@ PIECE = 1 << 16
 
 
 def assemble_cloud(
-    columns: Columns, name: str, *, progress: Callable[[float], None] | None = None
+    columns: Columns,
+    name: str,
+    *,
+    origin: npt.NDArray[np.float64] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
 
@@ -44,6 +48,8 @@ def assemble_cloud(
         The file's columns.
     name
         The cloud's name.
+    origin
+        Another centre: shape (3,).
     progress
         Called now and then with the share of the normals that are estimated, first with 0; not
         called if none is missing.
@@ -67,8 +73,9 @@ def assemble_cloud(
     positions = _rows(positions, ~lost)
     kept[kept] = ~lost
     usual = ~far_points(positions)
-    low, high = bounds(_rows(positions, usual))
-    origin = low + 0.5 * (high - low)
+    if origin is None:
+        low, high = bounds(_rows(positions, usual))
+        origin = low + 0.5 * (high - low)
     positions -= origin
 
     normals, two_sided = _unit_normals(columns.normals, kept)

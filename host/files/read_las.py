@@ -104,16 +104,23 @@ def las_meaning(header: LasHeader, wanted: Wanted = USUAL, *, colours: bool = Tr
 
 
 def las_tables(
-    source: Source, header: LasHeader, names: Sequence[str], points: int
+    source: Source,
+    header: LasHeader,
+    names: Sequence[str],
+    points: int,
+    begin: int = 0,
+    end: int | None = None,
 ) -> Iterator[tuple[Table, dict[str, int]]]:
     """Yield some fields of the points that are drawn, and how many are left out, by reason.
+
+    They are those from the number ``begin`` up to ``end``, or all.
 
     Each table stands for up to ``points`` points of the file, at least 1. Its arrays have shape
     (n,): float64 for coordinates and fields with a scale, else the file's own type. Other fields
     are not decompressed, where the format allows that.
     """
     fields = Fields(header, names)
-    for rows, dropped in _rows(source, header, fields, points):
+    for rows, dropped in _rows(source, header, fields, points, begin, end):
         yield _table(fields, rows), dropped
 
 

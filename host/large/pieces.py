@@ -13,7 +13,7 @@ import numpy.typing as npt
 from splatline.host.files.colouring import colour_values, heights
 from splatline.host.files.colours import NEUTRAL, brightest, colours_to_bytes, robust_range
 from splatline.host.files.columns import Columns, gather
-from splatline.host.files.las_header import LasHeader, read_las_header
+from splatline.host.files.las_header import read_las_header
 from splatline.host.files.read_las import las_meaning, las_sample, las_tables
 from splatline.host.files.readers import open_cloud_file, parser_errors, read_columns
 from splatline.host.files.source import Progress, format_suffix
@@ -24,7 +24,7 @@ __all__ = ["Colouring", "PieceFile", "Sample", "colours_of"]
 PIECE = 1 << 20
 """Points of a piece."""
 
-PLACES, AT_PLACE = 32, 8192
+PLACES, AT_PLACE = 128, 2048
 """Places of a file that a sample is from, and points from each."""
 
 IN_PIECES = (".las", ".laz")
@@ -42,12 +42,15 @@ class Colouring:
         What colours a point, with its range; None: the file's own colours, or none.
     full
         The value of full brightness of the file's own colours.
+    normals
+        Whether the file has normals.
     key
         What colours stand for; see ``Cloud.colour_key``.
     """
 
     by: ColourBy | None
     full: float | None
+    normals: bool
     key: dict[str, Any]
 
 
@@ -64,11 +67,14 @@ class Sample:
     bounds
         The least and the greatest coordinates, shape (3,) each, as the file says; None: it does
         not.
+    in_pieces
+        Whether the file can be read in parts.
     """
 
     columns: Columns
     count: int
     bounds: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None
+    in_pieces: bool
 
 
 class PieceFile:
@@ -84,7 +90,6 @@ class PieceFile:
 
     def __init__(self, path: Path, by: ColourBy | None) -> None:
         self.path = path
-        self.dropped: dict[str, int] = {}
         self._by = by
         self._colours = True
         self._in_pieces = format_suffix(path) in IN_PIECES
@@ -102,7 +107,7 @@ class PieceFile:
                 columns = read_columns(source)
                 count = len(columns.positions)
                 some = slice(None, None, -(-count // (PLACES * AT_PLACE)))
-                return Sample(_rows(columns, some), count, None)
+                return Sample(_rows(columns, some), count, None, False)
             with parser_errors(source):
                 header = read_las_header(source)
                 meaning = las_meaning(header, source.wanted)
@@ -117,10 +122,15 @@ class PieceFile:
                 if meaning.kind.startswith("intensity") and self._by is None:
                     self._by = ColourBy(INTENSITY)
                     meaning = las_meaning(header, Wanted(self._by), colours=self._colours)
-                return Sample(gather(table, meaning), header.count, (header.low, header.high))
+                bounds = header.low, header.high
+                return Sample(gather(table, meaning), header.count, bounds, True)
 
-    def pieces(self, progress: Progress | None = None) -> Iterator[Columns]:
-        """Yield the file's points; ``dropped`` then has those left out, by reason.
+    def pieces(
+        self, first: int = 0, stop: int | None = None, progress: Progress | None = None
+    ) -> Iterator[Columns]:
+        """Yield the points from the number ``first`` up to ``stop``, or the file's end.
+
+        ``dropped`` of each has those left out, by reason.
 
         Raises
         ------
@@ -129,29 +139,23 @@ class PieceFile:
         """
         with open_cloud_file(self.path, Wanted(self._by), progress) as source:
             if not self._in_pieces:
-                columns = read_columns(source)
-                self.dropped = dict(columns.dropped)
-                yield columns
+                yield read_columns(source)
                 return
             with parser_errors(source):
                 header = read_las_header(source)
-                yield from self._las_pieces(source, header)
-
-    def _las_pieces(self, source: Any, header: LasHeader) -> Iterator[Columns]:
-        """Yield the points of a LAS or LAZ file."""
-        meaning = las_meaning(header, source.wanted, colours=self._colours)
-        self.dropped = {}
-        for table, dropped in las_tables(source, header, meaning.names, PIECE):
-            for reason, number in dropped.items():
-                self.dropped[reason] = self.dropped.get(reason, 0) + number
-            yield gather(table, meaning)
+                meaning = las_meaning(header, source.wanted, colours=self._colours)
+                tables = las_tables(source, header, meaning.names, PIECE, first, stop)
+                for table, dropped in tables:
+                    columns = gather(table, meaning)
+                    columns.dropped.update(dropped)
+                    yield columns
 
     def colouring(self, sample: Columns) -> Colouring:
         """Return how values become colours, so that every piece does as the sample does."""
-        by = sample.colour
+        by, normals = sample.colour, sample.normals is not None
         if by is None or by.kind == RGB:
             full = None if sample.colours is None else brightest(sample.colours)
-            return Colouring(by, full, {})
+            return Colouring(by, full, normals, {})
         if by.kind == HEIGHT:
             values = heights(sample.positions.astype(np.float64), np.zeros(3), by.up)
         else:
@@ -164,7 +168,7 @@ class PieceFile:
             key = {"by": HEIGHT, "range": ends, "up": by.up}
         ends = key.get("range")
         fixed = by if not ends else dataclasses.replace(by, range=tuple(ends))
-        return Colouring(fixed, None, key)
+        return Colouring(fixed, None, normals, key)
 
 
 def colours_of(columns: Columns, colouring: Colouring) -> _Bytes:

@@ -15,7 +15,7 @@ from splatline.host.cloud.cloud import Cloud
 
 from .lighting import Lighting
 
-__all__ = ["Materials", "find_materials", "material_tables"]
+__all__ = ["Materials", "find_materials", "material_tables", "materials_of"]
 
 MOST_MATERIALS = 128
 """Entries of the ``paper`` engine's table."""
@@ -71,6 +71,26 @@ def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     else:
         palette = _find_palette(colours[:: -(-len(colours) // SAMPLED)], most)
         nearest = _nearest(palette, own)
+    return _index(colours, lookup, keys, palette, nearest)
+
+
+def materials_of(cloud: Cloud, palette: npt.NDArray[np.uint8]) -> Materials:
+    """Return a cloud's materials in a palette that others share: of each colour the nearest."""
+    colours = np.ascontiguousarray(cloud.colours, np.uint8)
+    lookup = np.zeros(1 << 24, np.uint8)
+    _mark(colours, lookup)
+    keys = _marked(lookup)
+    return _index(colours, lookup, keys, palette, _nearest(palette, _colours_of(keys)))
+
+
+def _index(
+    colours: npt.NDArray[np.uint8],
+    lookup: npt.NDArray[np.uint8],
+    keys: npt.NDArray[np.int64],
+    palette: npt.NDArray[np.uint8],
+    nearest: npt.NDArray[np.int64],
+) -> Materials:
+    """Return the materials of colours, given the palette's number for each colour that occurs."""
     lookup[keys] = nearest
     index = np.empty(len(colours), np.uint8)
     _look_up(colours, lookup, index)

@@ -1,0 +1,237 @@
+"""Draws a large cloud part by part: frames of each part, joined to those of the whole.
+
+What is joined has at most one code word for each pixel, whatever the cloud's size. Frames may be
+joined in any order and in any groups (:mod:`splatline.host.encode.join_frames`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError
+from splatline.contract.frame import Frame
+from splatline.contract.presets import DEFAULT
+from splatline.host.cloud.spacing import measure_discs
+from splatline.host.encode.join_frames import join_frames
+from splatline.host.encode.quality import DEFAULT_QUALITY
+from splatline.host.pipeline import make_frames
+from splatline.host.shading.materials import materials_of
+from splatline.host.visibility.skips import DEFAULT_SKIPS
+
+from .plan import Part, Plan
+from .read_part import read_part
+
+__all__ = ["Drawing", "PartFrames", "draw_part", "draw_parts", "join_parts"]
+
+OVERDRAWN = "overdrawn"
+"""Of points of one pixel the nearest alone is sent. Which that is depends on a part's other points,
+and joining leaves out the others anyway."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclasses.dataclass(frozen=True)
+class Drawing:
+    """How parts are drawn; see ``make_frames``.
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    quality
+        How splats become code words.
+    skips
+        Reasons to leave points out.
+    samples
+        Samples a pixel.
+    splat_size
+        Diameter of all discs, in the cloud's unit. None: the discs close the surface.
+    memory
+        Bytes that may be used for a part.
+    """
+
+    config: EngineConfig = DEFAULT
+    quality: str = DEFAULT_QUALITY
+    skips: frozenset[str] = DEFAULT_SKIPS
+    samples: int = 1
+    splat_size: float | None = None
+    memory: int = 2 << 30
+
+
+@dataclasses.dataclass(frozen=True)
+class PartFrames:
+    """The frames of a part, or of several parts together.
+
+    Parameters
+    ----------
+    frames
+        One for each sample; empty if the parts show nothing.
+    points
+        Points that were read.
+    dropped, culled
+        Points left out, by reason: when they were read, and when they were drawn.
+    elements
+        Points drawn.
+    notes
+        What a person should know, each in one line.
+    used, ignored
+        Columns of the files that were used, as what, and those that were not.
+    """
+
+    frames: tuple[Frame, ...]
+    points: int = 0
+    dropped: dict[str, int] = dataclasses.field(default_factory=dict)
+    culled: dict[str, int] = dataclasses.field(default_factory=dict)
+    elements: int = 0
+    notes: tuple[str, ...] = ()
+    used: dict[str, str] = dataclasses.field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
+
+
+def draw_part(
+    plan: Plan, part: Part, drawing: Drawing, *, progress: Progress | None = None
+) -> PartFrames:
+    """Return the frames of a part; they have no word that no pixel shows.
+
+    ``progress`` is called now and then with a stage, ``read``, ``normals``, ``spacing`` or
+    ``encode``, and the share of it that is done.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged.
+    """
+
+    def told(stage: str) -> Callable[[float], None] | None:
+        return None if progress is None else lambda share: progress(stage, share)
+
+    cloud = read_part(plan, part, drawing.memory, progress=progress)
+    if cloud is None:
+        return PartFrames(())
+    discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
+    frames = make_frames(
+        cloud,
+        plan.view,
+        drawing.samples,
+        **discs._asdict(),
+        materials=materials_of(cloud, plan.palette),
+        config=drawing.config,
+        quality=drawing.quality,
+        skips=drawing.skips - {OVERDRAWN},
+        depth_range=plan.depth_range,
+        may_be_empty=True,
+        progress=told("encode"),
+    )
+    left_out = sum(number for reason, number in cloud.dropped.items())
+    return PartFrames(
+        frames=tuple(join_frames([frame]) for frame in frames),
+        points=len(cloud) + left_out,
+        dropped=dict(cloud.dropped),
+        culled=_total(frame.counts["culled"] for frame in frames),
+        elements=sum(frame.counts["elements"] for frame in frames),
+        notes=cloud.notes,
+        used=cloud.used,
+        ignored=cloud.ignored,
+    )
+
+
+def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
+    """Return the frames of several parts together; at least one is given."""
+    drawn = [part.frames for part in parts if part.frames]
+    first = parts[0]
+    return PartFrames(
+        frames=tuple(join_frames(frames) for frames in zip(*drawn, strict=True)),
+        points=sum(part.points for part in parts),
+        dropped=_total(part.dropped for part in parts),
+        culled=_total(part.culled for part in parts),
+        elements=sum(part.elements for part in parts),
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        used=next((part.used for part in parts if part.used), first.used),
+        ignored=next((part.ignored for part in parts if part.used), first.ignored),
+    )
+
+
+def draw_parts(
+    plan: Plan, drawing: Drawing, *, progress: Progress | None = None
+) -> tuple[list[Frame], PartFrames]:
+    """Draw all parts, one after the other; the memory holds one of them.
+
+    ``progress`` is called now and then with the stage ``parts`` and the share that is done.
+
+    Returns
+    -------
+    list of Frame
+        One for each sample, with the counts that :func:`splatline.host.pipeline.make_frames` has.
+    PartFrames
+        What they were made of.
+
+    Raises
+    ------
+    InputError
+        If a file is damaged, or nothing is in view.
+    """
+    joined = PartFrames(())
+    for number, part in enumerate(plan.parts):
+        drawn = draw_part(plan, part, drawing, progress=_within(progress, number, len(plan.parts)))
+        joined = join_parts([joined, drawn])
+    return finish(plan, drawing, joined), joined
+
+
+def finish(plan: Plan, drawing: Drawing, joined: PartFrames) -> list[Frame]:
+    """Return the frames of a picture, with their counts.
+
+    Raises
+    ------
+    InputError
+        If nothing is in view.
+    """
+    if not any(frame.counts["elements"] for frame in joined.frames):
+        raise InputError(
+            f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points all lie"
+            " outside; change the view"
+        )
+    found = []
+    for number, frame in enumerate(joined.frames):
+        sums: dict[str, Any] = {"culled": joined.culled, "elements": joined.elements}
+        if number:  # those of the first stand for all samples
+            sums = {"culled": dict.fromkeys(joined.culled, 0), "elements": 0}
+        counts = {
+            "points": joined.points,
+            "dropped": joined.dropped,
+            **sums,
+            "quality": drawing.quality,
+            "skips": sorted(drawing.skips - {OVERDRAWN}),
+            "shapes": "table",
+            "bits_sent": {"table": drawing.config.codeword_bits * len(frame.codewords)},
+            "codewords": len(frame.codewords),
+            "control_words": frame.counts["control_words"],
+            "depth_range": list(plan.depth_range),
+            "seconds": {},
+        }
+        found.append(dataclasses.replace(frame, counts=counts))
+    return found
+
+
+def _total(counts: Any) -> dict[str, int]:
+    """Return the sums of counts by name."""
+    total: dict[str, int] = {}
+    for each in counts:
+        for name, number in each.items():
+            total[name] = total.get(name, 0) + number
+    return total
+
+
+def _within(progress: Progress | None, number: int, parts: int) -> Progress | None:
+    """Return what tells the share of all parts; reading is nearly all of the work."""
+    if progress is None:
+        return None
+    shares = {"read": (0.0, 0.8), "normals": (0.8, 0.1), "spacing": (0.9, 0.05)}
+
+    def tell(stage: str, share: float) -> None:
+        first, length = shares.get(stage, (0.95, 0.05))
+        progress("parts", (number + first + length * share) / parts)
+
+    return tell
