@@ -28,7 +28,11 @@ PIECE = 1 << 16
 
 
 def assemble_cloud(
-    columns: Columns, name: str, *, progress: Callable[[float], None] | None = None
+    columns: Columns,
+    name: str,
+    *,
+    estimate: bool = True,
+    progress: Callable[[float], None] | None = None,
 ) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
 
@@ -44,6 +48,8 @@ def assemble_cloud(
         The file's columns.
     name
         The cloud's name.
+    estimate
+        Whether missing normals are estimated; if not, they are 0.
     progress
         Called now and then with the share of the normals that are estimated, first with 0; not
         called if none is missing.
@@ -91,7 +97,7 @@ def assemble_cloud(
         colour_key=coloured.key,
         facts=columns.facts,
     )
-    if two_sided.any():
+    if estimate and two_sided.any():
         if progress is not None:
             progress(0.0)
         normals[two_sided] = estimate_normals(
