@@ -113,10 +113,10 @@ def _file_trouble(error: OSError) -> str:
 
 COMMANDS = {
     "bench": "splatline.cli.bench.command:bench",
-    "encode": "splatline.cli.commands.encode_play_info:encode",
-    "info": "splatline.cli.commands.encode_play_info:info",
+    "encode": "splatline.cli.commands.encode_play:encode",
+    "info": "splatline.cli.commands.info:info",
     "netlist": "splatline.cli.commands.pnr:netlist",
-    "play": "splatline.cli.commands.encode_play_info:play",
+    "play": "splatline.cli.commands.encode_play:play",
     "pnr": "splatline.cli.commands.pnr:pnr",
     "registers": "splatline.cli.commands.registers:registers",
     "render": "splatline.cli.commands.render:render",

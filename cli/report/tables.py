@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "nonzero",
     "print_facts",
     "print_statistics",
+    "print_table",
 ]
 
 _Fact = tuple[str, "str | tuple[str, str]"]
@@ -92,6 +93,21 @@ def print_facts(facts: list[_Fact | None], *, title: str) -> None:
         else:
             # As Text, since a file's name may have square brackets, which rich takes as markup.
             table.add_row(fact[0], Text(*fact[1]) if isinstance(fact[1], tuple) else Text(fact[1]))
+    Console().print(table)
+
+
+def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print rows of texts under titles; columns of numbers are aligned on the right."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title_justify="left")
+    for number, title in enumerate(titles):
+        is_number = any(row[number][:1].lstrip("-").isdigit() for row in rows)
+        table.add_column(title, justify="right" if is_number else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*map(Text, row))
     Console().print(table)
 
 

@@ -32,6 +32,7 @@ def assemble_cloud(
     name: str,
     *,
     origin: npt.NDArray[np.float64] | None = None,
+    estimate: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
@@ -50,6 +51,8 @@ def assemble_cloud(
         The cloud's name.
     origin
         Another centre: shape (3,).
+    estimate
+        Whether missing normals are estimated; if not, they are 0.
     progress
         Called now and then with the share of the normals that are estimated, first with 0; not
         called if none is missing.
@@ -98,7 +101,7 @@ def assemble_cloud(
         colour_key=coloured.key,
         facts=columns.facts,
     )
-    if two_sided.any():
+    if estimate and two_sided.any():
         if progress is not None:
             progress(0.0)
         normals[two_sided] = estimate_normals(

@@ -6,7 +6,7 @@ laspy's own header refuses LAS 1.0 and texts that are not UTF-8, and believes ev
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -87,6 +87,10 @@ class LasHeader:
         Fields of the extra bytes that are described.
     laszip
         The record that tells how the points are compressed; empty if they are not.
+    head
+        The first bytes of the file, at least those of the shortest header.
+    records
+        Data of the variable length records, by user and number.
     """
 
     minor: int
@@ -100,6 +104,8 @@ class LasHeader:
     high: npt.NDArray[np.float64]
     extras: tuple[Extra, ...]
     laszip: bytes
+    head: bytes = b""
+    records: dict[tuple[str, int], bytes] = field(default_factory=dict)
 
 
 def read_las_header(source: Source) -> LasHeader:
@@ -148,7 +154,9 @@ def read_las_header(source: Source) -> LasHeader:
     laszip = laszip if compressed else b""
     scales, offsets = numbers[:3], numbers[3:]
     high, low = np.frombuffer(head, "<f8", 6, 179).astype(np.float64).reshape(3, 2).T
-    return LasHeader(minor, form, length, count, start, scales, offsets, low, high, extras, laszip)
+    return LasHeader(
+        minor, form, length, count, start, scales, offsets, low, high, extras, laszip, head, found
+    )
 
 
 def _records(source: Source, at: int, count: int, end: int) -> dict[tuple[str, int], bytes]:

@@ -17,7 +17,7 @@ from .columns import Columns, find_meaning, gather, plain_name
 from .numbered import by_number
 from .source import Source, unpacked_limit
 
-__all__ = ["read_npy", "read_npz"]
+__all__ = ["array_shapes", "npy_shape", "read_npy", "read_npz", "values_a_row"]
 
 LONGEST = 1 << 16
 """Bytes of the longest header that is read."""
@@ -53,27 +53,9 @@ def read_npz(source: Source) -> Columns:
     if source.stream.read(6) == npy.MAGIC_PREFIX:
         raise InputError("is one array, not an archive of arrays; let its name end in .npy")
     with zipfile.ZipFile(source.stream) as archive:
-        members = {
-            info.filename.removesuffix(".npy"): info
-            for info in reversed(archive.infolist())
-            if info.filename.endswith(".npy")
-        }
-        members = dict(reversed(members.items()))
-        shapes = {name: _shape(archive, info, source.size) for name, info in members.items()}
-        widths = {}
-        for name, (shape, kind) in shapes.items():
-            wanted = VECTORS.get(plain_name(name))
-            packed = len(shape) == 1 and plain_name(name) in ("rgb", "rgba")
-            good = kind.kind in "iuf" and (
-                packed or (len(shape) == 2 and shape[1] in (wanted or ()))
-            )
-            if wanted and not good:
-                raise InputError(
-                    f"its array {name} has shape {shape} and type {kind}; "
-                    "it must have numbers in shape (n, 3)"
-                )
-            scalar = len(shape) == 1 and kind.kind in "iuf"
-            widths[name] = 1 if scalar else shape[1] if wanted and len(shape) == 2 else 0
+        members = _members(archive)
+        shapes = array_shapes(archive, source.size)
+        widths = {name: values_a_row(name, *shape) for name, shape in shapes.items()}
         meaning = find_meaning(list(members), widths)
         if meaning is None:
             raise InputError("has no array named positions, points, xyz, vertices or pos")
@@ -97,6 +79,67 @@ def read_npz(source: Source) -> Columns:
     return gather(table, meaning)
 
 
+def array_shapes(
+    archive: zipfile.ZipFile, size: int
+) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+    """Return shape and type of each array; ``size`` bytes are enough for them."""
+    return {name: _shape(archive, info, size) for name, info in _members(archive).items()}
+
+
+def values_a_row(name: str, shape: tuple[int, ...], kind: np.dtype[Any]) -> int:
+    """Return the values of an array in one row; 0 if they are no column.
+
+    Raises
+    ------
+    InputError
+        If the name is that of positions, normals or colours, and the shape is not.
+    """
+    wanted = VECTORS.get(plain_name(name))
+    packed = len(shape) == 1 and plain_name(name) in ("rgb", "rgba")
+    good = kind.kind in "iuf" and (packed or (len(shape) == 2 and shape[1] in (wanted or ())))
+    if wanted and not good:
+        raise InputError(
+            f"its array {name} has shape {shape} and type {kind}; "
+            "it must have numbers in shape (n, 3)"
+        )
+    scalar = len(shape) == 1 and kind.kind in "iuf"
+    return 1 if scalar else shape[1] if wanted and len(shape) == 2 else 0
+
+
+def _members(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
+    """Return the arrays of an archive by name; of two of one name the first counts."""
+    members = {
+        info.filename.removesuffix(".npy"): info
+        for info in reversed(archive.infolist())
+        if info.filename.endswith(".npy")
+    }
+    return dict(reversed(members.items()))
+
+
+def npy_shape(source: Source) -> tuple[tuple[int, ...], np.dtype[Any], dict[str, int]]:
+    """Return an array's shape and type, and the values of its fields of numbers in one row.
+
+    Raises
+    ------
+    InputError
+        If it has no rows of numbers, or promises more than the file holds.
+    """
+    shape, kind = _promise(source.stream, source.size)
+    if kind.names is None and (len(shape) != 2 or kind.kind not in "iuf"):
+        raise InputError(
+            f"is an array of shape {shape} and type {kind}; it must have numbers in shape (n, 3)"
+        )
+    return (
+        shape,
+        kind,
+        {
+            name: math.prod(kind[name].shape)
+            for name in kind.names or ()
+            if kind[name].base.kind in "iuf"
+        },
+    )
+
+
 def read_npy(source: Source) -> Columns:
     """Return the points of an NPY file: rows as in a text without names, or a structured array.
 
@@ -107,18 +150,13 @@ def read_npy(source: Source) -> Columns:
     Exception
         Of several types, from numpy, if the file is damaged.
     """
-    shape, kind = _promise(source.stream, source.size)
+    _, kind, widths = npy_shape(source)
     source.stream.seek(0)
-    if kind.names is None and (len(shape) != 2 or kind.kind not in "iuf"):
-        raise InputError(
-            f"is an array of shape {shape} and type {kind}; it must have numbers in shape (n, 3)"
-        )
     array = npy.read_array(source.stream, allow_pickle=False)
     if kind.names is None:
         return by_number(array, source.suffix, wanted=source.wanted)
     rows = array.reshape(-1)
-    parts = {name: rows[name] for name in kind.names if kind[name].base.kind in "iuf"}
-    widths = {name: math.prod(part.shape[1:]) for name, part in parts.items()}
+    parts = {name: rows[name] for name in widths}
     widths = {**dict.fromkeys(kind.names, 0), **widths}
     meaning = find_meaning(list(kind.names), widths, source.wanted)
     if meaning is None:

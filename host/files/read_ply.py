@@ -18,7 +18,7 @@ from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
 from .source import Source
 
-__all__ = ["read_ply"]
+__all__ = ["points_of", "read_ply"]
 
 _Table = dict[str, npt.NDArray[Any]]
 
@@ -34,16 +34,7 @@ def read_ply(source: Source) -> Columns:
         If there is no such element, or the file is damaged.
     """
     header = read_header(source)
-    chosen = next(
-        (
-            element
-            for element in sorted(header.elements, key=lambda element: element.name != "vertex")
-            if find_meaning(element.scalars) is not None
-        ),
-        None,
-    )
-    if chosen is None:
-        raise InputError("has no vertices with properties x, y and z")
+    chosen = points_of(header)
     meaning = find_meaning(chosen.scalars, wanted=source.wanted)
     assert meaning is not None
     left = 0
@@ -54,6 +45,20 @@ def read_ply(source: Source) -> Columns:
     lists = [item.name for item in chosen.properties if item.length is not None]
     columns = gather(table, meaning, bytes_left(left))
     return replace(columns, ignored=(*columns.ignored, *lists))
+
+
+def points_of(header: Header) -> Element:
+    """Return the element ``vertex``, or else the first with x, y and z.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    for element in sorted(header.elements, key=lambda element: element.name != "vertex"):
+        if find_meaning(element.scalars) is not None:
+            return element
+    raise InputError("has no vertices with properties x, y and z")
 
 
 def _from_bytes(source: Source, header: Header, chosen: Element) -> tuple[_Table, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from math import isfinite
@@ -15,7 +16,7 @@ from .numbered import by_number
 from .numbers import COMMENTS, lines_of, load_rows, split_line, to_number, without_comment
 from .source import Source
 
-__all__ = ["read_text"]
+__all__ = ["Layout", "read_layout", "read_text"]
 
 DELIMITERS = (";", "\t", ",", "|", None)
 """In this order, as commas may be those of decimals. None: blanks."""
@@ -71,9 +72,8 @@ def read_text(source: Source) -> Columns:
     InputError
         If there is no point, it is not clear what the columns are, or a line does not fit.
     """
-    encoding = _encoding(source)
+    encoding, layout = read_layout(source)
     lines = partial(lines_of, source, 0, encoding)
-    layout = _find_layout(lines())
     names = layout.names
     meaning = None
     if names is not None:
@@ -101,6 +101,19 @@ def read_text(source: Source) -> Columns:
     if meaning is None:
         return by_number(rows, source.suffix, wanted=source.wanted)
     return gather({name: rows[:, i] for i, name in enumerate(meaning.names)}, meaning)
+
+
+def read_layout(source: Source) -> tuple[str, Layout]:
+    """Return the encoding, and the layout by the lines up to the first point.
+
+    Raises
+    ------
+    InputError
+        If it is no text, or no line of it is a point.
+    """
+    encoding = _encoding(source)
+    with closing(lines_of(source, 0, encoding)) as lines:
+        return encoding, _find_layout(lines)
 
 
 def _encoding(source: Source) -> str:

@@ -32,9 +32,9 @@ def test_info_says_which_columns_are_used_and_which_are_not(run, scalars):
         **dict.fromkeys(("red", "green", "blue"), "colour"),
     }
     assert facts["columns_ignored"] == ["intensity", "time"]
-    shown = " ".join(run("info", scalars).stdout.replace("│", " ").split())
-    assert "x y z as position; red green blue as colour" in shown
-    assert "intensity, time" in shown
+    text = " ".join(run("info", scalars).stdout.replace("│", " ").split())
+    assert "red uint8 20 220 colour" in text
+    assert "time float32 1 1 " in text
 
 
 @pytest.mark.parametrize("command", [["render"], ["encode", "-o", "a.frame"]])
@@ -46,12 +46,12 @@ def test_a_column_that_may_be_missed_is_said(run, scalars, command):
 
 
 def test_info_of_an_unknown_format_says_what_render_says(run, tmp_path):
-    path = tmp_path / "scan.las"
-    path.write_bytes(b"LASF")
+    path = tmp_path / "scan.dwg"
+    path.write_bytes(b"AC1032")
     told = [run(command, path) for command in ("info", "render")]
     assert [result.exit_code for result in told] == [2, 2]
     assert told[0].stderr.splitlines()[-1] == told[1].stderr.splitlines()[-1]
-    assert "unknown format '.las'" in told[0].stderr
+    assert "unknown format '.dwg'" in told[0].stderr
 
 
 def test_a_stray_is_not_in_the_picture_and_is_said(run, folder, tmp_path):

@@ -66,21 +66,6 @@ def test_info_of_a_frame_counts_its_words(run, frame):
     assert "symmetric" in table.stdout
 
 
-def test_info_of_a_cloud_says_where_it_lies(run, cloud):
-    result = run("info", cloud, "--json")
-    assert result.exit_code == 0, result.stderr
-    facts = json.loads(result.stdout)
-    points = np.loadtxt(cloud, delimiter=",", skiprows=1)[:, :3]
-    assert facts["points"] == 2000
-    assert facts["estimated_normals"] == 0
-    np.testing.assert_allclose(facts["low"], points.min(axis=0), atol=1e-5)
-    np.testing.assert_allclose(facts["high"], points.max(axis=0), atol=1e-5)
-    np.testing.assert_allclose(facts["extent"], np.ptp(points, axis=0), atol=1e-5)
-    # 2000 points on a unit sphere: sqrt(4 pi / 2000) = 0.08 apart.
-    assert 0.02 < facts["splat_size"] < 0.3
-    assert "2,000" in run("info", cloud).stdout
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -89,8 +74,6 @@ def test_info_of_a_cloud_says_where_it_lies(run, cloud):
         (["encode", "absent.ply", "-o", "a.frame"], "absent.ply"),
         (["play", "absent.frame"], "absent.frame"),
         (["play", "{cloud}"], "ball"),
-        (["info", "absent.ply"], "absent.ply"),
-        (["info", "."], "."),
     ],
 )
 def test_bad_input_gets_one_line_code_2_and_leaves_nothing(run, folder, cloud, arguments, words):

@@ -1,21 +1,19 @@
-"""``splatline encode``, ``play`` and ``info``: frames as files of code words."""
+"""``splatline encode`` and ``play``: frames as files of code words."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import click
 
 from splatline.cli.options.cloud_and_view import RenderRequest, request_options
 from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
-from splatline.cli.options.prepare import measure_in_stages, prepare, read_in_stages
+from splatline.cli.options.prepare import prepare
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics
 
-__all__ = ["encode", "info", "play"]
+__all__ = ["encode", "play"]
 
 
 @click.command()
@@ -141,84 +139,3 @@ def play(
     print_statistics(numbers, title=str(frame), files=files)
     if drawing.mismatched_pixels:
         fail_mismatch(context, drawing)
-
-
-@click.command()
-@click.argument("path", type=click.Path(path_type=Path), metavar="CLOUD|FRAME")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def info(path: Path, as_json: bool) -> None:
-    """Describe a cloud or a frame.
-
-    \b
-    Examples:
-      splatline info scan.ply
-      splatline info scan.frame --json
-    """  # noqa: D301
-    from splatline.host.files.readers import FORMATS
-    from splatline.host.files.source import format_suffix
-    from splatline.host.frame_file import sidecar_path
-
-    # A frame may have any name, but its sidecar lies beside it.
-    is_frame = (
-        path.is_file()
-        and format_suffix(path) not in FORMATS
-        and (path.suffix.lower() == ".frame" or sidecar_path(path).is_file())
-    )
-    facts = _frame_facts(path) if is_frame else _cloud_facts(path)
-    if as_json:
-        click.echo(json.dumps(facts, indent=2, allow_nan=False))
-        return
-    from splatline.cli.report.tables import format_value, print_facts
-
-    if not is_frame:
-        facts["columns_used"] = _grouped(facts["columns_used"])
-        facts["columns_ignored"] = ", ".join(facts["columns_ignored"]) or "none"
-        facts["notes"] = "; ".join(facts["notes"]) or "none"
-    print_facts(
-        [(key.replace("_", " "), format_value(value)) for key, value in facts.items()],
-        title=str(path),
-    )
-
-
-def _grouped(used: dict[str, str]) -> str:
-    """Return columns by what they were taken for: ``x y z as position; red green blue ...``."""
-    groups: dict[str, list[str]] = {}
-    for name, meaning in used.items():
-        groups.setdefault(meaning, []).append(name)
-    return "; ".join(f"{' '.join(names)} as {meaning}" for meaning, names in groups.items())
-
-
-def _frame_facts(path: Path) -> dict[str, Any]:
-    """Return the facts of a frame, with the encoder's counts if the sidecar has them."""
-    from splatline.host.frame_file import describe_frame, load_frame
-
-    facts = describe_frame(load_frame(path))
-    counts = facts.pop("counts")
-    return {**counts, **facts}
-
-
-def _cloud_facts(path: Path) -> dict[str, Any]:
-    """Return the facts of a cloud, in the file's own coordinates."""
-    import numpy as np
-
-    from splatline.host.cloud.bulk import far_points
-
-    stages = Stages()
-    cloud = read_in_stages(path, stages)
-    radii = measure_in_stages(cloud, stages).radii
-    low = cloud.positions.min(axis=0)
-    high = cloud.positions.max(axis=0)
-    return {
-        "points": len(cloud),
-        "dropped": cloud.dropped,
-        "columns_used": cloud.used,
-        "columns_ignored": list(cloud.ignored),
-        "notes": list(cloud.notes),
-        "far_from_the_rest": int(np.count_nonzero(far_points(cloud.positions))),
-        "estimated_normals": int(np.count_nonzero(cloud.two_sided)),
-        "colours": len(np.unique(cloud.colours @ np.array([1, 1 << 8, 1 << 16]))),
-        "low": (low + cloud.origin).tolist(),
-        "high": (high + cloud.origin).tolist(),
-        "extent": (high - low).tolist(),
-        "splat_size": float(2.0 * np.median(radii)),
-    }

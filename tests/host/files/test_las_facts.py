@@ -1,0 +1,93 @@
+"""Coordinate systems of LAS files, as programs write them; names are by hand from the standards."""
+
+import struct
+
+import numpy as np
+import pytest
+
+from splatline.host.files.las_facts import las_extent, las_facts
+from splatline.host.files.las_header import LasHeader
+
+WKT1 = (
+    'PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89",DATUM["x",SPHEROID["GRS 1980",6378137,298.25]'
+    ',AUTHORITY["EPSG","6258"]],AUTHORITY["EPSG","4258"]],UNIT["metre",1],AUTHORITY["EPSG","25832"]]'
+)
+WKT2 = (
+    'PROJCRS["NAD83(2011) / UTM zone 10N",BASEGEOGCRS["NAD83(2011)",ID["EPSG",6318]]'
+    ',ID["EPSG",6339]]'
+)
+COMPOUND = (
+    f'COMPD_CS["UTM 32N + DHHN2016",{WKT1},VERT_CS["DHHN2016 height",AUTHORITY["EPSG","7837"]]]'
+)
+
+
+def header(records=(), *, high_low=(9, 1, 8, 2, 7, 3), head=b""):
+    first = struct.pack("<4sHH16xBB32s32sHH", b"LASF", 0, 0, 1, 4, b"ALS\0x", b"PDAL 2.6", 33, 2024)
+    first = first.ljust(179, b"\0") + struct.pack("<6d", *high_low)
+    scales, offsets = np.full(3, 0.01), np.zeros(3)
+    return LasHeader(
+        4, 6, 30, 1, 375, scales, offsets, (), b"", head or first, {
+            ("LASF_Projection", number): data for number, data in records
+        },
+    )  # fmt: skip
+
+
+def geo_keys(*keys):
+    return np.array([(1, 1, 0, len(keys)), *keys], "<u2").tobytes()
+
+
+def test_the_header_has_programs_day_and_extent():
+    facts = las_facts(header())
+    assert facts == {
+        "system": "ALS",
+        "software": "PDAL 2.6",
+        "created": "2024, day 33",
+        "scale": "0.01, 0.01, 0.01",
+    }
+    assert las_extent(header()) == ((1.0, 2.0, 3.0), (9.0, 8.0, 7.0))
+
+
+@pytest.mark.parametrize("high_low", [(1, 9, 8, 2, 7, 3), (np.nan, 1, 8, 2, 7, 3)])
+def test_an_extent_that_is_none_is_not_told(high_low):
+    assert las_extent(header(high_low=high_low)) is None
+
+
+@pytest.mark.parametrize(
+    ("record", "name"),
+    [
+        ((2112, WKT1.encode() + b"\0"), "ETRS89 / UTM zone 32N (EPSG:25832)"),
+        ((2112, WKT2.encode()), "NAD83(2011) / UTM zone 10N (EPSG:6339)"),
+        ((2112, COMPOUND.encode()), "UTM 32N + DHHN2016"),
+        ((2112, b'LOCAL_CS["site"]\0\0'), "site"),
+        ((34735, geo_keys((1024, 0, 1, 1), (3072, 0, 1, 25832))), "EPSG:25832"),
+        ((34735, geo_keys((1024, 0, 1, 2), (2048, 0, 1, 4326))), "EPSG:4326"),
+        ((34735, geo_keys((2048, 0, 1, 4258), (3072, 0, 1, 25832))), "EPSG:25832"),
+        (
+            (34735, geo_keys((3072, 0, 1, 25832), (4096, 0, 1, 7837))),
+            "EPSG:25832, height EPSG:7837",
+        ),
+    ],
+)
+def test_coordinate_systems(record, name):
+    assert las_facts(header([record]))["coordinate system"] == name
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        (2112, b""),
+        (2112, b"\0\0"),
+        (2112, b"no text of a system"),
+        (34735, b""),
+        (34735, b"\1\2\3"),
+        (34735, geo_keys((3072, 0, 1, 32767), (2048, 0, 1, 0))),
+        (34735, geo_keys((3072, 34737, 9, 0))),
+    ],
+)
+def test_what_names_no_system_is_not_told(record):
+    assert "coordinate system" not in las_facts(header([record]))
+
+
+def test_the_text_goes_before_the_keys():
+    records = [(34735, geo_keys((3072, 0, 1, 4326))), (2112, WKT1.encode())]
+    assert "25832" in las_facts(header(records))["coordinate system"]
