@@ -15,6 +15,7 @@ from splatline.host.cloud.cloud import Cloud
 
 from .assemble import assemble_cloud
 from .columns import Columns
+from .read_e57 import read_e57
 from .read_las import read_las
 from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
@@ -36,6 +37,7 @@ FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".pts": read_text,
     ".las": read_las,
     ".laz": read_las,
+    ".e57": read_e57,
     ".npz": read_npz,
     ".npy": read_npy,
 }
