@@ -20,6 +20,7 @@ from .read_las import read_las
 from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
 from .read_ply import read_ply
+from .read_ptx import read_ptx
 from .read_text import read_text
 from .source import Source, cloud_name, format_suffix, open_source
 
@@ -35,6 +36,7 @@ FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".asc": read_text,
     ".csv": read_text,
     ".pts": read_text,
+    ".ptx": read_ptx,
     ".las": read_las,
     ".laz": read_las,
     ".e57": read_e57,

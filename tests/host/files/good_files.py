@@ -12,11 +12,13 @@ from tests.host.files.cloud_files import (
     write_text,
 )
 from tests.host.files.e57_files import colours, coordinates, e57
+from tests.host.files.kinds import ptx
 from tests.host.files.las_files import las, laz
 
 MADE = {
     ".las": lambda: las(7),
     ".laz": lambda: laz(las(7)),
+    ".ptx": lambda: ptx(POSITIONS, NORMALS[:, 0], COLOURS).encode()[:-1],
     ".e57": lambda: e57(coordinates(POSITIONS) | colours(COLOURS)),
 }
 
