@@ -67,7 +67,7 @@ def assemble_cloud(
     origin = low + 0.5 * (high - low)
     positions -= origin
 
-    normals, two_sided = _unit_normals(columns.normals, kept)
+    normals, missing = _unit_normals(columns.normals, kept)
     if columns.colours is None:
         colours = np.tile(np.array(NEUTRAL, np.uint8), (len(positions), 1))
     else:
@@ -76,7 +76,7 @@ def assemble_cloud(
         positions=positions,
         normals=normals,
         colours=colours,
-        two_sided=two_sided,
+        two_sided=missing | columns.two_sided,
         origin=origin,
         name=name,
         dropped={
@@ -87,12 +87,13 @@ def assemble_cloud(
         used=columns.used,
         ignored=columns.ignored,
         notes=columns.notes,
+        radii=None if columns.radii is None else _rows(columns.radii, kept).astype(np.float64),
     )
-    if two_sided.any():
+    if missing.any():
         if progress is not None:
             progress(0.0)
-        normals[two_sided] = estimate_normals(
-            positions, two_sided, cells=cloud.cells, progress=progress
+        normals[missing] = estimate_normals(
+            positions, missing, cells=cloud.cells, progress=progress
         )
     return cloud
 

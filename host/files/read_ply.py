@@ -12,6 +12,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, bytes_left, find_meaning, gather
+from .gaussians import are_gaussians, gaussian_columns
 from .numbers import as_declared, lines_of, load_rows
 from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
@@ -26,6 +27,7 @@ def read_ply(source: Source) -> Columns:
     """Return the points of a PLY file: the element ``vertex``, or else the first with x, y, z.
 
     Other elements, such as faces, are ignored, but a file that ends inside them is refused.
+    Gaussian splats become discs; see ``gaussian_columns``.
 
     Raises
     ------
@@ -48,6 +50,8 @@ def read_ply(source: Source) -> Columns:
         table = _from_text(source, header, chosen)
     else:
         table, left = _from_bytes(source, header, chosen)
+    if are_gaussians(chosen.scalars):
+        return gaussian_columns(table, chosen.scalars, bytes_left(left))
     meaning = find_meaning(chosen.scalars)
     assert meaning is not None
     lists = [item.name for item in chosen.properties if item.length is not None]

@@ -21,6 +21,7 @@ from tests.host.files.cloud_files import (
     write_text,
 )
 from tests.host.files.e57_files import colours, coordinates, e57, paged, unpaged
+from tests.host.files.gaussian_files import gaussians, ply_bytes
 from tests.host.files.kinds import compressed_pcd, ptx
 from tests.host.files.las_files import las, las_with_normals, laz
 
@@ -114,6 +115,8 @@ def whole_files() -> list[Sample]:
         add("a.txt", b"")
     found += [Sample("a.las", las(form), 375) for form in (0, 3, 7)]
     found += [Sample("a.laz", laz(data), 900) for data in (las(3), las(8), las_with_normals())]
+    splats = ply_bytes(gaussians(opacity=np.full(60, 5.0)))
+    found.append(Sample("a.ply", splats, splats.index(b"end_header") + 11))
     grid = ptx(POSITIONS, np.arange(60), COLOURS).encode()
     found += [Sample("a.ptx", grid, 100), Sample("a.ptx.gz", grid, 100, "gzip")]
     scan = e57(coordinates(POSITIONS) | colours(COLOURS))
