@@ -130,4 +130,5 @@ def select(cloud: Cloud, kept: npt.NDArray[Any]) -> Cloud:
         normals=cloud.normals[kept],
         colours=cloud.colours[kept],
         two_sided=cloud.two_sided[kept],
+        radii=None if cloud.radii is None else cloud.radii[kept],
     )

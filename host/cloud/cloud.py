@@ -28,8 +28,8 @@ class Cloud:
     colours
         Shape (n, 3), uint8: red, green, blue.
     two_sided
-        Shape (n,), bool: the normal was estimated. Its sign means nothing, and is chosen so that it
-        faces the viewer. Such a point never faces away.
+        Shape (n,), bool: the normal was estimated, or is a splat's axis. Its sign means nothing,
+        and is chosen so that it faces the viewer. Such a point never faces away.
     origin
         Shape (3,), float64: the cloud's own centre. Positions are relative to it, so a scan in map
         coordinates (10^7) is drawn as exactly as one at zero.
@@ -49,6 +49,9 @@ class Cloud:
         value. Empty if the colours are the file's own.
     facts
         What else the file says of itself, such as its ``coordinate system``.
+    radii
+        Shape (n,), float64, above 0: radii of the discs that the file gives, in its own unit. None:
+        the points' spacing tells them.
     """
 
     positions: npt.NDArray[np.float64]
@@ -63,6 +66,7 @@ class Cloud:
     notes: tuple[str, ...] = ()
     colour_key: dict[str, Any] = field(default_factory=dict)
     facts: dict[str, str] = field(default_factory=dict)
+    radii: npt.NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
         """Return the number of points."""

@@ -73,8 +73,9 @@ def measure_discs(
     cloud
         The points; at least one.
     size
-        Diameter of all discs, in the cloud's unit. None: the discs close the surface: each is
-        ``COVER`` times as large as its closing radius (see :func:`closing_radii`).
+        Diameter of all discs, in the cloud's unit. None: the cloud's own radii if it has them;
+        else the discs close the surface: each is ``COVER`` times as large as its closing radius
+        (see :func:`closing_radii`).
     progress
         Called now and then with the share of the work that is done.
 
@@ -83,6 +84,8 @@ def measure_discs(
     InputError
         If ``size`` is not a finite number above 0.
     """
+    if size is None and cloud.radii is not None:
+        return Discs(cloud.radii, np.zeros(len(cloud), np.bool_))
     if size is None:
         radii, thin = _close(cloud.cells, cloud.normals, progress)
         return Discs(COVER * radii, thin)

@@ -81,13 +81,13 @@ def assemble_cloud(
         origin = low + 0.5 * (high - low)
     positions -= origin
 
-    normals, two_sided = _unit_normals(columns.normals, kept)
+    normals, missing = _unit_normals(columns.normals, kept)
     coloured = _colours(columns, kept, positions, origin, usual)
     cloud = Cloud(
         positions=positions,
         normals=normals,
         colours=coloured.colours,
-        two_sided=two_sided,
+        two_sided=missing | columns.two_sided,
         origin=origin,
         name=name,
         dropped={
@@ -100,12 +100,13 @@ def assemble_cloud(
         notes=columns.notes,
         colour_key=coloured.key,
         facts=columns.facts,
+        radii=None if columns.radii is None else _rows(columns.radii, kept).astype(np.float64),
     )
-    if estimate and two_sided.any():
+    if estimate and missing.any():
         if progress is not None:
             progress(0.0)
-        normals[two_sided] = estimate_normals(
-            positions, two_sided, cells=cloud.cells, progress=progress
+        normals[missing] = estimate_normals(
+            positions, missing, cells=cloud.cells, progress=progress
         )
     return cloud
 

@@ -48,8 +48,7 @@ class Columns:
     dropped
         Points of the file that are left out, by reason.
     radii
-        Shape (n,): radii of the discs in the file's unit, or None. Those that are not finite and
-        above 0 are measured.
+        Shape (n,): radii of the discs in the file's unit, above 0, or None.
     two_sided
         Whether the signs of the normals mean nothing.
     values

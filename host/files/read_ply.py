@@ -13,10 +13,12 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, bytes_left, find_meaning, gather
+from .gaussians import are_gaussians, gaussian_columns
 from .numbers import as_declared, lines_of, load_rows
 from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
 from .source import Source
+from .wanted import HEIGHT, RGB
 
 __all__ = ["points_of", "read_ply"]
 
@@ -27,6 +29,7 @@ def read_ply(source: Source) -> Columns:
     """Return the points of a PLY file: the element ``vertex``, or else the first with x, y, z.
 
     Other elements, such as faces, are ignored, but a file that ends inside them is refused.
+    Gaussian splats become discs; see ``gaussian_columns``.
 
     Raises
     ------
@@ -42,6 +45,11 @@ def read_ply(source: Source) -> Columns:
         table = _from_text(source, header, chosen)
     else:
         table, left = _from_bytes(source, header, chosen)
+    by = source.wanted.colour
+    if are_gaussians(chosen.scalars) and not source.wanted.ranges:
+        if by is None or by.kind in (RGB, HEIGHT):
+            discs = gaussian_columns(table, chosen.scalars, bytes_left(left))
+            return replace(discs, colour=by)
     lists = [item.name for item in chosen.properties if item.length is not None]
     columns = gather(table, meaning, bytes_left(left))
     return replace(columns, ignored=(*columns.ignored, *lists))

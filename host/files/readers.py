@@ -17,10 +17,12 @@ from splatline.host.cloud.cloud import Cloud
 from .assemble import assemble_cloud
 from .colouring import check_map
 from .columns import Columns
+from .read_e57 import read_e57
 from .read_las import read_las
 from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
 from .read_ply import read_ply
+from .read_ptx import read_ptx
 from .read_text import read_text
 from .source import Progress, Source, cloud_name, format_suffix, open_source
 from .wanted import USUAL, ColourBy, Wanted
@@ -44,8 +46,10 @@ FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".asc": read_text,
     ".csv": read_text,
     ".pts": read_text,
+    ".ptx": read_ptx,
     ".las": read_las,
     ".laz": read_las,
+    ".e57": read_e57,
     ".npz": read_npz,
     ".npy": read_npy,
 }

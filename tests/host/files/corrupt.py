@@ -20,7 +20,9 @@ from tests.host.files.cloud_files import (
     write_ply,
     write_text,
 )
-from tests.host.files.kinds import compressed_pcd
+from tests.host.files.e57_files import colours, coordinates, e57, paged, unpaged
+from tests.host.files.gaussian_files import gaussians, ply_bytes
+from tests.host.files.kinds import compressed_pcd, ptx
 from tests.host.files.las_files import las, las_with_normals, laz
 
 WORDS = (
@@ -44,7 +46,7 @@ class Sample:
     header
         Number of the bytes that say what the others are.
     packed
-        ``gzip``, ``zip``, or nothing.
+        ``gzip``, ``zip``, ``e57`` (pages with checksums), or nothing.
     """
 
     name: str
@@ -56,6 +58,8 @@ class Sample:
         """Return the bytes of the file."""
         if self.packed == "gzip":
             return gzip.compress(data, 1)
+        if self.packed == "e57":
+            return paged(data)
         if self.packed == "zip":
             stream = io.BytesIO()
             with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -111,6 +115,12 @@ def whole_files() -> list[Sample]:
         add("a.txt", b"")
     found += [Sample("a.las", las(form), 375) for form in (0, 3, 7)]
     found += [Sample("a.laz", laz(data), 900) for data in (las(3), las(8), las_with_normals())]
+    splats = ply_bytes(gaussians(opacity=np.full(60, 5.0)))
+    found.append(Sample("a.ply", splats, splats.index(b"end_header") + 11))
+    grid = ptx(POSITIONS, np.arange(60), COLOURS).encode()
+    found += [Sample("a.ptx", grid, 100), Sample("a.ptx.gz", grid, 100, "gzip")]
+    scan = e57(coordinates(POSITIONS) | colours(COLOURS))
+    found += [Sample("a.e57", scan, 48), Sample("a.e57", unpaged(scan), 80, "e57")]
     rows = np.empty(len(POSITIONS), [(name, "f4") for name in "xyz"])
     for name, column in zip("xyz", POSITIONS.T, strict=True):
         rows[name] = column

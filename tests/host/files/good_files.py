@@ -3,12 +3,23 @@
 import numpy as np
 from pypcd4 import Encoding
 
-from tests.host.files.cloud_files import NORMALS, POSITIONS, write_pcd, write_ply, write_text
+from tests.host.files.cloud_files import (
+    COLOURS,
+    NORMALS,
+    POSITIONS,
+    write_pcd,
+    write_ply,
+    write_text,
+)
+from tests.host.files.e57_files import colours, coordinates, e57
+from tests.host.files.kinds import ptx
 from tests.host.files.las_files import las, laz
 
 MADE = {
     ".las": lambda: las(7),
     ".laz": lambda: laz(las(7)),
+    ".ptx": lambda: ptx(POSITIONS, NORMALS[:, 0], COLOURS).encode()[:-1],
+    ".e57": lambda: e57(coordinates(POSITIONS) | colours(COLOURS)),
 }
 
 

@@ -43,6 +43,12 @@ def text(*columns, delimiter=" ", form="%.9g", end="\n"):
     return "".join(delimiter.join(form % value for value in row) + end for row in rows)
 
 
+def ptx(*columns, matrix=None, sides=(6, 10)):
+    """A scan as PTX: its size, the scanner's position and axes, a transform, and points."""
+    head = f"{sides[0]}\n{sides[1]}\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    return head + text(np.eye(4) if matrix is None else matrix, form="%.17g") + text(*columns)
+
+
 def ply(properties, columns, *, kind="binary_little_endian", comment="", after=""):
     """A PLY file of ``properties``, such as ``["float x", "uchar red"]``."""
     lines = [f"format {kind} 1.0", *([f"comment {comment}"] if comment else [])]

@@ -18,7 +18,7 @@ from tests.host.files.cloud_files import (
 )
 from tests.host.files.good_files import good_file
 
-TEXTS = [suffix for suffix, read in FORMATS.items() if read is read_text] + [".npy"]
+TEXTS = [suffix for suffix, read in FORMATS.items() if read is read_text] + [".npy", ".ptx"]
 
 
 class TestErrors:

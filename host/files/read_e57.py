@@ -1,0 +1,202 @@
+"""E57 files: all scans of a file, each moved by its pose.
+
+libE57 is used without pye57's class ``E57``, which removes a file that it cannot open.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.errors import InputError, install_hint
+
+from .columns import Columns, Meaning, gather
+from .e57_poses import cartesian, moved
+from .source import Source, unpacked_limit
+
+__all__ = ["read_e57"]
+
+HEADER = struct.Struct("<8sIIQQQQ")
+"""Signature, version, length of the file, place and length of the XML, length of a page."""
+
+PAGE = 1024
+CHECKSUM = 4
+"""Bytes at the end of a page that check it."""
+
+PIECE = 1 << 20
+"""Points that are read at once."""
+
+LEAST = 12
+"""Bytes of a point as three floats, by which a count is checked."""
+
+CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
+SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
+NORMALS = ("nor:normalX", "nor:normalY", "nor:normalZ")
+COLOURS = ("colorRed", "colorGreen", "colorBlue")
+INTENSITY = ("intensity",)
+INVALID = ("cartesianInvalidState", "sphericalInvalidState")
+
+Table = dict[str, npt.NDArray[Any]]
+Names = tuple[str, ...]
+
+
+def read_e57(source: Source) -> Columns:
+    """Return the points of all scans, in the file's own coordinates.
+
+    Spherical coordinates become Cartesian ones, and each scan is rotated and moved by its pose,
+    with its normals. Points that are marked as invalid are left out and counted. Scans without
+    colours in a file with colours get ``NEUTRAL``.
+
+    Raises
+    ------
+    InputError
+        If pye57 is missing, or the file is damaged or has no points.
+    Exception
+        From libE57, if the file is damaged otherwise.
+    """
+    xml = _checked_xml(source)
+    if b"<!" in xml.replace(b"<![CDATA[", b"").replace(b"<!--", b""):
+        raise InputError("cannot be read as E57: its XML has declarations of its own")
+    try:
+        from pye57 import libe57
+    except ImportError:
+        raise InputError(f"E57 needs pye57: {install_hint('e57')}") from None
+    image = libe57.ImageFile(f"/dev/fd/{source.stream.fileno()}", "r")
+    try:
+        root = image.root()
+        scans = [scan for scan in _children(root["data3D"]) if scan.isDefined("points")]
+        total = sum(scan["points"].childCount() for scan in scans)
+        if total > unpacked_limit(source.size) // LEAST:
+            raise InputError(f"promises {total:,} points, more than {source.size:,} bytes hold")
+        if not total:
+            raise InputError("has no points")
+        fields = [_names(libe57, scan["points"]) for scan in scans]
+        meaning = _meaning(fields)
+        tables: list[Table] = []
+        dropped = 0
+        for scan, names in zip(scans, fields, strict=True):
+            table, invalid = _read_scan(libe57, image, scan, names, meaning)
+            tables.append(table)
+            dropped += invalid
+            if source.progress is not None:
+                source.progress(sum(len(part[meaning.positions[0]]) for part in tables) / total)
+    finally:
+        image.close()
+    whole = {name: np.concatenate([part[name] for part in tables]) for name in meaning.names}
+    columns = gather(whole, meaning)
+    if dropped:
+        columns.dropped["invalid"] = dropped
+    return columns
+
+
+def _checked_xml(source: Source) -> bytes:
+    """Return the XML that describes the file; raise if it is not inside the file."""
+    source.stream.seek(0)
+    head = source.stream.read(HEADER.size)
+    if len(head) < HEADER.size or head[:8] != b"ASTM-E57":
+        raise InputError("cannot be read as E57: it does not begin with ASTM-E57")
+    _, _, _, length, at, size, page = HEADER.unpack(head)
+    if page != PAGE or length > source.size or not HEADER.size <= at < length or size > length - at:
+        raise InputError("its header does not fit the file's size; is it damaged, or truncated?")
+    start = at % PAGE
+    source.stream.seek(at - start)
+    pages = source.stream.read(length - at + start)
+    logical = b"".join(
+        pages[first : first + PAGE - CHECKSUM] for first in range(0, len(pages), PAGE)
+    )
+    return logical[start : start + size]
+
+
+def _children(node: Any) -> list[Any]:
+    """Return the children of a vector or structure."""
+    return [node[i] for i in range(node.childCount())]
+
+
+def _names(libe57: Any, points: Any) -> Names:
+    """Return the fields of a scan's points."""
+    prototype = libe57.StructureNode(points.prototype())
+    return tuple(prototype.get(i).elementName() for i in range(prototype.childCount()))
+
+
+def _meaning(fields: Iterable[Names]) -> Meaning:
+    """Return what the fields of a file's scans are taken for."""
+    every = dict.fromkeys(name for names in fields for name in names)
+
+    def group(names: Names) -> Names:
+        return names if all(name in every for name in names) else ()
+
+    positions = group(CARTESIAN) or group(SPHERICAL)
+    if not positions:
+        raise InputError("has scans without coordinates")
+    colours, kind = group(COLOURS), "colour"
+    if not colours:
+        colours, kind = group(INTENSITY), "intensity, as grey"
+    normals = group(NORMALS)
+    taken = {*CARTESIAN, *SPHERICAL, *normals, *colours, *INVALID}
+    return Meaning(positions, normals, colours, kind, tuple(n for n in every if n not in taken))
+
+
+def _read_scan(
+    libe57: Any, image: Any, scan: Any, names: Names, meaning: Meaning
+) -> tuple[Table, int]:
+    """Return the valid points of a scan under the meaning's names, and how many are invalid."""
+    points = scan["points"]
+    places = CARTESIAN if all(name in names for name in CARTESIAN) else SPHERICAL
+    if any(name not in names for name in places):
+        raise InputError("has a scan without coordinates")
+    state = next((name for name in INVALID if name in names and name[:5] == places[0][:5]), None)
+    wanted = [*places, *meaning.normals, *meaning.colours, *([state] if state else [])]
+    wanted = [name for name in wanted if name in names]
+    prototype = libe57.StructureNode(points.prototype())
+    most = min(PIECE, max(1, points.childCount()))
+    arrays = {name: np.empty(most, _kind(prototype[name], name)) for name in wanted}
+    buffers = libe57.VectorSourceDestBuffer()
+    for name, array in arrays.items():
+        buffers.append(libe57.SourceDestBuffer(image, name, array, len(array), True, True))
+    pieces: dict[str, list[npt.NDArray[Any]]] = {name: [] for name in wanted}
+    reader = points.reader(buffers)
+    try:
+        while count := reader.read():
+            for name, array in arrays.items():
+                pieces[name].append(array[:count].copy())
+    finally:
+        reader.close()
+    table = {
+        name: np.concatenate(parts) if parts else arrays[name][:0] for name, parts in pieces.items()
+    }
+    found = len(table[places[0]])
+    if found < points.childCount():
+        raise InputError(f"ends after {found:,} of a scan's {points.childCount():,} points")
+    if state:
+        valid = table[state] == 0
+        table = {name: values[valid] for name, values in table.items()}
+    invalid = found - len(table[places[0]])
+    rows = _stack(table, places, 0)
+    rows = moved(scan, rows if places == CARTESIAN else cartesian(rows))
+    result: Table = dict(zip(meaning.positions, rows.T, strict=True))
+    if meaning.normals:
+        turned = moved(scan, _stack(table, meaning.normals, len(rows)), turn_only=True)
+        result |= dict(zip(meaning.normals, turned.T, strict=True))
+    for name in meaning.colours:
+        result[name] = table.get(name, np.full(len(rows), np.nan))
+    return result, invalid
+
+
+def _kind(node: Any, name: str) -> str:
+    """Return numpy's type for a field: bytes and 16 bits as such, since they tell a scale."""
+    if name in COLOURS and type(node).__name__ == "IntegerNode":
+        largest = node.maximum()
+        if node.minimum() >= 0 and largest <= 0xFFFF:
+            return "B" if largest <= 0xFF else "H"
+    return "b" if name in INVALID else "d"
+
+
+def _stack(table: Table, names: Names, count: int) -> npt.NDArray[np.float64]:
+    """Return columns side by side: shape (count, 3); NaN if the scan lacks them."""
+    if any(name not in table for name in names):
+        return np.full((count, 3), np.nan)
+    return np.stack([table[name] for name in names], axis=-1).astype(np.float64)
