@@ -46,10 +46,9 @@ def read_ply(source: Source) -> Columns:
     else:
         table, left = _from_bytes(source, header, chosen)
     by = source.wanted.colour
-    if are_gaussians(chosen.scalars) and not source.wanted.ranges:
-        if by is None or by.kind in (RGB, HEIGHT):
-            discs = gaussian_columns(table, chosen.scalars, bytes_left(left))
-            return replace(discs, colour=by)
+    by_colours = (by is None or by.kind in (RGB, HEIGHT)) and not source.wanted.ranges
+    if by_colours and are_gaussians(chosen.scalars):
+        return replace(gaussian_columns(table, chosen.scalars, bytes_left(left)), colour=by)
     lists = [item.name for item in chosen.properties if item.length is not None]
     columns = gather(table, meaning, bytes_left(left))
     return replace(columns, ignored=(*columns.ignored, *lists))
