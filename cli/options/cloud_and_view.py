@@ -59,6 +59,10 @@ class RenderRequest:
         Source of the shapes of the quality ``paper``.
     fit
         Points that the view fits: ``bulk``, without those far from the rest, or ``all``.
+    format
+        Format of the cloud file; None: by its name.
+    sample
+        Points on the faces of a mesh; None: its vertices.
     """
 
     path: Path | None
@@ -74,12 +78,16 @@ class RenderRequest:
     skips: frozenset[str]
     shapes: str = "table"
     fit: str = "bulk"
+    format: str | None = None
+    sample: int | None = None
 
     @property
     def name(self) -> str:
         """Name of the picture: the file's name without its suffix, or the scene's name."""
         if self.path is None:
             return self.scene
+        if str(self.path) == "-":
+            return "stdin"
         # Not from host.files, which would load numpy for the help.
         return (self.path.with_suffix("") if self.path.suffix.lower() == ".gz" else self.path).stem
 
@@ -169,6 +177,19 @@ _VIEW_OPTIONS = (
         show_default=DEFAULT_SCENE,
         help="Built-in scene, drawn if there is no CLOUD: terrain or knot.",
     ),
+    click.option(
+        "--sample",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Spread N points over the faces of a mesh; without it its vertices are drawn.",
+    ),
+    click.option(
+        "--format",
+        metavar="NAME",
+        show_default="by the name of CLOUD",
+        help="Format of CLOUD: ply pcd las laz e57 obj stl off glb npz npy xyz xyzn xyzrgb pts ptx"
+        " txt asc or csv; also compressed by gzip. '-' as CLOUD is the standard input.",
+    ),
     click.argument("cloud", required=False, type=click.Path(path_type=Path), metavar="[CLOUD]"),
 )
 """The argument CLOUD and the options of the view, last one first."""
@@ -193,10 +214,14 @@ def request_options(command: _Command) -> _Command:
         keep: tuple[str, ...],
         shapes: str,
         fit: str,
+        format: str | None,
+        sample: int | None,
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
+        if cloud is None and (format, sample) != (None, None):
+            raise click.UsageError("--format and --sample need a CLOUD")
         if both := set(skip) & set(keep):
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
         if shapes == "rom":
@@ -215,6 +240,8 @@ def request_options(command: _Command) -> _Command:
             (DEFAULT_SKIPS | set(skip)) - set(keep),
             shapes,
             fit,
+            format,
+            sample,
         )
         return command(request=request, **rest)
 

@@ -80,7 +80,7 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         cloud = scene.cloud
         camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
     else:
-        cloud = read_in_stages(request.path, stages)
+        cloud = read_in_stages(request.path, stages, format=request.format, sample=request.sample)
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
     far_away = 0
     if request.fit != "all":
@@ -110,13 +110,15 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     return PreparedFrames(cloud, view, discs.radii, frames, camera, far_away)
 
 
-def read_in_stages(path: Path, stages: Stages) -> Cloud:
-    """Read a cloud file in the stages ``read`` and ``normals``."""
+def read_in_stages(
+    path: Path, stages: Stages, *, format: str | None = None, sample: int | None = None
+) -> Cloud:
+    """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, progress=tell)
+        return read_cloud(path, format=format, sample=sample, progress=tell)
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import os
 import shutil
 import stat
 import tempfile
@@ -54,12 +55,15 @@ class Source:
         The name's suffix that tells the format, in lower case.
     progress
         Called now and then with the share of the bytes that are read; see :meth:`tell`.
+    path
+        The file, beside which others may lie that it names; None for a pipe.
     """
 
     stream: BinaryIO
     size: int
     suffix: str
     progress: Progress | None = None
+    path: Path | None = None
 
     def tell(self) -> None:
         """Tell ``progress``, if there is one, how much is read."""
@@ -86,6 +90,8 @@ def format_suffix(path: Path) -> str:
 
 def cloud_name(path: Path) -> str:
     """Return a file's name without the suffixes of format and compression."""
+    if str(path) == "-":
+        return "stdin"
     return path.with_suffix("").stem if path.suffix.lower() == ".gz" else path.stem
 
 
@@ -95,10 +101,13 @@ def unpacked_limit(size: int) -> int:
 
 
 @contextmanager
-def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source]:
+def open_source(
+    path: Path, progress: Progress | None = None, suffix: str | None = None
+) -> Iterator[Source]:
     """Open a cloud file. A pipe is read to its end first; a gzip file is unpacked.
 
-    ``progress`` is called now and then with the share that is read, unpacking included.
+    ``-`` is the standard input. ``progress`` is called now and then with the share that is read,
+    unpacking included. ``suffix`` tells the format if the name does not.
 
     Raises
     ------
@@ -107,25 +116,32 @@ def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source
     OSError
         If it cannot be read.
     """
-    mode = path.stat().st_mode
-    if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode)):
+    is_input = str(path) == "-"
+    mode = os.fstat(0).st_mode if is_input else path.stat().st_mode
+    named = suffix or format_suffix(path)
+    if is_input and os.isatty(0):
+        raise InputError("the standard input is a terminal; write a cloud to it by a pipe")
+    if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)):
         raise InputError("is a device, not a file; give the name of a file")
-    with path.open("rb") as opened, tempfile.TemporaryFile() as scratch:
+    with (
+        open(0 if is_input else path, "rb", closefd=not is_input) as opened,
+        tempfile.TemporaryFile() as scratch,
+    ):
         stream = cast(BinaryIO, opened)
-        if stat.S_ISFIFO(mode):
+        if not stat.S_ISREG(mode):
             shutil.copyfileobj(opened, scratch, PIECE)
             stream = cast(BinaryIO, scratch)
         size = stream.seek(0, 2)
         stream.seek(0)
         if not size:
-            what = "pipe" if stat.S_ISFIFO(mode) else "file"
+            what = "file" if stat.S_ISREG(mode) else "pipe"
             raise InputError(f"the {what} is empty")
         compressed = stream.read(2) == GZIP
         stream.seek(0)
         if not compressed:
             if path.suffix.lower() == ".gz":
                 raise InputError("is not compressed, although its name ends in .gz; rename it")
-            yield Source(stream, size, format_suffix(path), progress)
+            yield Source(stream, size, named, progress, None if is_input else path)
             return
         with tempfile.TemporaryFile() as unpacked:
             packed = Source(stream, size, "", _part(progress, 0.0, UNPACKING))
@@ -135,7 +151,8 @@ def open_source(path: Path, progress: Progress | None = None) -> Iterator[Source
             if not size:
                 raise InputError("the file is empty")
             rest = _part(progress, UNPACKING, 1.0)
-            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path), rest)
+            beside = None if is_input else path
+            yield Source(cast(BinaryIO, unpacked), size, named, rest, beside)
 
 
 def _part(progress: Progress | None, first: float, last: float) -> Progress | None:
