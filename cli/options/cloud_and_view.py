@@ -63,6 +63,10 @@ class RenderRequest:
         Points that the view fits: ``bulk``, without those far from the rest, or ``all``.
     colour
         What colours a point. Its ``up`` counts for nothing; the view's does.
+    format
+        Format of the cloud file; None: by its name.
+    sample
+        Points on the faces of a mesh; None: its vertices.
     """
 
     path: Path | None
@@ -79,12 +83,16 @@ class RenderRequest:
     shapes: str = "table"
     fit: str = "bulk"
     colour: ColourBy | None = None
+    format: str | None = None
+    sample: int | None = None
 
     @property
     def name(self) -> str:
         """Name of the picture: the file's name without its suffix, or the scene's name."""
         if self.path is None:
             return self.scene
+        if str(self.path) == "-":
+            return "stdin"
         # Not from host.files, which would load numpy for the help.
         return (self.path.with_suffix("") if self.path.suffix.lower() == ".gz" else self.path).stem
 
@@ -174,6 +182,19 @@ _VIEW_OPTIONS = (
         show_default=DEFAULT_SCENE,
         help="Built-in scene, drawn if there is no CLOUD: terrain or knot.",
     ),
+    click.option(
+        "--sample",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Spread N points over the faces of a mesh; without it its vertices are drawn.",
+    ),
+    click.option(
+        "--format",
+        metavar="NAME",
+        show_default="by the name of CLOUD",
+        help="Format of CLOUD: ply pcd las laz e57 obj stl off glb npz npy xyz xyzn xyzrgb pts ptx"
+        " txt asc or csv; also compressed by gzip. '-' as CLOUD is the standard input.",
+    ),
     click.argument("cloud", required=False, type=click.Path(path_type=Path), metavar="[CLOUD]"),
 )
 """The argument CLOUD and the options of the view, last one first."""
@@ -201,10 +222,14 @@ def request_options(command: _Command) -> _Command:
         colour: str | None,
         colour_map: str | None,
         colour_range: tuple[float, float] | None,
+        format: str | None,
+        sample: int | None,
         **rest: Any,
     ) -> Any:
         if cloud is not None and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
+        if cloud is None and (format, sample) != (None, None):
+            raise click.UsageError("--format and --sample need a CLOUD")
         if both := set(skip) & set(keep):
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
         if shapes == "rom":
@@ -224,6 +249,8 @@ def request_options(command: _Command) -> _Command:
             shapes,
             fit,
             colour_by(colour, colour_map, colour_range),
+            format,
+            sample,
         )
         return command(request=request, **rest)
 

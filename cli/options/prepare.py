@@ -87,7 +87,9 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     if colour is not None:
         colour = replace(colour, up=camera["up"])
     if request.path is not None:
-        cloud = read_in_stages(request.path, stages, colour)
+        cloud = read_in_stages(
+            request.path, stages, colour, format=request.format, sample=request.sample
+        )
     else:
         cloud = scene.cloud if colour is None else colour_scene(scene.cloud, colour)
     far_away = 0
@@ -118,13 +120,20 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     return PreparedFrames(cloud, view, discs.radii, frames, camera, far_away)
 
 
-def read_in_stages(path: Path, stages: Stages, colour: ColourBy | None = None) -> Cloud:
+def read_in_stages(
+    path: Path,
+    stages: Stages,
+    colour: ColourBy | None = None,
+    *,
+    format: str | None = None,
+    sample: int | None = None,
+) -> Cloud:
     """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, colour=colour, progress=tell)
+        return read_cloud(path, colour=colour, format=format, sample=sample, progress=tell)
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:

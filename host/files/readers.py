@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from .colouring import check_map
 from .columns import Columns
 from .read_e57 import read_e57
 from .read_las import read_las
+from .read_mesh import read_mesh
 from .read_npz import read_npy, read_npz
 from .read_pcd import read_pcd
 from .read_ply import read_ply
@@ -50,43 +51,74 @@ FORMATS: dict[str, Callable[[Source], Columns]] = {
     ".las": read_las,
     ".laz": read_las,
     ".e57": read_e57,
+    ".obj": read_mesh,
+    ".stl": read_mesh,
+    ".off": read_mesh,
+    ".glb": read_mesh,
     ".npz": read_npz,
     ".npy": read_npy,
 }
 """Reader of each format, by the file name's suffix in lower case. Each may be followed by .gz."""
 
 
-def check_format(path: Path) -> None:
-    """Raise ``InputError`` if a file's name has no suffix of a format that is read."""
-    if format_suffix(path) not in FORMATS:
-        kinds = " ".join(FORMATS)
+MESHES = (".ply", ".obj", ".stl", ".off", ".glb")
+"""Formats whose faces can be sampled."""
+
+
+def check_format(path: Path, format: str | None = None) -> str:
+    """Return the suffix that tells a file's format: the one that is given, or its name's.
+
+    Raises
+    ------
+    InputError
+        If no such format is read.
+    """
+    kinds = " ".join(FORMATS)
+    if format is not None:
+        suffix = "." + format.lower().removeprefix(".")
+        if suffix not in FORMATS:
+            raise InputError(f"unknown format {format!r}; it must be one of {kinds}")
+        return suffix
+    if str(path) == "-":
+        raise InputError(f"the standard input has no name; give its --format, one of {kinds}")
+    suffix = format_suffix(path)
+    if suffix not in FORMATS:
         raise InputError(
-            f"unknown format {format_suffix(path)!r}; the name must end in one of {kinds}, or in"
-            " one of these and .gz; convert other formats first, with CloudCompare for example"
+            f"unknown format {suffix!r}; the name must end in one of {kinds}, or in one of these"
+            " and .gz, or the --format be given; convert other formats first, with CloudCompare for"
+            " example"
         )
+    return suffix
 
 
 def read_cloud(
     path: str | os.PathLike[str],
     *,
     colour: str | ColourBy | None = None,
+    format: str | None = None,
+    sample: int | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
 
-    A mesh's vertices are points. Positions are relative to the cloud's own centre. Missing normals
-    are estimated, and points without a colour get one. Points without a finite position are dropped
-    and counted (see ``assemble_cloud``).
+    A mesh's vertices are points, or its faces are sampled. Positions are relative to the cloud's
+    own centre. Missing normals are estimated, and points without a colour get one. Points without a
+    finite position are dropped and counted (see ``assemble_cloud``).
 
     Parameters
     ----------
     path
-        PLY, PCD, NPZ, NPY, or text: XYZ, XYZN, XYZRGB, PTS, TXT, ASC or CSV; also compressed by
-        gzip. A pipe is read to its end.
+        PLY, PCD, LAS, LAZ, E57, NPZ, NPY; a mesh as OBJ, STL, OFF or GLB; or text: XYZ, XYZN,
+        XYZRGB, PTS, PTX, TXT, ASC or CSV; also compressed by gzip. A pipe is read to its end; ``-``
+        is the standard input.
     colour
         What colours a point: ``rgb``, ``height``, ``intensity``, ``classification`` or the name of
         a column; as a ``ColourBy`` with a colour map and a range too. None: the file's colours,
         else its intensity as grey, else one colour. ``Cloud.colour_key`` says what stands for what.
+    format
+        One of these formats, whatever the name is.
+    sample
+        Number of points that are spread evenly over the faces of a mesh; None: its vertices.
     progress
         Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
         A cloud whose normals are all there has no stage ``normals``.
@@ -102,10 +134,10 @@ def read_cloud(
     by = ColourBy(colour) if isinstance(colour, str) else colour
     check_map(by)
     read, normals = (
-        None if progress is None else functools.partial(progress, stage)
+        None if progress is None else partial(progress, stage)
         for stage in ("read", "normals")
     )
-    with open_cloud_file(place, Wanted(by), read) as source:
+    with open_cloud_file(place, Wanted(by, sample=sample), read, format) as source:
         columns = read_columns(source)
         if read is not None:
             read(1.0)
@@ -114,7 +146,10 @@ def read_cloud(
 
 @contextmanager
 def open_cloud_file(
-    place: Path, wanted: Wanted = USUAL, progress: Progress | None = None
+    place: Path,
+    wanted: Wanted = USUAL,
+    progress: Progress | None = None,
+    format: str | None = None,
 ) -> Iterator[Source]:
     """Open a cloud file; what goes wrong while it is open is told with its name.
 
@@ -126,9 +161,12 @@ def open_cloud_file(
     try:
         if place.is_dir():
             raise InputError("is a folder; give the name of a file")
-        place.stat()
-        check_format(place)
-        with np.errstate(all="ignore"), open_source(place, progress, wanted) as source:
+        if str(place) != "-":
+            place.stat()
+        suffix = check_format(place, format)
+        if wanted.sample is not None and suffix not in MESHES:
+            raise InputError(f"has no faces to sample; meshes are {' '.join(MESHES)}")
+        with np.errstate(all="ignore"), open_source(place, progress, wanted, suffix) as source:
             yield source
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror or error}") from None
@@ -139,6 +177,8 @@ def open_cloud_file(
 def read_columns(source: Source) -> Columns:
     """Return the columns of an open file of a known format; failures become ``InputError``."""
     with parser_errors(source):
+        if source.wanted.sample is not None:
+            return read_mesh(source)
         return FORMATS[source.suffix](source)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import os
 import shutil
 import stat
 import tempfile
@@ -58,6 +59,8 @@ class Source:
         Called now and then with the share of the bytes that are read; see :meth:`tell`.
     wanted
         What the file is read for.
+    path
+        The file, beside which others may lie that it names; None for a pipe.
     """
 
     stream: BinaryIO
@@ -65,6 +68,7 @@ class Source:
     suffix: str
     progress: Progress | None = None
     wanted: Wanted = USUAL
+    path: Path | None = None
 
     def tell(self) -> None:
         """Tell ``progress``, if there is one, how much is read."""
@@ -91,6 +95,8 @@ def format_suffix(path: Path) -> str:
 
 def cloud_name(path: Path) -> str:
     """Return a file's name without the suffixes of format and compression."""
+    if str(path) == "-":
+        return "stdin"
     return path.with_suffix("").stem if path.suffix.lower() == ".gz" else path.stem
 
 
@@ -101,12 +107,16 @@ def unpacked_limit(size: int) -> int:
 
 @contextmanager
 def open_source(
-    path: Path, progress: Progress | None = None, wanted: Wanted = USUAL
+    path: Path,
+    progress: Progress | None = None,
+    wanted: Wanted = USUAL,
+    suffix: str | None = None,
 ) -> Iterator[Source]:
     """Open a cloud file. A pipe is read to its end first; a gzip file is unpacked.
 
-    ``progress`` is called now and then with the share that is read, unpacking included. ``wanted``
-    is what the file is read for.
+    ``-`` is the standard input. ``progress`` is called now and then with the share that is read,
+    unpacking included. ``wanted`` is what the file is read for. ``suffix`` tells the format if the
+    name does not.
 
     Raises
     ------
@@ -115,25 +125,32 @@ def open_source(
     OSError
         If it cannot be read.
     """
-    mode = path.stat().st_mode
-    if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode)):
+    is_input = str(path) == "-"
+    mode = os.fstat(0).st_mode if is_input else path.stat().st_mode
+    named = suffix or format_suffix(path)
+    if is_input and os.isatty(0):
+        raise InputError("the standard input is a terminal; write a cloud to it by a pipe")
+    if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)):
         raise InputError("is a device, not a file; give the name of a file")
-    with path.open("rb") as opened, tempfile.TemporaryFile() as scratch:
+    with (
+        open(0 if is_input else path, "rb", closefd=not is_input) as opened,
+        tempfile.TemporaryFile() as scratch,
+    ):
         stream = cast(BinaryIO, opened)
-        if stat.S_ISFIFO(mode):
+        if not stat.S_ISREG(mode):
             shutil.copyfileobj(opened, scratch, PIECE)
             stream = cast(BinaryIO, scratch)
         size = stream.seek(0, 2)
         stream.seek(0)
         if not size:
-            what = "pipe" if stat.S_ISFIFO(mode) else "file"
+            what = "file" if stat.S_ISREG(mode) else "pipe"
             raise InputError(f"the {what} is empty")
         compressed = stream.read(2) == GZIP
         stream.seek(0)
         if not compressed:
             if path.suffix.lower() == ".gz":
                 raise InputError("is not compressed, although its name ends in .gz; rename it")
-            yield Source(stream, size, format_suffix(path), progress, wanted)
+            yield Source(stream, size, named, progress, wanted, None if is_input else path)
             return
         with tempfile.TemporaryFile() as unpacked:
             packed = Source(stream, size, "", _part(progress, 0.0, UNPACKING))
@@ -143,7 +160,8 @@ def open_source(
             if not size:
                 raise InputError("the file is empty")
             rest = _part(progress, UNPACKING, 1.0)
-            yield Source(cast(BinaryIO, unpacked), size, format_suffix(path), rest, wanted)
+            beside = None if is_input else path
+            yield Source(cast(BinaryIO, unpacked), size, named, rest, wanted, beside)
 
 
 def _part(progress: Progress | None, first: float, last: float) -> Progress | None:

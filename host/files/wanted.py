@@ -70,10 +70,13 @@ class Wanted:
         What colours a point. None: the file's colours, else its intensity.
     ranges
         Whether the least and the greatest value of every column are wanted.
+    sample
+        Points on the faces of a mesh; None: its vertices.
     """
 
     colour: ColourBy | None = None
     ranges: bool = False
+    sample: int | None = None
 
 
 USUAL = Wanted()

@@ -24,6 +24,8 @@ from tests.host.files.e57_files import colours, coordinates, e57, paged, unpaged
 from tests.host.files.gaussian_files import gaussians, ply_bytes
 from tests.host.files.kinds import compressed_pcd, ptx
 from tests.host.files.las_files import las, las_with_normals, laz
+from tests.host.files.mesh_files import COLOURS as MESH_COLOURS
+from tests.host.files.mesh_files import CORNERS, glb, obj, off, stl, text_stl, textured_obj
 
 WORDS = (
     b"nan -nan(ind) inf 1e39 -1 0 1 99999999999 4294967295 2147483648 property element list uchar"
@@ -117,6 +119,14 @@ def whole_files() -> list[Sample]:
     found += [Sample("a.laz", laz(data), 900) for data in (las(3), las(8), las_with_normals())]
     splats = ply_bytes(gaussians(opacity=np.full(60, 5.0)))
     found.append(Sample("a.ply", splats, splats.index(b"end_header") + 11))
+    found += [Sample("a.obj", obj(MESH_COLOURS), 60), Sample("a.obj", textured_obj(), 60)]
+    found += [
+        Sample("a.stl", stl(), 84),
+        Sample("a.stl", text_stl(), 60),
+        Sample("a.off", off(), 20),
+    ]
+    meshes = glb(), glb(colours=MESH_COLOURS, normals=CORNERS)
+    found += [Sample("a.glb", data, data.index(b"BIN")) for data in meshes]
     grid = ptx(POSITIONS, np.arange(60), COLOURS).encode()
     found += [Sample("a.ptx", grid, 100), Sample("a.ptx.gz", grid, 100, "gzip")]
     scan = e57(coordinates(POSITIONS) | colours(COLOURS))

@@ -10,7 +10,7 @@ import time
 import traceback
 import warnings
 from collections import Counter
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from splatline.contract.errors import InputError
@@ -60,6 +60,14 @@ def fault_of(path: Path) -> tuple[str, str]:
     return outcome, fault or (f"took {taken:.2f} s" if taken > LONGEST else "")
 
 
+def load_readers(samples: list[Sample], folder: Path) -> None:
+    """Read each sample once: what is imported then is counted neither as time nor as memory."""
+    for sample in samples:
+        path = folder / sample.name
+        path.write_bytes(sample.pack(sample.data))
+        read_cloud(path)
+
+
 def run_seed(seed: int, samples: list[Sample], folder: Path) -> tuple[str, str, Path]:
     """Corrupt the sample of a seed, every second one in its header, and read it."""
     rng = random.Random(seed)
@@ -81,7 +89,9 @@ def main() -> None:
     outcomes: Counter[str] = Counter()
     faults = 0
     samples = whole_files()
-    with tempfile.TemporaryDirectory() as folder, limited_memory():
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        load_readers(samples, Path(folder))
+        stack.enter_context(limited_memory())
         for seed in itertools.count(first):
             if time.monotonic() > end:
                 break

@@ -14,11 +14,16 @@ from tests.host.files.cloud_files import (
 from tests.host.files.e57_files import colours, coordinates, e57
 from tests.host.files.kinds import ptx
 from tests.host.files.las_files import las, laz
+from tests.host.files.mesh_files import glb, obj, off, stl
 
 MADE = {
     ".las": lambda: las(7),
     ".laz": lambda: laz(las(7)),
     ".ptx": lambda: ptx(POSITIONS, NORMALS[:, 0], COLOURS).encode()[:-1],
+    ".obj": lambda: obj()[:-1],
+    ".stl": stl,
+    ".off": off,
+    ".glb": glb,
     ".e57": lambda: e57(coordinates(POSITIONS) | colours(COLOURS)),
 }
 

@@ -18,7 +18,7 @@ from tests.host.files.cloud_files import (
 )
 from tests.host.files.good_files import good_file
 
-TEXTS = [suffix for suffix, read in FORMATS.items() if read is read_text] + [".npy", ".ptx"]
+TEXTS = [suffix for suffix, read in FORMATS.items() if read is read_text] + [".npy", ".ptx", ".off"]
 
 
 class TestErrors:
@@ -53,7 +53,7 @@ class TestErrors:
         path.write_bytes(np.random.default_rng(4).bytes(5000))
         self.fails(path, f"cannot be read as {suffix[1:].upper()}")
 
-    @pytest.mark.parametrize("suffix", FORMATS)
+    @pytest.mark.parametrize("suffix", [name for name in FORMATS if name != ".obj"])  # no counts
     @pytest.mark.parametrize("share", [0.02, 0.5, 0.97])
     def test_truncated(self, tmp_path, suffix, share):
         path = good_file(tmp_path, suffix)
@@ -61,7 +61,7 @@ class TestErrors:
         # A text is cut inside a number's neighbourhood: just before a blank.
         cut = int(len(whole) * share)
         if suffix in TEXTS:
-            cut = whole.index(b"\n", cut) + 10
+            cut = min(whole.index(b"\n", cut) + 10, len(whole) - 8)
         path.write_bytes(whole[:cut])
         self.fails(path, ": ")
 

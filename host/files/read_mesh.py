@@ -1,0 +1,88 @@
+"""Meshes: OBJ, STL, OFF, GLB, and PLY for its faces. Vertices are points, or faces are sampled."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from splatline.contract.errors import InputError
+
+from .columns import Columns
+from .glb_header import check_glb
+from .mesh_parts import Part, join, sample_parts
+from .obj_indices import check_obj
+from .off_header import check_off
+from .ply_header import read_header
+from .source import Source, unpacked_limit
+
+__all__ = ["read_mesh"]
+
+CHECKS: dict[str, Callable[[Source], object]] = {
+    ".obj": check_obj,
+    ".off": check_off,
+    ".glb": check_glb,
+    ".ply": read_header,
+}
+"""What a file must pass before trimesh reads it; that of STL is trimesh's own."""
+
+VERTEX = 24
+"""Bytes of a vertex, by which the number of those that are drawn is checked."""
+
+
+def read_mesh(source: Source) -> Columns:
+    """Return the vertices of a mesh as points, or points on its faces.
+
+    Every place of a mesh in a scene is read, under its transform. Colours are those of vertices,
+    faces, textures or materials. Normals are the file's. Without them those of the faces are taken;
+    their sign means something if the mesh is closed and its faces turn one way.
+
+    Parameters
+    ----------
+    source
+        The file: OBJ, STL, OFF, GLB or PLY. It is wanted for points that are spread evenly over
+        the area of the faces, or for the vertices.
+
+    Raises
+    ------
+    InputError
+        If there are no vertices, or no faces to sample.
+    Exception
+        Of several types, from trimesh, if the file is damaged.
+    """
+    if source.suffix in CHECKS:
+        CHECKS[source.suffix](source)
+    parts = _load(source)
+    source.tell()
+    if source.wanted.sample is not None:
+        return sample_parts(parts, source.wanted.sample)
+    return join([part.vertices() for part in parts])
+
+
+def _load(source: Source) -> list[Part]:
+    """Return the meshes of a file, one for each place in its scene."""
+    import trimesh  # not before a mesh is read
+
+    logging.getLogger("trimesh").addHandler(logging.NullHandler())  # else it writes to the terminal
+    resolver = None
+    if source.path is not None and source.suffix == ".obj":
+        resolver = trimesh.resolvers.FilePathResolver(str(source.path))
+    source.stream.seek(0)
+    options: dict[str, Any] = {"process": False}
+    if source.suffix == ".obj":
+        options |= {"split_objects": False, "group_material": True, "maintain_order": True}
+    scene = trimesh.load_scene(
+        source.stream, file_type=source.suffix[1:], resolver=resolver, **options
+    )
+    if source.suffix == ".stl":  # has three vertices of its own for each face
+        for mesh in scene.geometry.values():
+            mesh.merge_vertices()
+    placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
+    count = sum(len(scene.geometry[name].vertices) for _, name in placed)
+    if count > unpacked_limit(source.size) // VERTEX:
+        raise InputError(f"promises {count:,} vertices, more than {source.size:,} bytes hold")
+    if not count:
+        raise InputError("has no vertices")
+    return [Part(scene.geometry[name], np.asarray(matrix)) for matrix, name in placed]
