@@ -11,8 +11,10 @@ from matplotlib.colors import Normalize
 
 from splatline import host
 from splatline.contract.errors import InputError
+from splatline.host.files import read_las
 from splatline.host.files.asprs import CLASSES
 from splatline.host.files.wanted import ColourBy
+from tests.host.files.cloud_files import POSITIONS
 from tests.host.files.kinds import (
     CLAY,
     COLOURS,
@@ -24,6 +26,7 @@ from tests.host.files.kinds import (
     ply,
     text,
 )
+from tests.host.files.las_files import las, laz, places_of
 
 COUNT = len(SPHERE)
 CLASS = np.array([2, 5, 6], float)[np.arange(COUNT) % 3]
@@ -277,3 +280,47 @@ def test_matplotlib_is_imported_for_a_map_alone(tmp_path):
         "assert 'matplotlib' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", script, str(place)], check=True)
+
+
+@pytest.mark.parametrize("pack", [bytes, laz])
+@pytest.mark.parametrize("form", [3, 7])
+def test_las_has_the_same_by_the_names_of_its_fields(tmp_path, pack, form):
+    count = len(POSITIONS)
+    classes = np.array([2, 5, 6])[np.arange(count) % 3]
+    place = tmp_path / ("a.laz" if pack is laz else "a.las")
+    place.write_bytes(pack(las(form, classes=classes)))
+    grey = host.read_cloud(place, colour="intensity")
+    assert (np.diff(grey.colours[:, 0].astype(int)) >= 0).all()  # it rises from point to point
+    cloud = host.read_cloud(place, colour="classification")
+    right = np.array([CLASSES[number][1] for number in classes], np.uint8)
+    assert np.array_equal(cloud.colours, right)
+    time = 0.25 * np.arange(count)
+    cloud = host.read_cloud(place, colour=ColourBy("GPS_time", "turbo", (0.0, 15.0)))
+    assert np.array_equal(cloud.colours, by_map(time, "turbo", 0.0, 15.0))
+    high = host.read_cloud(place, colour=ColourBy("height", up="z"))
+    lowest, highest = places_of()[:, 2].min(), places_of()[:, 2].max()
+    assert high.colour_key["range"] == pytest.approx([lowest, highest], abs=1e-6)
+    with pytest.raises(InputError, match="no field 'speed'; its fields are x, y, z, intensity"):
+        host.read_cloud(place, colour="speed")
+    with pytest.raises(InputError, match="has no colours; its fields are x, y, z"):
+        place.write_bytes(pack(las(6)))
+        host.read_cloud(place, colour="rgb")
+
+
+def test_black_colours_of_las_are_drawn_if_they_are_asked_for(tmp_path):
+    place = tmp_path / "a.las"
+    place.write_bytes(las(2, colours=np.zeros((len(POSITIONS), 3), int)))
+    assert host.read_cloud(place).used["intensity"] == "intensity, as grey"
+    assert not host.read_cloud(place, colour="rgb").colours.any()
+
+
+def test_las_decodes_what_is_asked_alone(tmp_path, monkeypatch):
+    place = tmp_path / "a.las"
+    place.write_bytes(las(7))
+    asked = []
+    real = read_las.Fields
+    monkeypatch.setattr(
+        read_las, "Fields", lambda header, names: asked.extend(names) or real(header, names)
+    )
+    host.read_cloud(place, colour="gps_time")
+    assert set(asked) == {"x", "y", "z", "gps_time", "withheld", "classification"}

@@ -84,7 +84,7 @@ def test_limits_follow_the_format(tmp_path):
     limits = {}
     for name, content in {**dict(files()), "a.laz": laz(las(6)), "a.las": las(6)}.items():
         place = put(tmp_path, name, content)
-        with module.open_cloud(place) as source:
+        with module.open_cloud_file(place) as source:
             limits[name] = module._limit(module._listing(source), source.suffix)
     assert limits["a.ply"] == limits["a.pcd"] == limits["a.las"] == 1 << 28
     assert limits["t.ply"] == limits["t.pcd"] == limits["a.csv"] == limits["a.laz"] == 1 << 24
