@@ -6,10 +6,11 @@ from pathlib import Path
 
 import click
 
-from splatline.cli.options.cloud_and_view import RenderRequest, request_options
+from splatline.cli.options.cloud_and_view import request_options
 from splatline.cli.options.drawing import background_option, draw, engine_options, fail_mismatch
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
 from splatline.cli.options.prepare import prepare
+from splatline.cli.options.request import RenderRequest
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics
 
@@ -40,7 +41,7 @@ def encode(request: RenderRequest, output: Path) -> None:
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     from splatline.host.frame_file import sidecar_path
 
-    check_files((output, sidecar_path(output)), inputs=[request.path])
+    check_files((output, sidecar_path(output)), inputs=request.paths)
     stages = Stages()
     prepared = prepare(request, stages)
 
@@ -58,7 +59,7 @@ def encode(request: RenderRequest, output: Path) -> None:
             ("elements", format_value(counts["elements"])),
             ("code words", format_value(counts["codewords"])),
             ("control words", format_value(counts["control_words"])),
-            *colour_lines(prepared.cloud.colour_key),
+            *colour_lines(prepared.colour_key),
             *(("note", line) for line in prepared.notes),
             None,
             *((f"{stage}, s", f"{value:.3f}") for stage, value in stages.seconds.items()),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from splatline.cli.options.chain import chain_options
-from splatline.cli.options.cloud_and_view import RenderRequest, request_options
+from splatline.cli.options.cloud_and_view import request_options
 from splatline.cli.options.drawing import (
     Drawing,
     background_option,
@@ -18,8 +18,10 @@ from splatline.cli.options.drawing import (
 )
 from splatline.cli.options.outputs import check_files, check_folder, require_suffix, write_json
 from splatline.cli.options.prepare import PreparedFrames, prepare
+from splatline.cli.options.request import RenderRequest
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics
+from splatline.contract.errors import InputError
 from splatline.host.sample_positions import SAMPLES
 
 if TYPE_CHECKING:
@@ -90,6 +92,9 @@ def render(
       splatline render                                     the terrain, as terrain.png
       splatline render scan.ply -o scan.png --orbit 30,20
       splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
+      splatline render scan.laz                            a LAS or LAZ file of any size
+      splatline render tiles/*.laz --memory 2G             many files as one cloud
+      splatline render tiles/*.laz --dask local            the same by all cores, with Dask
       splatline render scan.ply --samples 4                smooth edges, four frames
       splatline render scan.ply --up z --colour height --map turbo
       splatline render scan.ply --colour intensity --map magma --range 0,4000
@@ -104,10 +109,12 @@ def render(
     require_suffix(depth, ".png")
     check_folder(out_dir)
     numbers_of_set = out_dir / "stats.json" if out_dir is not None and out_dir.is_dir() else None
-    check_files((output, depth, stats, numbers_of_set), inputs=[request.path])
+    check_files((output, depth, stats, numbers_of_set), inputs=request.paths)
 
     stages = Stages()
     prepared = prepare(request, stages, int(samples))
+    if prepared.cloud is None and (reference or out_dir is not None):
+        raise InputError("the exact reference is drawn of a cloud that fits the memory alone")
     drawing = draw(
         prepared.frames, engine, stages, stall=stall, seed=seed, engines=engines, link=link
     )
@@ -122,13 +129,14 @@ def render(
 
     files = _write_pictures(drawing, background, output, depth, stages)
     numbers = {
-        "cloud": str(request.path) if request.path else f"scene {request.scene}",
+        "cloud": " ".join(map(str, request.paths)) or f"scene {request.scene}",
         "view": prepared.camera,
         "splat_size": request.splat_size or "auto",
-        "dropped": prepared.cloud.dropped,
+        "dropped": prepared.dropped,
         "far_away": prepared.far_away,
-        "colour": prepared.cloud.colour_key or None,
+        "colour": prepared.colour_key or None,
         "notes": prepared.notes,
+        **prepared.facts,
         **drawing_statistics(
             prepared.frames, drawing, engine=engine, seconds=stages.seconds, stall=stall, seed=seed
         ),
@@ -152,6 +160,8 @@ def _measure(
     from splatline.sim import reference
     from splatline.sim.reference import metrics
 
+    assert prepared.cloud is not None
+    assert prepared.radii is not None
     with stages.stage("reference", "Drawing the exact reference") as share:
         exact = reference.render(
             prepared.cloud,

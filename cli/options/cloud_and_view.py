@@ -2,99 +2,29 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 from click.core import ParameterSource
 
-from splatline.contract.config import EngineConfig
 from splatline.contract.presets import DEFAULT
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
-from splatline.host.files.wanted import ColourBy
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
 from .colour_by import colour_by, colour_options
+from .large import LARGE_OPTIONS
 from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
+from .request import RenderRequest
 
-__all__ = ["RenderRequest", "request_options"]
+__all__ = ["request_options"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 DEFAULT_SCENE = "terrain"
-
-
-@dataclass(frozen=True)
-class RenderRequest:
-    """The cloud, view and encoding that the command line asks for.
-
-    None leaves a value to the scene or the host.
-
-    Parameters
-    ----------
-    path
-        Cloud file, or None for a built-in scene.
-    scene
-        Name of the built-in scene.
-    size
-        Width and height of the image in pixels.
-    orbit
-        Azimuth and elevation of the eye in degrees.
-    fov
-        Field of view in degrees.
-    up
-        Axis that points up.
-    zoom
-        Magnification.
-    splat_size
-        Diameter of the splats in the cloud's unit; None: from the points' own spacing.
-    preset
-        The engine's configuration.
-    quality
-        How splats become code words.
-    skips
-        Reasons to leave points out.
-    shapes
-        Source of the shapes of the quality ``paper``.
-    fit
-        Points that the view fits: ``bulk``, without those far from the rest, or ``all``.
-    colour
-        What colours a point. Its ``up`` counts for nothing; the view's does.
-    format
-        Format of the cloud file; None: by its name.
-    sample
-        Points on the faces of a mesh; None: its vertices.
-    """
-
-    path: Path | None
-    scene: str
-    size: tuple[int, int]
-    orbit: tuple[float, float] | None
-    fov: float | None
-    up: str | None
-    zoom: float | None
-    splat_size: float | None
-    preset: EngineConfig
-    quality: str
-    skips: frozenset[str]
-    shapes: str = "table"
-    fit: str = "bulk"
-    colour: ColourBy | None = None
-    format: str | None = None
-    sample: int | None = None
-
-    @property
-    def name(self) -> str:
-        """Name of the picture: the file's name without its suffix, or the scene's name."""
-        if self.path is None:
-            return self.scene
-        if str(self.path) == "-":
-            return "stdin"
-        # Not from host.files, which would load numpy for the help.
-        return (self.path.with_suffix("") if self.path.suffix.lower() == ".gz" else self.path).stem
 
 
 _ENCODING_OPTIONS = (
@@ -195,7 +125,7 @@ _VIEW_OPTIONS = (
         help="Format of CLOUD: ply pcd las laz e57 obj stl off glb npz npy xyz xyzn xyzrgb pts ptx"
         " txt asc or csv; also compressed by gzip. '-' as CLOUD is the standard input.",
     ),
-    click.argument("cloud", required=False, type=click.Path(path_type=Path), metavar="[CLOUD]"),
+    click.argument("clouds", nargs=-1, type=click.Path(path_type=Path), metavar="[CLOUD]..."),
 )
 """The argument CLOUD and the options of the view, last one first."""
 
@@ -204,58 +134,31 @@ def request_options(command: _Command) -> _Command:
     """Add CLOUD and the options of view and encoding; the command gets one ``request``."""
 
     @functools.wraps(command)
-    def with_request(
-        cloud: Path | None,
-        scene: str | None,
-        size: tuple[int, int],
-        orbit: tuple[float, float] | None,
-        fov: float | None,
-        up: str | None,
-        zoom: float | None,
-        splat_size: float | None,
-        preset: EngineConfig,
-        quality: str,
-        skip: tuple[str, ...],
-        keep: tuple[str, ...],
-        shapes: str,
-        fit: str,
-        colour: str | None,
-        colour_map: str | None,
-        colour_range: tuple[float, float] | None,
-        format: str | None,
-        sample: int | None,
-        **rest: Any,
-    ) -> Any:
-        if cloud is not None and scene is not None:
+    def with_request(clouds: tuple[Path, ...], scene: str | None, **options: Any) -> Any:
+        skip, keep = set(options.pop("skip")), set(options.pop("keep"))
+        by_colour = [options.pop(name) for name in ("colour", "colour_map", "colour_range")]
+        if clouds and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
-        if cloud is None and (format, sample) != (None, None):
-            raise click.UsageError("--format and --sample need a CLOUD")
-        if both := set(skip) & set(keep):
+        of_files = [name for name in ("format", "sample", "memory", "dask") if options[name]]
+        if of_files and not clouds:
+            raise click.UsageError(f"--{of_files[0]} needs a CLOUD")
+        if both := skip & keep:
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
-        if shapes == "rom":
-            quality, preset = _quality_for_rom(quality), preset.with_shapes()
+        if options["shapes"] == "rom":
+            options["quality"] = _quality_for_rom(options["quality"])
+            options["preset"] = options["preset"].with_shapes()
+        names = {field.name for field in dataclasses.fields(RenderRequest)} & set(options)
         request = RenderRequest(
-            cloud,
+            clouds,
             scene or DEFAULT_SCENE,
-            size,
-            orbit,
-            fov,
-            up,
-            zoom,
-            splat_size,
-            preset,
-            quality,
-            (DEFAULT_SKIPS | set(skip)) - set(keep),
-            shapes,
-            fit,
-            colour_by(colour, colour_map, colour_range),
-            format,
-            sample,
+            skips=(DEFAULT_SKIPS | skip) - keep,
+            colour=colour_by(*by_colour),
+            **{name: options.pop(name) for name in names},
         )
-        return command(request=request, **rest)
+        return command(request=request, **options)
 
     decorated: Any = with_request
-    for option in (*_ENCODING_OPTIONS, *_VIEW_OPTIONS):
+    for option in (*_ENCODING_OPTIONS, *LARGE_OPTIONS, *_VIEW_OPTIONS):
         decorated = option(decorated)
     return colour_options(decorated)
 

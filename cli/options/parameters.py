@@ -12,7 +12,17 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PRESETS, REMOVED
 from splatline.contract.variants import CONFIGS
 
-__all__ = ["COLOUR", "DIAMETER", "ORBIT", "PRESET", "RANGE", "SIZE", "SPLAT_SIZE", "UP_AXES"]
+__all__ = [
+    "COLOUR",
+    "DIAMETER",
+    "MEMORY",
+    "ORBIT",
+    "PRESET",
+    "RANGE",
+    "SIZE",
+    "SPLAT_SIZE",
+    "UP_AXES",
+]
 
 UP_AXES = click.Choice(["x", "y", "z", "-x", "-y", "-z"])
 """The axes that ``host.visibility.view.fit_view`` accepts."""
@@ -126,6 +136,21 @@ class _Colour(click.ParamType):  # type: ignore[type-arg]
         return red, green, blue
 
 
+class _Memory(click.ParamType):  # type: ignore[type-arg]
+    """A number of bytes, such as ``2G``."""
+
+    name = "SIZE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return bytes."""
+        if isinstance(value, int):
+            return value
+        match = re.fullmatch(r"\s*(\d{1,9}(?:\.\d{1,9})?)\s*([MGT])(?:i?B)?\s*", value, re.I)
+        if match is None or not float(match[1]):
+            self.fail(f"{value!r} is no size of memory; write one like 500M or 2G", param, ctx)
+        return int(float(match[1]) * 1024 ** (2 + "MGT".index(match[2].upper())))
+
+
 class _Preset(click.Choice):  # type: ignore[type-arg]
     """Name of an engine's configuration: a preset or a variant."""
 
@@ -158,4 +183,5 @@ RANGE = _Range()
 SPLAT_SIZE = _SplatSize("auto|WORLD", "the cloud's own unit")
 DIAMETER = _SplatSize("auto|PIXELS", "pixels")
 COLOUR = _Colour()
+MEMORY = _Memory()
 PRESET = _Preset()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
 
-from .cloud_and_view import RenderRequest
+from .large import is_large, prepare_large
+from .request import RenderRequest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,40 +26,47 @@ __all__ = ["PreparedFrames", "measure_in_stages", "prepare", "read_in_stages"]
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
 
+MAPPED = (".las", ".laz", ".e57", ".ptx")
+"""Formats of surveyors, whose z points up."""
+
 
 @dataclass(frozen=True)
 class PreparedFrames:
-    """The frames of a render request, with the inputs that the exact reference needs.
+    """The frames of a render request.
 
     Parameters
     ----------
-    cloud, view
-        The points and the camera.
-    radii
-        Radius of each point's disc, in the cloud's unit: shape (n,).
     frames
         One frame for each sample of a pixel.
+    view
+        The camera.
     camera
         Orbit, field of view, up axis and zoom that were used, for the statistics.
+    dropped
+        Points left out when the cloud was read, by reason.
+    colour_key
+        What the colours stand for; see ``Cloud.colour_key``.
+    notes
+        What a person should know about the cloud, each in one line.
     far_away
         Points far from the rest that are not drawn.
+    facts
+        Further statistics.
+    cloud, radii
+        The points, and the radius of each one's disc in the cloud's unit: shape (n,). None for a
+        cloud that is drawn in parts.
     """
 
-    cloud: Cloud
-    view: View
-    radii: npt.NDArray[np.float64]
     frames: list[Frame]
+    view: View
     camera: dict[str, Any]
+    dropped: dict[str, int]
+    colour_key: dict[str, Any]
+    notes: list[str]
     far_away: int = 0
-
-    @property
-    def notes(self) -> list[str]:
-        """What a person should know about the cloud, each in one line."""
-        lines = list(self.cloud.notes)
-        if self.far_away:
-            points = "1 point lies" if self.far_away == 1 else f"{self.far_away:,} points lie"
-            lines.append(f"{points} far from the rest, and not in the picture; see --fit all")
-        return lines
+    facts: dict[str, Any] = field(default_factory=dict)
+    cloud: Cloud | None = None
+    radii: npt.NDArray[np.float64] | None = None
 
 
 def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedFrames:
@@ -67,31 +75,35 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     Raises
     ------
     InputError
-        If the file cannot be read, a value is out of range, or nothing of the cloud is in view.
+        If a file cannot be read, a value is out of range, or nothing of the cloud is in view.
     """
     from splatline.host.visibility.view import fit_view
 
-    colour = request.colour
     parameters = inspect.signature(fit_view).parameters
     camera = {key: parameters[key].default for key in _CAMERA}
     if request.path is None:
         from splatline.host.files.colouring import check_map, colour_scene
         from splatline.host.scenes.scenes import load_scene
 
-        check_map(colour)
-
+        check_map(request.colour)
         with stages.stage("read", f"Making the scene {request.scene}"):
             scene = load_scene(request.scene)
         camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
+    elif request.path.suffix.lower() in MAPPED:
+        camera["up"] = "z"
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
-    if colour is not None:
-        colour = replace(colour, up=camera["up"])
+    if request.colour is not None:
+        request = replace(request, colour=replace(request.colour, up=camera["up"]))
+    if is_large(request):
+        return prepare_large(request, camera, stages, samples)
     if request.path is not None:
         cloud = read_in_stages(
-            request.path, stages, colour, format=request.format, sample=request.sample
+            request.path, stages, request.colour, format=request.format, sample=request.sample
         )
     else:
-        cloud = scene.cloud if colour is None else colour_scene(scene.cloud, colour)
+        cloud = scene.cloud
+        if request.colour is not None:
+            cloud = colour_scene(cloud, request.colour)
     far_away = 0
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):
@@ -100,6 +112,23 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=request.size, radii=discs.radii, **camera)
+    return PreparedFrames(
+        frames=_encode(request, cloud, view, discs, stages, samples),
+        view=view,
+        camera=camera,
+        dropped=cloud.dropped,
+        colour_key=cloud.colour_key,
+        notes=[*cloud.notes, *_far_note(far_away)],
+        far_away=far_away,
+        cloud=cloud,
+        radii=discs.radii,
+    )
+
+
+def _encode(
+    request: RenderRequest, cloud: Cloud, view: View, discs: Discs, stages: Stages, samples: int
+) -> list[Frame]:
+    """Return the frames of a cloud in memory."""
     from splatline.host.pipeline import make_frames, total_counts
 
     options: dict[str, Any] = {
@@ -117,7 +146,15 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
             others = make_frames(cloud, view, samples, progress=share, **options)
         for frame, other in zip(frames, others, strict=True):
             frame.counts["bits_sent"].update(other.counts["bits_sent"])
-    return PreparedFrames(cloud, view, discs.radii, frames, camera, far_away)
+    return frames
+
+
+def _far_note(far_away: int) -> list[str]:
+    """Return a line about points far from the rest, if there are any."""
+    if not far_away:
+        return []
+    points = "1 point lies" if far_away == 1 else f"{far_away:,} points lie"
+    return [f"{points} far from the rest, and not in the picture; see --fit all"]
 
 
 def read_in_stages(

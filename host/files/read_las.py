@@ -127,13 +127,13 @@ def las_tables(
 def las_sample(
     source: Source, header: LasHeader, names: Sequence[str], places: int, points: int
 ) -> Table:
-    """Return some fields of some points: up to ``points`` from each of evenly spaced places.
+    """Return some fields of some points: ``points`` from each of evenly spaced places, or of all.
 
-    What the file's order means plays no part, as a few thousand points do not tell the fields of a
-    whole file. Points that are left out are no part of it.
+    Points that are left out of a picture are no part of it.
     """
     fields = Fields(header, names)
-    places = max(1, min(places, header.count // max(points, 1)))
+    if places * points >= header.count:
+        places, points = 1, header.count
     starts = np.linspace(0, max(header.count - points, 0), places).astype(int).tolist()
     pieces = [
         rows

@@ -24,8 +24,14 @@ __all__ = ["Colouring", "PieceFile", "Sample", "colours_of"]
 PIECE = 1 << 20
 """Points of a piece."""
 
-PLACES, AT_PLACE = 128, 2048
-"""Places of a file that a sample is from, and points from each."""
+SAMPLE = 1 << 18
+"""Points of a sample."""
+
+FEWEST_PLACES, MOST_PLACES = 8, 128
+"""Places of a file that a sample is from."""
+
+CHUNK = 1 << 16
+"""Points that are decompressed for a place, or so."""
 
 IN_PIECES = (".las", ".laz")
 
@@ -106,19 +112,19 @@ class PieceFile:
             if not self._in_pieces:
                 columns = read_columns(source)
                 count = len(columns.positions)
-                some = slice(None, None, -(-count // (PLACES * AT_PLACE)))
+                some = slice(None, None, -(-count // SAMPLE))
                 return Sample(_rows(columns, some), count, None, False)
             with parser_errors(source):
                 header = read_las_header(source)
                 meaning = las_meaning(header, source.wanted)
-                table = las_sample(source, header, meaning.names, PLACES, AT_PLACE)
+                table = las_sample(source, header, meaning.names, *_places(header.count))
                 black = meaning.kind == "colour" and not any(
                     table[name].any() for name in meaning.colours
                 )
                 if black and self._by is None:  # as ``read_las`` has it
                     self._colours = False
                     meaning = las_meaning(header, source.wanted, colours=False)
-                    table = las_sample(source, header, meaning.names, PLACES, AT_PLACE)
+                    table = las_sample(source, header, meaning.names, *_places(header.count))
                 if meaning.kind.startswith("intensity") and self._by is None:
                     self._by = ColourBy(INTENSITY)
                     meaning = las_meaning(header, Wanted(self._by), colours=self._colours)
@@ -182,6 +188,12 @@ def colours_of(columns: Columns, colouring: Colouring) -> _Bytes:
     if columns.colours is None:
         return np.tile(np.array(NEUTRAL, np.uint8), (len(columns.positions), 1))
     return colours_to_bytes(columns.colours, colouring.full)
+
+
+def _places(count: int) -> tuple[int, int]:
+    """Return the places of a sample of so many points, and the points from each."""
+    places = min(max(count // CHUNK, FEWEST_PLACES), MOST_PLACES)
+    return places, SAMPLE // places
 
 
 def _rows(columns: Columns, rows: slice) -> Columns:

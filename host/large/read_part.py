@@ -16,7 +16,7 @@ from .pieces import Colouring, colours_of
 from .plan import Part, Plan
 from .thin import Thinner
 
-__all__ = ["CELLS", "cells_of_memory", "read_part"]
+__all__ = ["CELLS", "FIXED_BYTES", "POINT_BYTES", "cells_of_memory", "read_part"]
 
 CELLS = 2.0
 """Cells of a pixel, along a line and from line to line. Discs are wider than a pixel, so that finer
@@ -24,6 +24,9 @@ detail would be drawn over."""
 
 CELL_BYTES = 250
 """Most memory that a cell takes: as a point of a cloud, while its disc is measured."""
+
+POINT_BYTES = 250
+"""Most memory that a point takes of a cloud that is read at once."""
 
 FIXED_BYTES = 500 << 20
 """Memory that is taken whatever the cloud: programs, a piece of a file, and pictures."""

@@ -1,0 +1,153 @@
+"""Clouds larger than the memory: their options, and their frames."""
+
+from __future__ import annotations
+
+import functools
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from splatline.cli.report.progress import Stages
+from splatline.contract.errors import InputError
+
+from .parameters import MEMORY
+from .request import RenderRequest
+
+if TYPE_CHECKING:
+    from splatline.host.large.draw_parts import Drawing, PartFrames
+    from splatline.host.large.plan import Plan
+
+    from .prepare import PreparedFrames
+
+__all__ = ["LARGE_OPTIONS", "is_large", "prepare_large"]
+
+SHARE = 4
+"""The memory that is used by default is the machine's over this."""
+
+LARGE_OPTIONS = (
+    click.option(
+        "--dask",
+        metavar="ADDRESS|local",
+        help="Draw on the workers of a Dask cluster, or on processes of this machine; needs the"
+        " extra dask. The picture is the same.",
+    ),
+    click.option(
+        "--memory",
+        type=MEMORY,
+        metavar="SIZE",
+        show_default="a quarter of the machine's",
+        help="Memory for the cloud, such as 2G. A LAS or LAZ file that needs more is read in parts:"
+        " points of half a pixel become one, or of more if the memory asks for it.",
+    ),
+)
+"""Options for large clouds, last one first."""
+
+
+def is_large(request: RenderRequest) -> bool:
+    """Return whether a request's cloud is drawn in parts."""
+    if request.path is None:
+        return False
+    if len(request.paths) > 1 or request.dask is not None:
+        return True
+    if request.path.suffix.lower() not in (".las", ".laz") or request.format is not None:
+        return False
+    from splatline.host.files.las_header import read_las_header
+    from splatline.host.files.readers import open_cloud_file
+    from splatline.host.large.read_part import FIXED_BYTES, POINT_BYTES
+
+    with open_cloud_file(request.path) as source:
+        count = read_las_header(source).count
+    return FIXED_BYTES + POINT_BYTES * count > _memory(request)
+
+
+def prepare_large(
+    request: RenderRequest, camera: dict[str, Any], stages: Stages, samples: int
+) -> PreparedFrames:
+    """Return the frames of a request's cloud, drawn part by part; see ``prepare``.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, an option does not go with a large cloud, or nothing is in view.
+    """
+    from splatline.host.large.draw_parts import Drawing
+    from splatline.host.large.plan import make_plan
+    from splatline.host.visibility.view import fit_view
+
+    from .prepare import PreparedFrames
+
+    _check(request)
+    with stages.stage("survey", f"Looking at samples of {_named(request.paths)}"):
+        plan = make_plan(
+            request.paths,
+            request.colour,
+            functools.partial(fit_view, size=request.size, **camera),
+            1 << request.preset.material_bits,
+            bulk=request.fit != "all",
+        )
+    drawing = Drawing(
+        config=request.preset,
+        quality=request.quality,
+        skips=request.skips,
+        samples=samples,
+        splat_size=request.splat_size,
+        memory=_memory(request),
+    )
+    frames, joined, facts = _draw(plan, drawing, request, stages)
+    parts = f", in {len(plan.parts)} parts" if len(plan.parts) > 1 else ""
+    notes = [
+        *joined.notes,
+        f"points closer than a part of a pixel are drawn as one{parts}; the view fits a sample",
+    ]
+    return PreparedFrames(
+        frames=frames,
+        view=plan.view,
+        camera=camera,
+        dropped=joined.dropped,
+        colour_key=plan.colourings[0].key,
+        notes=notes,
+        facts={"parts": len(plan.parts), **facts},
+    )
+
+
+def _draw(
+    plan: Plan, drawing: Drawing, request: RenderRequest, stages: Stages
+) -> tuple[list[Any], PartFrames, dict[str, Any]]:
+    """Draw a plan's parts here or on a cluster; return what a cluster sent, too."""
+    if request.dask is None:
+        from splatline.host.large.draw_parts import draw_parts
+
+        with stages.stages({"parts": f"Drawing {plan.count:,} points"}) as tell:
+            return *draw_parts(plan, drawing, progress=tell), {}
+    from splatline.host.large.cluster import draw_on_cluster, open_cluster
+
+    with (
+        open_cluster(request.dask) as client,
+        stages.stages({"parts": f"Drawing {plan.count:,} points on {request.dask}"}) as tell,
+    ):
+        frames, joined, traffic = draw_on_cluster(plan, drawing, client, progress=tell)
+    return frames, joined, {"dask_tasks": traffic.tasks, "dask_bytes": traffic.bytes}
+
+
+def _check(request: RenderRequest) -> None:
+    """Raise ``InputError`` if an option does not go with parts of a cloud."""
+    for name in ("format", "sample"):
+        if getattr(request, name) is not None:
+            raise InputError(f"--{name} goes with one cloud that fits the memory")
+    if request.shapes != "table":
+        raise InputError("--shapes rom goes with one cloud that fits the memory")
+    if any(str(path) == "-" for path in request.paths):
+        raise InputError("the standard input can be one cloud alone, and no large one")
+
+
+def _named(paths: tuple[Path, ...]) -> str:
+    """Return how files are called in a message."""
+    return str(paths[0]) if len(paths) == 1 else f"{len(paths)} files"
+
+
+def _memory(request: RenderRequest) -> int:
+    """Return the bytes that a request's cloud may take."""
+    machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return request.memory if request.memory is not None else machine // SHARE
