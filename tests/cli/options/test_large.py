@@ -1,0 +1,103 @@
+"""Clouds larger than the memory, and many files, through ``splatline render``."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from splatline.host.large import plan
+from tests.host.large.test_draw_parts import hills, write_las
+
+
+@pytest.fixture
+def scan(folder):
+    return write_las(folder / "hills.laz", *hills(30_000, 5))
+
+
+def numbers_of(folder):
+    return json.loads((folder / "a.json").read_text())
+
+
+def pixels(path):
+    return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def test_a_file_that_needs_more_memory_is_drawn_in_parts(run, folder, scan, monkeypatch):
+    small = ["--size", "96x96", "--stats", "a.json"]
+    assert run("render", scan, *small, "-o", "whole.png").exit_code == 0
+    assert "parts" not in numbers_of(folder)
+    monkeypatch.setattr(plan, "PART_POINTS", 10_000)
+    result = run("render", scan, *small, "-o", "parts.png", "--memory", "501M")
+    assert result.exit_code == 0, result.stderr
+    assert "drawn as one, in 3 parts" in " ".join(result.stdout.replace("│", " ").split())
+    numbers = numbers_of(folder)
+    assert numbers["parts"] == 3
+    assert numbers["points"] == 30_000
+    assert numbers["dropped"]["finer"] > 0
+    assert numbers["view"]["up"] == "z"
+    unlike = np.abs(pixels(folder / "whole.png") - pixels(folder / "parts.png")).mean()
+    assert unlike < 12
+
+
+def test_many_files_are_one_cloud(run, folder, scan, cloud):
+    positions, colours = hills(30_000, 6)
+    write_las(folder / "other.las", positions + np.array([100, 0, 0]), colours)
+    result = run("render", scan, "other.las", "--size", "96x96", "--stats", "a.json")
+    assert result.exit_code == 0, result.stderr
+    assert numbers_of(folder)["points"] == 60_000
+    assert (folder / "hills.png").exists()
+    result = run("encode", scan, "other.las", "-o", "a.frame")
+    assert result.exit_code == 0, result.stderr
+    assert run("play", "a.frame", "-o", "played.png").exit_code == 0
+
+
+def test_dask_draws_the_same_picture(run, folder, scan, monkeypatch):
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    monkeypatch.setattr(plan, "PART_POINTS", 10_000)
+    alone = run("render", scan, "--size", "96x96", "-o", "one.png", "--memory", "501M")
+    assert alone.exit_code == 0, alone.stderr
+    result = run(
+        "render", scan, "--size", "96x96", "-o", "many.png", "--dask", "local", "--stats", "a.json"
+    )
+    assert result.exit_code == 0, result.stderr
+    assert np.array_equal(pixels(folder / "one.png"), pixels(folder / "many.png"))
+    numbers = numbers_of(folder)
+    assert (numbers["parts"], numbers["dask_tasks"]) == (3, 3 + 2)
+    assert 0 < numbers["dask_bytes"] < 5 * 96 * 96 * 8
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--reference"], "the exact reference is drawn of a cloud that fits the memory alone"),
+        (["--shapes", "rom"], "--shapes rom goes with one cloud that fits the memory"),
+        (["--sample", "5"], "--sample goes with one cloud that fits the memory"),
+        (["--format", "laz"], "--format goes with one cloud that fits the memory"),
+    ],
+)
+def test_what_does_not_go_with_parts_is_one_line(run, scan, options, message):
+    result = run("render", scan, scan, "--size", "32x32", *options)
+    assert result.exit_code == 2
+    assert message in result.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("size", ["2", "0G", "many", "-1G", "1e3G"])
+def test_a_size_of_memory_that_is_none_is_one_line(run, scan, size):
+    result = run("render", scan, f"--memory={size}")
+    assert result.exit_code == 2
+    assert "is no size of memory; write one like 500M or 2G" in result.stderr
+
+
+def test_memory_and_dask_need_a_cloud(run):
+    for option in ("--memory=1G", "--dask=local"):
+        result = run("render", option)
+        assert result.exit_code == 2
+        assert "needs a CLOUD" in result.stderr
+
+
+def test_a_missing_file_among_many_is_one_line(run, folder, scan):
+    result = run("render", scan, "none.laz", "--size", "32x32")
+    assert result.exit_code == 2
+    assert "none.laz: cannot be read: No such file or directory" in result.stderr
+    assert not list(folder.glob("*.png"))
