@@ -134,8 +134,7 @@ def read_cloud(
     by = ColourBy(colour) if isinstance(colour, str) else colour
     check_map(by)
     read, normals = (
-        None if progress is None else partial(progress, stage)
-        for stage in ("read", "normals")
+        None if progress is None else partial(progress, stage) for stage in ("read", "normals")
     )
     with open_cloud_file(place, Wanted(by, sample=sample), read, format) as source:
         columns = read_columns(source)
