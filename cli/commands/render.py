@@ -84,8 +84,9 @@ def render(
 ) -> None:
     """Draw a point cloud, or a built-in scene if there is no CLOUD.
 
-    CLOUD is a PLY, PCD, XYZ, XYZN, PTS, CSV, NPZ or NPY file, also compressed (.gz). The vertices
-    of a mesh are taken as points.
+    CLOUD is a LAS, LAZ, E57, PLY, PCD, PTS, PTX, XYZ, CSV or NPZ file or of a kind like these, or a
+    mesh as OBJ, STL, OFF or GLB; also compressed (.gz). '-' is the standard input. The vertices of
+    a mesh are taken as points, or its faces are sampled.
 
     \b
     Examples:
@@ -95,6 +96,8 @@ def render(
       splatline render scan.laz                            a LAS or LAZ file of any size
       splatline render tiles/*.laz --memory 2G             many files as one cloud
       splatline render tiles/*.laz --dask local            the same by all cores, with Dask
+      splatline render part.stl --sample 1000000           points on the faces of a mesh
+      splatline render - --format ply -o scan.png          from another program
       splatline render scan.ply --samples 4                smooth edges, four frames
       splatline render scan.ply --up z --colour height --map turbo
       splatline render scan.ply --colour intensity --map magma --range 0,4000

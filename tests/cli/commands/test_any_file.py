@@ -11,8 +11,11 @@ import threading
 import numpy as np
 import pytest
 
+from splatline.host.files.readers import FORMATS
 from tests.host.files.corrupt import corrupt, whole_files
 from tests.host.files.kinds import COLOURS, RGB_PLY, SPHERE, XYZ_PLY, ply, text
+from tests.host.files.las_files import las, laz
+from tests.host.files.mesh_files import stl
 
 
 @pytest.fixture
@@ -52,6 +55,74 @@ def test_info_of_an_unknown_format_says_what_render_says(run, tmp_path):
     assert [result.exit_code for result in told] == [2, 2]
     assert told[0].stderr.splitlines()[-1] == told[1].stderr.splitlines()[-1]
     assert "unknown format '.dwg'" in told[0].stderr
+
+
+def splatline(*arguments, folder, **options):
+    script = "from splatline.cli.main import main; main()"
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    return subprocess.run(command, cwd=folder, capture_output=True, check=False, **options)
+
+
+@pytest.mark.parametrize("compress", [bytes, gzip.compress])
+def test_the_standard_input_is_read(tmp_path, compress):
+    content = compress(ply(XYZ_PLY, SPHERE.T))
+    size = ["--size", "32x32", "--stats", "a.json"]
+    ran = splatline("render", "-", "--format", "ply", *size, folder=tmp_path, input=content)
+    assert ran.returncode == 0, ran.stderr
+    assert (tmp_path / "stdin.png").exists()
+    assert json.loads((tmp_path / "a.json").read_text())["points"] == 60
+    (tmp_path / "scan.bin").write_bytes(content)
+    with (tmp_path / "scan.bin").open("rb") as stream:
+        ran = splatline("render", "-", "--format", "PLY", *size, folder=tmp_path, stdin=stream)
+    assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "content", "words"),
+    [
+        ([], b"1 2 3", b"the standard input has no name; give its --format, one of .ply"),
+        (["--format", "foo"], b"1 2 3", b"unknown format 'foo'; it must be one of .ply"),
+        (["--format", "xyz"], b"", b"the pipe is empty"),
+        (["--format", "las"], b"1 2 3", b"cannot be read as LAS: it does not begin with LASF"),
+    ],
+)
+def test_a_standard_input_that_cannot_be_read(tmp_path, options, content, words):
+    ran = splatline("render", "-", *options, folder=tmp_path, input=content)
+    assert ran.returncode == 2
+    assert ran.stderr.splitlines()[-1].startswith(b"splatline: ")
+    assert words in ran.stderr.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_format_may_be_given_for_a_name_without_one(run, tmp_path):
+    path = tmp_path / "scan.dat"
+    path.write_bytes(ply(XYZ_PLY, SPHERE.T))
+    assert run("render", path, "--size", "32x32").exit_code == 2
+    assert run("render", path, "--format", "ply", "--size", "32x32").exit_code == 0
+
+
+def test_the_help_names_every_format(run):
+    words = run("render", "--help").stdout.replace(";", " ").split()
+    assert {suffix[1:] for suffix in FORMATS} <= set(words)
+
+
+def test_a_mesh_is_sampled(run, folder, tmp_path):
+    path = tmp_path / "box.stl"
+    path.write_bytes(stl())
+    options = ["--size", "64x64", "--stats", "a.json"]
+    assert run("render", path, *options, "--sample", "5000").exit_code == 0
+    assert json.loads((folder / "a.json").read_text())["points"] == 5000
+    result = run("render", "--scene", "knot", "--sample", "5000")
+    assert result.exit_code == 2
+    assert "--format and --sample need a CLOUD" in result.stderr
+
+
+def test_the_points_that_a_las_file_marks_are_counted(run, tmp_path):
+    path = tmp_path / "scan.laz"
+    path.write_bytes(laz(las(7, classes=[7] * 5 + [2] * 55)))
+    result = run("render", path, "--size", "32x32")
+    assert result.exit_code == 0, result.stderr
+    assert "noise 5" in result.stdout
 
 
 def test_a_stray_is_not_in_the_picture_and_is_said(run, folder, tmp_path):

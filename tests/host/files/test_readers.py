@@ -1,5 +1,8 @@
 """Cloud files of every format."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from plyfile import PlyData, PlyElement
@@ -296,3 +299,13 @@ def test_a_cloud_with_normals_has_no_stage_for_them(tmp_path):
     told = []
     read_cloud(write_ply(tmp_path / "a.ply"), progress=lambda *what: told.append(what))
     assert all(stage == "read" for stage, _ in told)
+
+
+def test_libraries_of_single_formats_are_loaded_when_such_a_file_is_read(tmp_path):
+    script = (
+        "import sys; from splatline.host.files.readers import read_cloud;"
+        f"read_cloud({str(write_ply(tmp_path / 'a.ply'))!r});"
+        "print({'laspy', 'lazrs', 'trimesh', 'pye57'} & set(sys.modules))"
+    )
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
+    assert ran.stdout.strip() == b"set()"
