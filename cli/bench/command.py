@@ -10,6 +10,7 @@ from splatline.cli.bench.chain.command import chain
 from splatline.cli.bench.configurations.measure import configurations
 from splatline.cli.bench.engine.command import engine
 from splatline.cli.bench.host.measure import host
+from splatline.cli.bench.large.command import large
 from splatline.cli.bench.stability.measure import stability
 from splatline.cli.bench.surface.command import surface
 from splatline.cli.options.outputs import check_folder
@@ -39,6 +40,7 @@ def bench() -> None:
       splatline bench configurations            engines of other windows, widths and depths
       splatline bench engine                    clock cycles of frames, beside the lower bound
       splatline bench host                      rates of the host's stages, beside other renderers
+      splatline bench large                     100 million points, COPC and Dask
       splatline bench stability                 the stress suite
       splatline bench surface                   holes and errors against the true surface
     """  # noqa: D301  (click reads the backspace as "do not wrap")
@@ -128,5 +130,5 @@ def accuracy(
     click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
 
 
-for _command in (chain, configurations, engine, host, stability, surface):
+for _command in (chain, configurations, engine, host, large, stability, surface):
     bench.add_command(_command)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import platform
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from splatline.cli.bench.machine import machine
 from splatline.cli.bench.subjects import poses
 from splatline.cli.report.statistics import drawing_statistics, tool_versions
 
@@ -94,7 +93,7 @@ def measure(sweep: Sweep, advance: Callable[[str], None]) -> tuple[dict[str, Any
     keys = list(dict.fromkeys(key for run in reversed(runs) for key in run))
     runs = [{key: run.get(key) for key in keys} for run in runs]
     results = {
-        "machine": {"platform": platform.platform(), "processor": _processor(), "cores": _cores()},
+        "machine": machine(),
         "tools": tool_versions("golden"),
         "size": list(sweep.size),
         "reference_samples": REFERENCE_SAMPLES,
@@ -338,20 +337,3 @@ def _rounded(numbers: dict[str, Any]) -> dict[str, Any]:
         key: float(f"{value:.7g}") if isinstance(value, float) else value
         for key, value in numbers.items()
     }
-
-
-def _processor() -> str:
-    """Return the processor's name if the system tells it, else its type."""
-    try:
-        lines: Sequence[str] = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        lines = ()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor()
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    import os
-
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
