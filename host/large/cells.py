@@ -36,6 +36,7 @@ FIBONACCI = np.uint64(0x9E3779B97F4A7C15)
 """2^64 over the golden ratio."""
 
 _Ints = npt.NDArray[np.int64]
+_Floats = npt.NDArray[np.float64]
 
 
 class CellTable:
@@ -81,9 +82,23 @@ class CellTable:
                 return
             self._grow()
 
-    def rows(self) -> _Ints:
-        """Return the rows of all cells, in no order: shape (cells, 2 + values), int64."""
-        return np.concatenate([part[part[:, KEY] != 0] for part in self._rows])
+    def means(self) -> tuple[_Floats, _Ints]:
+        """Return the means of the values of each cell, by ascending key, and its points.
+
+        Returns
+        -------
+        means
+            Shape (values, cells), float64.
+        points
+            Shape (cells,), int64.
+        """
+        table = self._rows.reshape(-1, self._rows.shape[2])
+        used = np.flatnonzero(table[:, KEY])
+        used = used[np.argsort(table[used, KEY])]
+        means = np.empty((table.shape[1] - VALUES, len(used)))
+        points = np.empty(len(used), np.int64)
+        _means(table, used, means, points)
+        return means, points
 
     def merge_cells(self, coarser: Callable[[_Ints], _Ints]) -> None:
         """Merge cells: ``coarser`` returns the new keys of some keys."""
@@ -146,3 +161,13 @@ def _add(keys: Any, points: Any, values: Any, begins: Any, rows: Any, fill: Any)
             i += 1
         fill[part] = cells
         begins[part] = i
+
+
+@nb.njit(parallel=True, cache=True)
+def _means(table: Any, used: Any, means: Any, points: Any) -> None:
+    """Set the means of the rows that are used, and their points."""
+    for i in nb.prange(len(used)):
+        row = table[used[i]]
+        points[i] = row[POINTS]
+        for k in range(len(means)):
+            means[k, i] = row[VALUES + k] / row[POINTS]

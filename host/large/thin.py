@@ -16,7 +16,7 @@ from splatline.contract.errors import InputError
 from splatline.host.visibility.cull import Camera, from_eye
 from splatline.host.visibility.view import View
 
-from .cells import KEY, POINTS, VALUES, CellTable
+from .cells import CellTable
 
 __all__ = ["Grid", "Thinned", "Thinner", "coarser", "grid_of"]
 
@@ -210,15 +210,12 @@ class Thinner:
 
     def result(self) -> Thinned:
         """Return the cells, and forget them."""
-        rows = self._table.rows()
-        self._table = CellTable(rows.shape[1] - VALUES)
-        rows = rows[np.argsort(rows[:, KEY])]
-        points = rows[:, POINTS].copy()
-        positions = rows[:, VALUES : VALUES + 3] / points[:, np.newaxis]
+        means, points = self._table.means()
+        self._table = CellTable(len(means))
+        positions = np.ascontiguousarray(means[:3].T)
         positions *= self._step
         positions += self._origin
-        values = rows[:, VALUES + 3 :] / points[:, np.newaxis]
-        return Thinned(positions, values * self._steps, points)
+        return Thinned(positions, means[3:].T * self._steps, points)
 
 
 @intrinsic
