@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, find_meaning, gather
+from .wanted import USUAL, Wanted
 
 __all__ = ["are_gaussians", "gaussian_columns"]
 
@@ -33,7 +35,10 @@ def are_gaussians(names: Sequence[str]) -> bool:
 
 
 def gaussian_columns(
-    table: Mapping[str, Any], names: Sequence[str], notes: Sequence[str] = ()
+    table: Mapping[str, Any],
+    names: Sequence[str],
+    notes: Sequence[str] = (),
+    wanted: Wanted = USUAL,
 ) -> Columns:
     """Return discs for Gaussian splats.
 
@@ -52,11 +57,13 @@ def gaussian_columns(
         All columns of the file.
     notes
         What is known of the file already.
+    wanted
+        What colours a splat, and whether ranges are wanted: those of the splats that are drawn.
 
     Raises
     ------
     InputError
-        If all splats are left out.
+        If all splats are left out, or there is no column of what is to colour them.
     """
     opacity = 1.0 / (1.0 + np.exp(-_stack(table, OPACITY)[:, 0]))
     deviations = np.exp(_stack(table, SCALES))
@@ -67,25 +74,27 @@ def gaussian_columns(
     kept = seen & (radii > 0.0) & (radii <= LARGEST)  # false for NaN
     if not kept.any():
         raise InputError(f"none of its {len(kept):,} splats has an opacity of {OPAQUE} and a size")
-    meaning = find_meaning([name for name in names if name not in ("nx", "ny", "nz")])
+    meaning = find_meaning(names, wanted=wanted)
     assert meaning is not None
-    wanted = (*meaning.positions, *HARMONICS)
-    columns = gather({name: np.asarray(table[name])[kept] for name in wanted}, meaning, notes)
-    used = dict(columns.used)
-    used |= {"opacity": "opacity"} | dict.fromkeys(SCALES, "size")
+    meaning = replace(meaning, normals=())  # they are 0
+    rows = {name: np.asarray(table[name])[kept] for name in meaning.names}
+    columns = gather(rows, meaning, notes)
+    used = dict.fromkeys(OPACITY, "opacity") | dict.fromkeys(SCALES, "size")
     used |= dict.fromkeys(ROTATION, "orientation")
+    used = columns.used | {
+        name: f"{columns.used[name]}; {what}" if name in columns.used else what
+        for name, what in used.items()
+    }
     dropped = {"transparent": len(kept) - int(np.count_nonzero(seen))}
     if strange := int(np.count_nonzero(seen & ~kept)):
         dropped["without_size"] = strange
-    return Columns(
-        columns.positions,
-        _axes(_stack(table, ROTATION)[kept], order[kept, 0]),
-        columns.colours,
-        used,
-        tuple(name for name in names if name not in used),
-        columns.notes,
-        dropped,
-        radii[kept],
+    return replace(
+        columns,
+        normals=_axes(_stack(table, ROTATION)[kept], order[kept, 0]),
+        used=used,
+        ignored=tuple(name for name in names if name not in used),
+        dropped=dropped,
+        radii=radii[kept],
         two_sided=True,
     )
 

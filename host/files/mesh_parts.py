@@ -171,11 +171,8 @@ def join(parts: Sequence[Columns]) -> Columns:
     normals = joined([part.normals for part in parts])
     colours = joined([part.colours for part in parts])
     assert positions is not None
-    used = dict.fromkeys(("vertices",), "position")
-    used |= {} if normals is None else {"normals": "normal"}
-    used |= {} if colours is None else {"colours": "colour"}
     two_sided = any(part.two_sided for part in parts)
-    return Columns(positions, normals, colours, used, two_sided=two_sided)
+    return Columns(positions, normals, colours, two_sided=two_sided)
 
 
 def _looked_up(visual: Any, places: _Floats) -> npt.NDArray[np.uint8]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,10 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError, install_hint
 
-from .columns import Columns, Meaning, gather
+from .columns import Columns, Meaning, find_meaning, gather
 from .e57_poses import cartesian, moved
 from .source import Source, unpacked_limit
+from .wanted import Wanted
 
 __all__ = ["read_e57"]
 
@@ -37,7 +39,9 @@ CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
 NORMALS = ("nor:normalX", "nor:normalY", "nor:normalZ")
 COLOURS = ("colorRed", "colorGreen", "colorBlue")
-INTENSITY = ("intensity",)
+PLAIN = ("x", "y", "z", "nx", "ny", "nz", "red", "green", "blue")
+"""Names of the first three of these groups in other formats."""
+
 INVALID = ("cartesianInvalidState", "sphericalInvalidState")
 
 Table = dict[str, npt.NDArray[Any]]
@@ -75,7 +79,7 @@ def read_e57(source: Source) -> Columns:
         if not total:
             raise InputError("has no points")
         fields = [_names(libe57, scan["points"]) for scan in scans]
-        meaning = _meaning(fields)
+        meaning = _meaning(fields, source.wanted)
         tables: list[Table] = []
         dropped = 0
         for scan, names in zip(scans, fields, strict=True):
@@ -122,22 +126,29 @@ def _names(libe57: Any, points: Any) -> Names:
     return tuple(prototype.get(i).elementName() for i in range(prototype.childCount()))
 
 
-def _meaning(fields: Iterable[Names]) -> Meaning:
+def _meaning(fields: Iterable[Names], wanted: Wanted) -> Meaning:
     """Return what the fields of a file's scans are taken for."""
     every = dict.fromkeys(name for names in fields for name in names)
-
-    def group(names: Names) -> Names:
-        return names if all(name in every for name in names) else ()
-
-    positions = group(CARTESIAN) or group(SPHERICAL)
-    if not positions:
+    places = next((group for group in (CARTESIAN, SPHERICAL) if {*group} <= {*every}), None)
+    if places is None:
         raise InputError("has scans without coordinates")
-    colours, kind = group(COLOURS), "colour"
-    if not colours:
-        colours, kind = group(INTENSITY), "intensity, as grey"
-    normals = group(NORMALS)
-    taken = {*CARTESIAN, *SPHERICAL, *normals, *colours, *INVALID}
-    return Meaning(positions, normals, colours, kind, tuple(n for n in every if n not in taken))
+    hidden = {*CARTESIAN, *SPHERICAL, *INVALID} - {*places}
+    plain = dict(zip((*places, *NORMALS, *COLOURS), PLAIN, strict=True))
+    spelled = {plain.get(name, name): name for name in every if name not in hidden}
+    meaning = find_meaning(list(spelled), wanted=wanted)
+    assert meaning is not None
+
+    def in_file(names: Names) -> Names:
+        return tuple(spelled[name] for name in names)
+
+    return replace(
+        meaning,
+        positions=places,
+        normals=in_file(meaning.normals),
+        colours=in_file(meaning.colours),
+        ignored=in_file(meaning.ignored),
+        measured=in_file(meaning.measured),
+    )
 
 
 def _read_scan(
@@ -149,8 +160,8 @@ def _read_scan(
     if any(name not in names for name in places):
         raise InputError("has a scan without coordinates")
     state = next((name for name in INVALID if name in names and name[:5] == places[0][:5]), None)
-    wanted = [*places, *meaning.normals, *meaning.colours, *([state] if state else [])]
-    wanted = [name for name in wanted if name in names]
+    others = [name for name in meaning.names if name not in meaning.positions]
+    wanted = [*places, *(name for name in others if name in names), *([state] if state else [])]
     prototype = libe57.StructureNode(points.prototype())
     most = min(PIECE, max(1, points.childCount()))
     arrays = {name: np.empty(most, _kind(prototype[name], name)) for name in wanted}
@@ -181,8 +192,9 @@ def _read_scan(
     if meaning.normals:
         turned = moved(scan, _stack(table, meaning.normals, len(rows)), turn_only=True)
         result |= dict(zip(meaning.normals, turned.T, strict=True))
-    for name in meaning.colours:
-        result[name] = table.get(name, np.full(len(rows), np.nan))
+    for name in others:
+        if name not in meaning.normals:
+            result[name] = table.get(name, np.full(len(rows), np.nan))
     return result, invalid
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from splatline.contract.errors import InputError
 
-from .columns import Columns
+from .columns import Columns, find_meaning, gather
 from .glb_header import check_glb
 from .mesh_parts import Part, join, sample_parts
 from .obj_indices import check_obj
@@ -27,6 +28,9 @@ CHECKS: dict[str, Callable[[Source], object]] = {
     ".ply": read_header,
 }
 """What a file must pass before trimesh reads it; that of STL is trimesh's own."""
+
+NAMES = (("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue"))
+"""Names of a mesh's columns, as in other formats."""
 
 VERTEX = 24
 """Bytes of a vertex, by which the number of those that are drawn is checked."""
@@ -57,8 +61,17 @@ def read_mesh(source: Source) -> Columns:
     parts = _load(source)
     source.tell()
     if source.wanted.sample is not None:
-        return sample_parts(parts, source.wanted.sample)
-    return join([part.vertices() for part in parts])
+        columns = sample_parts(parts, source.wanted.sample)
+    else:
+        columns = join([part.vertices() for part in parts])
+    table: dict[str, Any] = {}
+    arrays = columns.positions, columns.normals, columns.colours
+    for names, array in zip(NAMES, arrays, strict=True):
+        if array is not None:
+            table |= dict(zip(names, array.T, strict=True))
+    meaning = find_meaning(list(table), wanted=source.wanted)
+    assert meaning is not None
+    return replace(gather(table, meaning), two_sided=columns.two_sided)
 
 
 def _load(source: Source) -> list[Part]:

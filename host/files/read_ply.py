@@ -18,7 +18,6 @@ from .numbers import as_declared, lines_of, load_rows
 from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
 from .source import Source
-from .wanted import HEIGHT, RGB
 
 __all__ = ["points_of", "read_ply"]
 
@@ -45,10 +44,8 @@ def read_ply(source: Source) -> Columns:
         table = _from_text(source, header, chosen)
     else:
         table, left = _from_bytes(source, header, chosen)
-    by = source.wanted.colour
-    by_colours = (by is None or by.kind in (RGB, HEIGHT)) and not source.wanted.ranges
-    if by_colours and are_gaussians(chosen.scalars):
-        return replace(gaussian_columns(table, chosen.scalars, bytes_left(left)), colour=by)
+    if are_gaussians(chosen.scalars):
+        return gaussian_columns(table, chosen.scalars, bytes_left(left), source.wanted)
     lists = [item.name for item in chosen.properties if item.length is not None]
     columns = gather(table, meaning, bytes_left(left))
     return replace(columns, ignored=(*columns.ignored, *lists))

@@ -68,7 +68,7 @@ def read_ptx(source: Source) -> Columns:
         whole[at : at + len(rows), : rows.shape[1]] = rows
         at += len(rows)
     names = NAMES[:width]
-    meaning = find_meaning(names)
+    meaning = find_meaning(names, wanted=source.wanted)
     assert meaning is not None
     columns = gather({name: whole[:, i] for i, name in enumerate(names)}, meaning)
     if empty:

@@ -114,7 +114,7 @@ def test_a_mesh_is_sampled(run, folder, tmp_path):
     assert json.loads((folder / "a.json").read_text())["points"] == 5000
     result = run("render", "--scene", "knot", "--sample", "5000")
     assert result.exit_code == 2
-    assert "--format and --sample need a CLOUD" in result.stderr
+    assert "--sample needs a CLOUD" in result.stderr
 
 
 def test_the_points_that_a_las_file_marks_are_counted(run, tmp_path):
