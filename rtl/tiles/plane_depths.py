@@ -90,8 +90,7 @@ class PlaneDepths(wiring.Component):
         level = total[SUM_FRACTION:]
         m.d.comb += [
             total.eq(line + tile.across[j]),
-            # An undefined depth on an idle input would make a lane's comparison undefined.
-            before.eq(step & (total[-1] | ~self.i.valid)),
+            before.eq(step & total[-1]),
         ]
         with m.If(before):
             m.d.sync += given.depth[i][j].eq(0)

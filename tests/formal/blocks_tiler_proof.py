@@ -2,12 +2,15 @@
 
 from amaranth.hdl import Cat, Signal
 
-from splatline.contract.config import ROWS
+from splatline.contract.config import BLOCK, ROWS
 from splatline.rtl.blocks.tiler import BlockTiler
+from splatline.rtl.layouts import sum_bits
 from tests.formal.blocks_window_proof import comes_to_top, lines_are_there
+from tests.formal.plane_words import give_plane, plane_covers, plane_sum
 from tests.formal.properties import SWIFT_NINE
 from tests.formal.prove import Fault, Proof
 from tests.formal.tiles_tiler_proof import TilerProperties
+from tests.formal.window_properties import Narrow
 
 __all__ = ["PROOFS"]
 
@@ -56,6 +59,42 @@ class BlockTilerProperties(TilerProperties):
         """Return whether a pixel of a block lies in the second of its words."""
         return block.odd[row].bit_select(column, 1) ^ block.words[0][0]
 
+
+class PlaneBlockTilerProperties(BlockTilerProperties):
+    """The pixels of plane words, each with the sum of its own place."""
+
+    def _assume(self, m, taken, given):
+        """Assume of elements, their planes and the window what they are."""
+        give_plane(m, self.config, self.dut.i.payload)
+        return super()._assume(m, taken, given)
+
+    def _covers(self, m, element, row, column):
+        """Return whether an element has the pixel, by the contract."""
+        return plane_covers(element, row, column)
+
+    def _depth(self, m, element, row, column):
+        """Return the sum of an element's pixel, by the contract."""
+        return plane_sum(m, self.config, element, row, column)[: sum_bits(self.config)]
+
+    def _drawn_depth(self, m, block, slot, column):
+        """Return the sum of a block's pixel: of its line's share and its column's."""
+        line = block.lines[slot[: BLOCK.bit_length() - 1]]
+        total = Signal(sum_bits(self.config))
+        m.d.comb += total.eq(line + block.columns[column[: self.config.pixel_bits]])
+        return total
+
+
+SMALL = Narrow(
+    window="blocks",
+    raster_words=2,
+    pixels_per_word=8,
+    x_bits=5,
+    line_bits=6,
+    depth_bits=3,
+    plane=True,
+    slope_bits=1,
+)
+"""Four words of eight pixels a line, and an image of up to 64 lines."""
 
 PROOFS = [
     Proof(
@@ -131,5 +170,28 @@ PROOFS = [
             Fault("a fraction of the one before", BlockTiler, r"waiting & last\.mode", "last.mode"),
             Fault("empty, and no end in sight", BlockTiler, r"\(near \| last\.end\)", "1"),
         ),
-    )
-]
+    ),
+    Proof(
+        name="block tiler: planes",
+        shows="an element's block has the contract's pixels, each once, with the sum of its place",
+        build=lambda: PlaneBlockTilerProperties(SMALL),
+        depth=9,
+        engine="abc bmc3",
+        slow=True,
+        long=True,
+        faults=(
+            Fault("no Z", BlockTiler, r" \+ \(lanes\.z << 1\)", ""),
+            Fault("the row of another line", BlockTiler, r"q - top\[:3\]", "q - top[:2]", "_lay"),
+            Fault("the row above", BlockTiler, r"plane\.down \* row", "plane.down * (row - 1)[:3]",
+                  "_lay"),
+            Fault("the lane's own column", BlockTiler, r"p - turned\.x\[:bits\]", "p", "_lay"),
+            Fault("slopes exchanged", BlockTiler, r"plane\.across", "plane.down", "_lay"),
+            Fault("leaves the block", BlockTiler, r"\[: BLOCK - 2\], 1\)", "[: BLOCK - 1])",
+                  "_half_turns"),
+            Fault("moved the other way", BlockTiler, r"outwards, inwards", "inwards, outwards",
+                  "_half_turns"),
+            Fault("an empty row's half turn", BlockTiler, r" & shape\.filled\[k\]", "",
+                  "_half_turns"),
+        ),
+    ),
+]  # fmt: skip

@@ -5,14 +5,17 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.rtl.blocks import window
 from splatline.rtl.blocks.dirty_bits import residue_bits
 from splatline.rtl.blocks.flush_scan import BlockFlushScan
 from splatline.rtl.blocks.lane_row import LaneRow, row_address_bits
+from splatline.rtl.blocks.plane_row import PlaneLaneRow
 from splatline.rtl.blocks.readout import BlockReadout
 from splatline.rtl.blocks.window import BlockWindow
-from splatline.rtl.layouts import RasterLayout
+from splatline.rtl.layouts import RasterLayout, sum_bits
 from splatline.rtl.window.frame_overlap import FrameOverlap
 from splatline.rtl.window.loader import Loader
+from tests.formal.plane_words import saturated
 from tests.formal.properties import OneWord, any_value
 from tests.formal.prove import Fault, Proof
 from tests.formal.window_properties import Narrow, TileWindowProperties
@@ -32,6 +35,10 @@ TINY = Narrow(
 
 So the blocks are two columns wide. A column knows nothing of the others.
 """
+
+
+TINY_PLANE = TINY.replace(plane=True, slope_bits=1)
+"""The same with planes of few levels: a pixel's depth is the sum of any line's and column's."""
 
 
 class Passing(wiring.Component):
@@ -144,6 +151,13 @@ class BlockWindowProperties(TileWindowProperties):
     def _meet(self, m, tile, both):
         """Blocks may follow each other into any pixel."""
 
+    def _drawn_depth(self, block):
+        """Return the depth of the pixel in a block; with planes the sum of its shares."""
+        if not self.config.plane:
+            return block.z
+        total = block.lines[self.slot[: residue_bits(self.config)]] + block.columns[self.number]
+        return saturated(self.config, total[: sum_bits(self.config)].as_signed())
+
     def _second(self, tile, row, column):
         """Return whether a pixel of a block lies in the second of its words."""
         return tile.odd[row].bit_select(column, 1) ^ tile.words[0][0]
@@ -183,12 +197,12 @@ sweep's first pixel is written.
 """
 
 
-def plan(name, shows, load, depth, *faults):
+def plan(name, shows, load, depth, *faults, config=TINY):
     """Return a proof of the window."""
     return Proof(
         name=name,
         shows=shows,
-        build=lambda: BlockWindowProperties(TINY, load),
+        build=lambda: BlockWindowProperties(config, load),
         depth=depth,
         engine="abc bmc3",
         changes=CHANGES,
@@ -328,4 +342,19 @@ PROOFS = [
             "limit a line too far", Loader, r"(limit\.eq\(Mux\(in_window, beat\.line)", r"\1 + 1"
         ),
     ),
-]
+    plan(
+        "window of blocks, planes",
+        "the same with a depth for each pixel",
+        0,
+        14,
+        Fault("no depth test", PlaneLaneRow, r"difference\[-1\] & ", "", "_test"),
+        Fault("as it was read", PlaneLaneRow, r"forwarded, old", "old, old", "_test"),
+        Fault("over what is nearer", PlaneLaneRow, r"there & behind", "0", "_meet"),
+        Fault("another line's share", window, r"block\.lines\[q\]", "block.lines[0]",
+              "request_pixels"),
+        Fault("columns of the block after", BlockWindow, r"m\.d\.sync \+= (columns\.eq)",
+              r"m.d.comb += \1", "_rows"),
+        Fault("not told what was drawn", BlockWindow, r"other\.drawn & same", "0", "_follow"),
+        config=TINY_PLANE,
+    ),
+]  # fmt: skip

@@ -59,7 +59,8 @@ class Left(NamedTuple):
 class FollowedPixel(Properties):
     """Any one pixel of a window, from when it is drawn or loaded until it leaves.
 
-    Its sub-class says which pixel that is, and which line has its place.
+    Its sub-class says which pixel that is, which line has its place, and what depth it is drawn
+    with.
     """
 
     def _is_mine(self, beat):
@@ -129,7 +130,7 @@ class FollowedPixel(Properties):
             passed.eq(owner.as_value() != owner_before.as_value()),
             due.eq(Mux(passed, background, due_before)),
             gone.eq(~passed & gone_before),
-            new.eq(Mux(drawn, self.dut.i.payload.z, self._depth(self.dut.initial.payload))),
+            new.eq(Mux(drawn, self.drawn_depth, self._depth(self.dut.initial.payload))),
         ]
         m.d.sync += [owner_before.eq(owner), due_before.eq(due)]
         with m.If((drawn | loaded) & inside & (new < due)):

@@ -2,7 +2,7 @@
 
 from amaranth.hdl import Cat, Mux, Signal
 
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import PAPER, PLANE
 from splatline.rtl.layouts import PixelLayout
 from splatline.rtl.tiles.lane import Lane, LaneRequestLayout, lane_address_bits
 from tests.formal.properties import OneWord, Properties, any_constant
@@ -39,6 +39,9 @@ class LaneProperties(Properties):
         self.given(m, "one_of_three", (wanted & (wanted - 1)) == 0)
         self.given(m, "waits", ~(wanted.any() & writing))
         self.given(m, "new_steady", ~stood | (new == dut.new))
+        if config.plane:
+            cleared = dut.new.depth == config.background_depth
+            self.given(m, "new_cleared", ~asked.clear | cleared)
 
         # The definition.
         known = Signal()
@@ -71,28 +74,39 @@ class LaneProperties(Properties):
         self.lemma(m, "kept", ~known | same(kept, due))
 
 
-PROOFS = [
-    Proof(
-        name="lane: pixel",
+FAULTS = (
+    Fault("no depth test", Lane, r"en\.eq\(difference\[-1\]", "en.eq(taken.draw | taken.clear"),
+    Fault("ties drawn", Lane, r"\+ ~Cat\(", "+ 1 + ~Cat("),
+    Fault("does not stand still", Lane, r"m\.If\(self\.enable\)", "m.If(1)"),
+    Fault("read while it stands still", Lane, r"en\.eq\(self\.enable\)", "en.eq(1)"),
+    Fault("loaded while it stands still", Lane, r"self\.enable & (self\.request\.load)", r"\1"),
+    Fault("loaded too late", Lane, r"load\.addr\.eq\(self\.request", "load.addr.eq(taken"),
+    Fault("drawn over while loaded", Lane, r"taken\.clear\) \+", "taken.clear | taken.load) +"),
+)
+"""What any lane must not do."""
+
+
+def plan(name, config, *faults):
+    """Return a proof of the lane."""
+    return Proof(
+        name=name,
         shows="a pixel is what was drawn nearest since it was loaded or cleared, with any stalls",
-        build=lambda: LaneProperties(PAPER),
+        build=lambda: LaneProperties(config),
         depth=8,
         endless=True,
-        faults=(
-            Fault(
-                "no depth test", Lane, r"en\.eq\(difference\[-1\]", "en.eq(taken.draw | taken.clear"
-            ),
-            Fault("ties drawn", Lane, r"\+ ~Cat\(", "+ 1 + ~Cat("),
-            Fault("does not stand still", Lane, r"m\.If\(self\.enable\)", "m.If(1)"),
-            Fault("read while it stands still", Lane, r"en\.eq\(self\.enable\)", "en.eq(1)"),
-            Fault(
-                "loaded while it stands still", Lane, r"self\.enable & (self\.request\.load)", r"\1"
-            ),
-            Fault("loaded too late", Lane, r"load\.addr\.eq\(self\.request", "load.addr.eq(taken"),
-            Fault(
-                "drawn over while loaded", Lane, r"taken\.clear\) \+", "taken.clear | taken.load) +"
-            ),
-            Fault("not cleared", Lane, r" \| taken\.clear\.replicate\(config\.depth_bits\)", ""),
-        ),
+        faults=(*FAULTS, *faults),
     )
+
+
+PROOFS = [
+    plan(
+        "lane: pixel",
+        PAPER,
+        Fault("not cleared", Lane, r" \| taken\.clear\.replicate\(config\.depth_bits\)", ""),
+    ),
+    plan(
+        "lane: planes",
+        PLANE,
+        Fault("cleared where it is further", Lane, r"taken\.draw, taken\.clear", "taken.draw, 0"),
+    ),
 ]

@@ -50,13 +50,14 @@ class TilerProperties(Properties):
         m.d.comb += wanted.eq(
             taken
             & (row < 8)
-            & covers(element, row, column)
+            & self._covers(m, element, row, column)
             & (line >= 0)
             & (line <= last_line)
             & (column[config.pixel_bits :] <= last_column[config.pixel_bits :])
         )
         draws, drawn = self._draws(m, slot, column)
-        self._match(m, wanted, taken, draws, drawn, given)
+        depths = self._depth(m, element, row, column), self._drawn_depth(m, tile, slot, column)
+        self._match(m, wanted, taken, draws, drawn, given, depths)
         shown = Signal.like(tile.top, init=-4)
         m.d.sync += shown.eq(Mux(given & tile.end, -4, tile.top))
         self.always(m, "top", tile.top >= shown)
@@ -73,6 +74,18 @@ class TilerProperties(Properties):
         m.d.sync += drew.eq(drawn)
         self._meet(m, tile, drew & draws)
         self.always(m, "output_steady", self.steady(m, dut.o, "o"))
+
+    def _covers(self, m, element, row, column):
+        """Return whether an element has the pixel, by the contract."""
+        return covers(element, row, column)
+
+    def _depth(self, m, element, row, column):
+        """Return the depth of an element's pixel, by the contract."""
+        return element.z
+
+    def _drawn_depth(self, m, tile, slot, column):
+        """Return the depth of a tile's pixel."""
+        return tile.z
 
     def _assume(self, m, taken, given):
         """Assume of elements and window what they are.
@@ -124,15 +137,17 @@ class TilerProperties(Properties):
         ]
         return draws, drawn
 
-    def _match(self, m, wanted, taken, draws, drawn, given):
+    def _match(self, m, wanted, taken, draws, drawn, given, depths):
         """Assert that tiles draw the elements that want the pixel, each once, in order.
 
         End tokens are in the queue as well. One more may be taken in the cycle that gives another.
+        ``depths``: that of the element's pixel, and that of the tile's.
         """
-        config, dut = self.config, self.dut
+        dut = self.dut
         element, tile = dut.i.payload, dut.o.payload
+        depth, drawn_depth = depths
         most = self.inside + 1
-        entry = data.StructLayout({"z": config.z.width, "end": 1})
+        entry = data.StructLayout({"depth": depth.shape(), "end": 1})
         queue = [Signal(entry, name=f"queue_{n}") for n in range(most)]
         length = Signal(range(most + 1))
         comes, goes = Signal(), Signal()
@@ -144,11 +159,12 @@ class TilerProperties(Properties):
             m.d.sync += [place.eq(after) for place, after in pairwise(queue)]
         for n in range(most):
             with m.If(comes & (length - goes == n)):
-                m.d.sync += [queue[n].z.eq(element.z), queue[n].end.eq(element.end)]
+                m.d.sync += [queue[n].depth.eq(depth), queue[n].end.eq(element.end)]
         m.d.sync += length.eq(length + comes - goes)
         first = queue[0]
         self.always(m, "room", length < most)
-        self.always(m, "drawn", ~draws | ((length != 0) & ~first.end & (tile.z == first.z)))
+        same = (length != 0) & ~first.end & (drawn_depth == first.depth)
+        self.always(m, "drawn", ~draws | same)
         self.always(m, "complete", ~(dut.o.valid & tile.end) | ((length != 0) & first.end))
 
     def _settle(self, m, draws, slot, oldest):

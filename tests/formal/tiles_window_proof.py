@@ -29,12 +29,16 @@ SWEPT = Fault(
 """The lanes have been cleared but for their last pixel."""
 
 
-def plan(name, shows, load, depth, *faults, ordered=True, long=False):
+TINY_PLANE = TINY.replace(plane=True)
+"""The same with a depth in each lane."""
+
+
+def plan(name, shows, load, depth, *faults, config=TINY, ordered=True, long=False):
     """Return a proof of the window."""
     return Proof(
         name=name,
         shows=shows,
-        build=lambda: TileWindowProperties(TINY, load, ordered),
+        build=lambda: TileWindowProperties(config, load, ordered),
         depth=depth,
         engine="abc bmc3",
         changes=(SWEPT,),
@@ -149,4 +153,24 @@ PROOFS = [
             r"load[residue] & (\1 !=",
         ),
     ),
-]
+    plan(
+        "window of tiles, planes",
+        "the same with a depth for each pixel",
+        0,
+        14,
+        Fault("not cleared", TileWindow, r"depth\.eq\(~0\)", "depth.eq(given)", "_draw_depth"),
+        Fault("another lane's depth", TileWindow, r"tile\.depth\[i\]\[j\]", "tile.depth[i][0]",
+              "_connect_lanes"),
+        config=TINY_PLANE,
+    ),
+    plan(
+        "window of tiles, planes, further",
+        "the same, until a tile that stands still shows",
+        0,
+        16,
+        Fault("drawn as it stands still", TileWindow, r"m\.Elif\(running\)", "m.Else()",
+              "_draw_depth"),
+        config=TINY_PLANE,
+        long=True,
+    ),
+]  # fmt: skip

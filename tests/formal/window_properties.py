@@ -56,20 +56,26 @@ class TileWindowProperties(FollowedPixel):
         self.memories = self._memories(m)
         self.dut = dut = self.window(config)
         fragment = self.add(m, dut)
+        self.drawn_depth = Signal(config.depth_bits)  # that a tile draws the pixel with
         self.free(
             m,
             dut,
             last_column=self.last_column,
             last_line=self.last_line,
             load=Signal(init=self.load, reset_less=True, name="load"),
-            shade=dut.i.payload.z,
+            shade=self.drawn_depth,
         )
+        m.d.comb += self.drawn_depth.eq(self._drawn_depth(dut.i.payload))
         (flush_scan,) = parts(fragment, self.flush_scan)
         self._own(m, flush_scan.oldest, flush_scan.front)
         self._mark(m, flush_scan)
         drawn = self._tiles(m)
         loaded = self._initial(m)
         self._follow(m, drawn, loaded)
+
+    def _drawn_depth(self, tile):
+        """Return the depth of the pixel in a tile; with planes that of its lane."""
+        return tile.depth[self.slot[:2]][self.number] if self.config.plane else tile.z
 
     def _memories(self, m):
         """Return what the lanes' memories are: the pixel's word, which is background."""

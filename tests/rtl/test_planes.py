@@ -36,7 +36,7 @@ FAULTS = {
     "an end moved the other way": (Tiler, "_halves", r"Mux\(out, -1, 1\)", "Mux(out, 1, -1)"),
     "an empty row's half turn": (Tiler, "_halves", r" & shape\.filled\[k\]", ""),
     "the next frame goes early": (Engine, "elaborate", r"eq\(depths\.ending\)", "eq(0)"),
-    "nothing before depth 0": (PlaneDepths, "_sum", r"total\[-1\] \| ", ""),
+    "nothing before depth 0": (PlaneDepths, "_sum", r"step & total\[-1\]", "0"),
     "nothing beyond": (PlaneDepths, "_sum", r" & ~beyond", ""),
     "no overlap": (PlaneDepths, "elaborate", r"overlap\(m, tile, given\)", "0"),
     "the colour of the tile after": (

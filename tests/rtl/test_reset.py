@@ -38,6 +38,8 @@ PLANES = SWIFT_PLANE.replace(channel_bits=3, coefficient_bits=6, colour_shift=10
 
 FAULTS = [
     (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
+    # All ones, if it is defined.
+    (PLANE, TileWindow, "_draw_depth", r"eq\(~0\)", "eq(given | ~given)"),
     (BLOCKS, BlockWindow, "_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
     (BLOCKS, BlockWindow, "_follow", r"known & \(", "self.i.valid & ("),
 ]
