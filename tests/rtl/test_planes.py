@@ -22,6 +22,7 @@ from splatline.sim.cosim.player.player import wrap
 from tests.support import plane_words as pw
 from tests.support.clouds import sphere
 from tests.support.codewords import random_tables
+from tests.support.engines import engine
 from tests.support.planted import plant, play_with
 
 FAULTS = {
@@ -91,15 +92,15 @@ def faulty_jobs():
 @pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
 def test_random_words_are_drawn_as_golden_draws_them(config):
     played = jobs(config, range(6))
-    assert mismatches(played, frames.play(played)) == [0] * 6
+    assert mismatches(played, frames.play(played, built=engine(config))) == [0] * 6
 
 
 def test_a_frame_starts_from_a_raster_and_another_follows():
     one, other = (job.frame for job in jobs(PLANE, (7, 8)))
     first = golden.render(one)
-    (outcome,) = frames.play([frames.Job(frame=other, initial=first)])
+    (outcome,) = frames.play([frames.Job(frame=other, initial=first)], built=engine(PLANE))
     assert outcome.rasters[0].mismatches(golden.render(other, first)) == 0
-    (outcome,) = frames.play([frames.Job(frame=one, followed_by=[other])])
+    (outcome,) = frames.play([frames.Job(frame=one, followed_by=[other])], built=engine(PLANE))
     for frame, raster in zip((one, other), outcome.rasters, strict=True):
         assert raster.mismatches(golden.render(frame)) == 0
 
@@ -107,7 +108,7 @@ def test_a_frame_starts_from_a_raster_and_another_follows():
 @pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
 def test_every_extreme_of_slopes_scale_and_depth_at_every_place(config):
     played = [frames.Job(frame=frame) for frame in pw.extreme_frames(config)]
-    assert mismatches(played, frames.play(played)) == [0] * len(played)
+    assert mismatches(played, frames.play(played, built=engine(config))) == [0] * len(played)
 
 
 def wide_jobs():
@@ -131,7 +132,7 @@ def wide_jobs():
 
 def test_a_wide_engine_draws_beyond_column_2048():
     played = list(wide_jobs())
-    assert mismatches(played, frames.play(played)) == [0] * len(played)
+    assert mismatches(played, frames.play(played, built=engine(pw.WIDE))) == [0] * len(played)
     for job in played:
         drawn = golden.render(job.frame).drawn
         assert drawn[:, 2048:].sum() > 300
