@@ -17,6 +17,7 @@ from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
 from splatline.sim import golden
 from splatline.sim.cosim.player import frames
+from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
 from tests.support import plane_words as pw
@@ -137,6 +138,19 @@ def test_a_wide_engine_draws_beyond_column_2048():
         drawn = golden.render(job.frame).drawn
         assert drawn[:, 2048:].sum() > 300
     assert not drawn[:, :2048].any()  # the scene
+
+
+def test_a_chain_of_two_draws_the_parts_over_each_other():
+    """``tests/rtl/chain`` has chains of blocks, without planes."""
+    frame, other = (job.frame for job in jobs(pw.FLAT, (9, 10)))
+    played = [
+        ChainJob.dealt(frame, other, engines=2, method=method, rates=rates, seed=3)
+        for method, rates in (("lines", {}), ("elements", {"codeword": 0.5, "raster": 0.4}))
+    ]
+    outcomes = play_chain(played, built=build_chain(pw.FLAT, 2))
+    for job, outcome in zip(played, outcomes, strict=True):
+        for raster, expected in zip(outcome.rasters, job.pictures(), strict=True):
+            assert raster.mismatches(expected) == 0
 
 
 @functools.cache

@@ -11,7 +11,6 @@ from splatline.rtl.blocks.plane_row import PlaneLaneRow
 from splatline.rtl.blocks.tiler import BlockTiler
 from splatline.sim import golden
 from splatline.sim.cosim.player import frames
-from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cycles.cycles import count_cycles
@@ -152,15 +151,3 @@ def test_a_frame_starts_from_a_raster_and_another_follows():
     (outcome,) = play_with(0, [frames.Job(frame=one, followed_by=[other])], unkind())
     for frame, raster in zip((one, other), outcome.rasters, strict=True):
         assert raster.mismatches(golden.render(frame)) == 0
-
-
-def test_a_chain_of_two_draws_the_parts_over_each_other():
-    frame, other = (job.frame for job in jobs(FLAT, (9, 10)))
-    played = [
-        ChainJob.dealt(frame, other, engines=2, method=method, rates=rates, seed=3)
-        for method, rates in (("lines", {}), ("elements", {"codeword": 0.5, "raster": 0.4}))
-    ]
-    outcomes = play_chain(played, built=build_chain(FLAT, 2))
-    for job, outcome in zip(played, outcomes, strict=True):
-        for raster, expected in zip(outcome.rasters, job.pictures(), strict=True):
-            assert raster.mismatches(expected) == 0
