@@ -14,8 +14,10 @@ from splatline.sim.cosim.player import frames
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cycles.cycles import count_cycles
+from tests.rtl import test_presets
 from tests.rtl.blocks.test_window_faults import collide
 from tests.rtl.test_planes import jobs, mismatches
+from tests.sim.cycles import test_cycles
 from tests.support import plane_words as pw
 from tests.support.planted import plant, play_with
 from tests.support.random_frames import nonsense, shapes
@@ -115,6 +117,21 @@ def test_a_fault_is_noticed(name):
     played = [*jobs(SWIFT_PLANE, range(4)), *crowds()]
     number = list(FAULTS).index(name) + 1
     assert any(mismatches(played, play_with(number, played, unkind())))
+
+
+def draw(jobs):
+    """Draw jobs with the preset's engine, whose faults are off: its only build in the tests."""
+    return play_with(0, jobs, unkind())
+
+
+def test_the_preset_draws_what_the_contract_says():
+    assert test_presets.wrong_pixels(SWIFT_PLANE, draw) == {}
+
+
+def test_the_preset_takes_the_cycles_that_are_counted():
+    taken, counted = test_presets.cycles(SWIFT_PLANE, draw)
+    assert taken == counted
+    assert test_cycles.cycles_of_ten_splats(SWIFT_PLANE, draw) <= 100
 
 
 def test_the_model_counts_its_cycles():
