@@ -48,5 +48,5 @@ def pytest_terminal_summary(terminalreporter):
     if engines:
         terminalreporter.write_line(
             f"Counted anew by Yosys, as the Verilog changed: {', '.join(engines)}. "
-            "To have it noted: .venv/bin/python tests/flow/area/counted.py"
+            "To have it noted: .venv/bin/python -m tests.flow.area.counted"
         )

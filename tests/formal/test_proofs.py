@@ -7,16 +7,25 @@ from pathlib import Path
 import pytest
 
 from tests.formal import prove_all
+from tests.formal.joined import join
 from tests.formal.prove import TOOLS, Outcome, prepare_solver, run
 from tests.formal.prove_all import all_proofs, table
 from tests.support.faults import rewrite
 
 QUICK = [proof for proof in all_proofs() if not proof.slow]
+TOGETHER = [p for p in QUICK if p.name.startswith("streams: ") and p.endless and p.depth == 4]
 
 
-@pytest.mark.parametrize("proof", QUICK, ids=lambda proof: proof.name)
+@pytest.mark.parametrize("proof", [p for p in QUICK if p not in TOGETHER], ids=lambda p: p.name)
 def test_a_proof_holds(proof):
     outcome = run(proof)
+    assert outcome.status == "holds", outcome.log
+
+
+def test_the_proofs_of_streams_hold(monkeypatch):
+    """In one run, since to start the tools takes longer than most of them."""
+    assert len(TOGETHER) == 16
+    outcome = run(join(TOGETHER, monkeypatch))
     assert outcome.status == "holds", outcome.log
 
 

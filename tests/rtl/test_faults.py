@@ -10,7 +10,6 @@ from splatline.contract.presets import PAPER
 from splatline.flow.verilog import convert, generate
 from splatline.rtl.engine import Engine
 from splatline.rtl.front.sequencer import Sequencer
-from splatline.sim import golden
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.player import frames
 from splatline.sim.cosim.player.player import wrap
@@ -18,8 +17,8 @@ from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl import test_engine
 from tests.rtl.front import test_sequencer
 from tests.support.bench_config import run_bench
-from tests.support.engines import mismatches
-from tests.support.faults import LANE_WRITES, fault
+from tests.support.engines import mismatches, verilog
+from tests.support.faults import LANE_WRITES, fault, switched
 from tests.support.planted import plant, play_with
 from tests.support.random_frames import shapes
 
@@ -30,41 +29,30 @@ def test_control_words_that_draw_are_noticed():
         run_bench(PAPER, Sequencer, test_sequencer.__file__, test="random_words", edit=edit)
 
 
-@pytest.mark.parametrize(
-    "edit",
-    [
-        pytest.param(
-            fault("splatline.window.lane_2_1", "difference", LANE_WRITES),
-            id="no depth test",
-        ),
-        pytest.param(
-            fault("splatline.window.flush_scan.dirty_bits", "bit_1", "8'h01"),
-            id="a wrong mark",
-        ),
-        pytest.param(
-            fault("splatline.window.flush_scan", "leaving", "1'h1"), id="lines leave early"
-        ),
-        pytest.param(fault("splatline.tiler", "past_1", "1'h0"), id="a line misplaced"),
-    ],
-)
-def test_a_fault_in_the_engine_is_noticed(monkeypatch, edit):
-    from splatline.flow import verilog
+BROKEN = {
+    "no depth test": ("splatline.window.lane_2_1", "difference", LANE_WRITES),
+    "a wrong mark": ("splatline.window.flush_scan.dirty_bits", "bit_1", "8'h01"),
+    "lines leave early": ("splatline.window.flush_scan", "leaving", "1'h1"),
+    "a line misplaced": ("splatline.tiler", "past_1", "1'h0"),
+}
 
-    whole = verilog.generate
 
-    def broken(config, name="splatline"):
-        text, sidecar = whole(config, name)
-        return edit(text), sidecar
-
-    monkeypatch.setattr(verilog, "generate", broken)
-    # Small frames are quicker in Icarus.
+@functools.cache
+def broken_engine():
+    """Build the engine with these faults, for Icarus: small frames are quicker in it."""
+    text = switched("splatline", list(BROKEN.values()))(verilog(PAPER))
     quickest = "icarus" if simulator.available("icarus") else "verilator"
-    frame = shapes(np.random.default_rng(1), 400, 32, 24)
+    return wrap(text, PAPER, simulator_name=quickest)
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_fault_in_the_engine_is_noticed(name):
+    job = frames.Job(frame=shapes(np.random.default_rng(1), 400, 32, 24))
     try:
-        outcome = frames.play([frames.Job(frame=frame)], simulator_name=quickest)[0]
+        (outcome,) = play_with(1 + list(BROKEN).index(name), [job], broken_engine())
     except SimulationError:  # words outside the image
         return
-    assert outcome.raster.mismatches(golden.render(frame)) > 0
+    assert mismatches(job, outcome)
 
 
 MIXED = ("tables.idle", "sequencer.admit", "window.active")

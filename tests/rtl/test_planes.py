@@ -17,11 +17,13 @@ from splatline.rtl.tiles.tiler import Tiler
 from splatline.rtl.tiles.window import TileWindow
 from splatline.sim import golden
 from splatline.sim.cosim.player import frames
+from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
 from tests.support import plane_words as pw
 from tests.support.clouds import sphere
 from tests.support.codewords import random_tables
+from tests.support.engines import engine
 from tests.support.planted import plant, play_with
 
 FAULTS = {
@@ -91,15 +93,15 @@ def faulty_jobs():
 @pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
 def test_random_words_are_drawn_as_golden_draws_them(config):
     played = jobs(config, range(6))
-    assert mismatches(played, frames.play(played)) == [0] * 6
+    assert mismatches(played, frames.play(played, built=engine(config))) == [0] * 6
 
 
 def test_a_frame_starts_from_a_raster_and_another_follows():
     one, other = (job.frame for job in jobs(PLANE, (7, 8)))
     first = golden.render(one)
-    (outcome,) = frames.play([frames.Job(frame=other, initial=first)])
+    (outcome,) = frames.play([frames.Job(frame=other, initial=first)], built=engine(PLANE))
     assert outcome.rasters[0].mismatches(golden.render(other, first)) == 0
-    (outcome,) = frames.play([frames.Job(frame=one, followed_by=[other])])
+    (outcome,) = frames.play([frames.Job(frame=one, followed_by=[other])], built=engine(PLANE))
     for frame, raster in zip((one, other), outcome.rasters, strict=True):
         assert raster.mismatches(golden.render(frame)) == 0
 
@@ -107,7 +109,7 @@ def test_a_frame_starts_from_a_raster_and_another_follows():
 @pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
 def test_every_extreme_of_slopes_scale_and_depth_at_every_place(config):
     played = [frames.Job(frame=frame) for frame in pw.extreme_frames(config)]
-    assert mismatches(played, frames.play(played)) == [0] * len(played)
+    assert mismatches(played, frames.play(played, built=engine(config))) == [0] * len(played)
 
 
 def wide_jobs():
@@ -131,11 +133,24 @@ def wide_jobs():
 
 def test_a_wide_engine_draws_beyond_column_2048():
     played = list(wide_jobs())
-    assert mismatches(played, frames.play(played)) == [0] * len(played)
+    assert mismatches(played, frames.play(played, built=engine(pw.WIDE))) == [0] * len(played)
     for job in played:
         drawn = golden.render(job.frame).drawn
         assert drawn[:, 2048:].sum() > 300
     assert not drawn[:, :2048].any()  # the scene
+
+
+def test_a_chain_of_two_draws_the_parts_over_each_other():
+    """``tests/rtl/chain`` has chains of blocks, without planes."""
+    frame, other = (job.frame for job in jobs(pw.FLAT, (9, 10)))
+    played = [
+        ChainJob.dealt(frame, other, engines=2, method=method, rates=rates, seed=3)
+        for method, rates in (("lines", {}), ("elements", {"codeword": 0.5, "raster": 0.4}))
+    ]
+    outcomes = play_chain(played, built=build_chain(pw.FLAT, 2))
+    for job, outcome in zip(played, outcomes, strict=True):
+        for raster, expected in zip(outcome.rasters, job.pictures(), strict=True):
+            assert raster.mismatches(expected) == 0
 
 
 @functools.cache

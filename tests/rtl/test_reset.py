@@ -4,6 +4,7 @@ Icarus has undefined values, and Verilator has not. The benches drive them on ev
 """
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.bus.axi_cases import clean, draw_scene
 from tests.support import bus_words
 from tests.support.engines import engine, mismatches
-from tests.support.faults import rewrite
+from tests.support.planted import plant, play_with
 from tests.support.random_frames import random_raster, shapes
 
 in_icarus = pytest.mark.skipif(not simulator.available("icarus"), reason="Icarus is not installed")
@@ -36,13 +37,15 @@ BLOCKS = SWIFT.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 PLANES = SWIFT_PLANE.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 """Blocks with planes. All lanes compare depths, which are undefined where nothing is drawn."""
 
-FAULTS = [
-    (PAPER, TileWindow, "_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z"),
+FAULTS = {
+    (PAPER, TileWindow): [("_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z")],
     # All ones, if it is defined.
-    (PLANE, TileWindow, "_draw_depth", r"eq\(~0\)", "eq(given | ~given)"),
-    (BLOCKS, BlockWindow, "_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
-    (BLOCKS, BlockWindow, "_follow", r"known & \(", "self.i.valid & ("),
-]
+    (PLANE, TileWindow): [("_draw_depth", r"eq\(~0\)", "eq(given | ~given)")],
+    (BLOCKS, BlockWindow): [
+        ("_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
+        ("_follow", r"known & \(", "self.i.valid & ("),
+    ],
+}
 
 
 def jobs(config, edges):
@@ -62,32 +65,40 @@ def jobs(config, edges):
     ]
 
 
-def wrong_pixels(built, config, edges):
-    """Return how many pixels of the jobs differ from golden's."""
+def wrong_pixels(draw, config, edges):
+    """Return how many pixels of the jobs, as ``draw`` plays them, differ from golden's."""
     played = jobs(config, edges)
-    return sum(map(mismatches, played, play(played, built=built)))
+    return sum(map(mismatches, played, draw(played)))
+
+
+@functools.cache
+def planted(config, part):
+    """Build an engine with all of a part's faults, for Icarus."""
+    with pytest.MonkeyPatch.context() as patch:
+        edit = plant(patch, [(part, *fault) for fault in FAULTS[config, part]])
+        return wrap(edit(generate(config)[0]), config, simulator_name="icarus")
 
 
 @in_icarus
 @pytest.mark.parametrize(
     "config, edges",
-    [(PAPER, 1), (PAPER, 4), (BLOCKS, 1), (PLANE, 1), (PLANES, 1)],
-    ids=["paper-1", "paper-4", "blocks-1", "plane-1", "planes-1"],
+    [(PAPER, 1), (PAPER, 4), (PLANE, 1), (PLANES, 1)],
+    ids=["paper-1", "paper-4", "plane-1", "planes-1"],
 )
 def test_the_first_frame_after_a_short_reset_is_right(config, edges):
-    assert wrong_pixels(engine(config, "icarus"), config, edges) == 0
+    assert wrong_pixels(functools.partial(play, built=engine(config, "icarus")), config, edges) == 0
 
 
 @in_icarus
-@pytest.mark.parametrize(
-    "config, part, method, pattern, instead", FAULTS, ids=[fault[3] for fault in FAULTS]
-)
-def test_undefined_values_that_reach_a_lane_are_noticed(
-    monkeypatch, config, part, method, pattern, instead
-):
-    rewrite(monkeypatch, part, method, pattern, instead)
-    built = wrap(generate(config)[0], config, simulator_name="icarus")
-    assert wrong_pixels(built, config, 1)
+@pytest.mark.parametrize("config, part", FAULTS, ids=["tiles", "blocks"])
+def test_undefined_values_that_reach_a_lane_are_noticed(config, part):
+    """Without a fault none reaches one. A choice by a known value passes on no other's."""
+    wrong = [
+        wrong_pixels(functools.partial(play_with, number, built=planted(config, part)), config, 1)
+        for number in range(len(FAULTS[config, part]) + 1)
+    ]
+    assert wrong[0] == 0
+    assert all(wrong[1:])
 
 
 @in_icarus

@@ -35,7 +35,7 @@ def build(make, faults, edit=lambda text: text):
     return simulator.build({"dut.v": text}, "dut")
 
 
-def play_with(number, jobs, built):
+def play_with(number, jobs, built, play=frames.play):
     """Play jobs on a build of the player around hardware with faults, with one of them."""
     run = simulator.run
 
@@ -44,7 +44,7 @@ def play_with(number, jobs, built):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(simulator, "run", with_fault)
-        return frames.play(jobs, built=built)
+        return play(jobs, built=built)
 
 
 def plant(monkeypatch, faults):

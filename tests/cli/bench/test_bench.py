@@ -22,6 +22,7 @@ from splatline.cli.bench.command import ACCURACY_SIZES
 from splatline.cli.main import main
 from splatline.contract.variants import CONFIGS
 from splatline.host.encode.quality import QUALITIES
+from splatline.host.scenes import knot
 from splatline.host.visibility.skips import SKIPS
 
 KEYS = {
@@ -44,12 +45,14 @@ def ball(path):
 
 @pytest.fixture(scope="module")
 def quick(tmp_path_factory):
-    """A quick run, once: its folder and result."""
+    """A quick run, once: its folder and result. The scene has as many points as the image."""
     folder = tmp_path_factory.mktemp("bench")
     arguments = ["--scene", "knot", "--quick", "--size", "48x40", "--no-pictures", "ball"]
     arguments += ["--out-dir", folder / "out"]
     cloud = ball(folder / "ball.csv")
-    result = CliRunner().invoke(main, ["bench", "accuracy", str(cloud), *map(str, arguments)])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(knot, "POINTS", 2000)
+        result = CliRunner().invoke(main, ["bench", "accuracy", str(cloud), *map(str, arguments)])
     assert result.exit_code == 0, result.stderr
     return folder / "out", result
 

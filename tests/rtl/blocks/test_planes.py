@@ -11,12 +11,13 @@ from splatline.rtl.blocks.plane_row import PlaneLaneRow
 from splatline.rtl.blocks.tiler import BlockTiler
 from splatline.sim import golden
 from splatline.sim.cosim.player import frames
-from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cycles.cycles import count_cycles
+from tests.rtl import test_presets
 from tests.rtl.blocks.test_window_faults import collide
 from tests.rtl.test_planes import jobs, mismatches
+from tests.sim.cycles import test_cycles
 from tests.support import plane_words as pw
 from tests.support.planted import plant, play_with
 from tests.support.random_frames import nonsense, shapes
@@ -118,6 +119,21 @@ def test_a_fault_is_noticed(name):
     assert any(mismatches(played, play_with(number, played, unkind())))
 
 
+def draw(jobs):
+    """Draw jobs with the preset's engine, whose faults are off: its only build in the tests."""
+    return play_with(0, jobs, unkind())
+
+
+def test_the_preset_draws_what_the_contract_says():
+    assert test_presets.wrong_pixels(SWIFT_PLANE, draw) == {}
+
+
+def test_the_preset_takes_the_cycles_that_are_counted():
+    taken, counted = test_presets.cycles(SWIFT_PLANE, draw)
+    assert taken == counted
+    assert test_cycles.cycles_of_ten_splats(SWIFT_PLANE, draw) <= 100
+
+
 def test_the_model_counts_its_cycles():
     rng = np.random.default_rng(3)
     played = [frames.Job(frame=crowded(seed)) for seed in range(4)]
@@ -152,15 +168,3 @@ def test_a_frame_starts_from_a_raster_and_another_follows():
     (outcome,) = play_with(0, [frames.Job(frame=one, followed_by=[other])], unkind())
     for frame, raster in zip((one, other), outcome.rasters, strict=True):
         assert raster.mismatches(golden.render(frame)) == 0
-
-
-def test_a_chain_of_two_draws_the_parts_over_each_other():
-    frame, other = (job.frame for job in jobs(FLAT, (9, 10)))
-    played = [
-        ChainJob.dealt(frame, other, engines=2, method=method, rates=rates, seed=3)
-        for method, rates in (("lines", {}), ("elements", {"codeword": 0.5, "raster": 0.4}))
-    ]
-    outcomes = play_chain(played, built=build_chain(FLAT, 2))
-    for job, outcome in zip(played, outcomes, strict=True):
-        for raster, expected in zip(outcome.rasters, job.pictures(), strict=True):
-            assert raster.mismatches(expected) == 0

@@ -15,7 +15,6 @@ from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl import test_presets, test_variants
-from tests.support.engines import mismatches
 from tests.support.faults import switched_source
 from tests.support.planted import play_with
 from tests.support.random_frames import films, frame_of, random_tables, word
@@ -187,13 +186,18 @@ def test_faults_in_the_window_of_rows_are_noticed(monkeypatch):
     rng = np.random.default_rng(11)
     cases = (OVER, DOWN, FILMS, FEW, behind_the_sweep)
     jobs = {case: list(case(rng, config)) for case in cases}
+    expected = {case: [job.pictures() for job in made] for case, made in jobs.items()}
 
     def is_wrong(case, number):
         try:
             outcomes = play_with(number, jobs[case], built)
         except SimulationError:  # beats outside the frame, or none for too long
             return True
-        return any(map(mismatches, jobs[case], outcomes))
+        return any(
+            drawn.mismatches(picture)
+            for outcome, pictures in zip(outcomes, expected[case], strict=True)
+            for drawn, picture in zip(outcome.rasters, pictures, strict=True)
+        )
 
     assert [case.__name__ for case in jobs if is_wrong(case, 0)] == []
     numbered = enumerate(IN_THE_WINDOW.items(), 1)
