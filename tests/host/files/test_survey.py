@@ -207,6 +207,7 @@ def test_a_format_without_a_header_of_its_own_is_read(tmp_path, monkeypatch):
     for depth in ("quick", "header", "full"):
         facts = survey(place, depth)
         assert facts["points"] == COUNT
+        assert facts["format"] == "PLY"
         assert [field["name"] for field in facts["fields"]] == ["x", "y", "z", "q"]
         assert by_name(facts)["q"]["high"] == pytest.approx(QUALITY.max())
 
@@ -225,6 +226,12 @@ def test_the_progress_has_two_stages(tmp_path):
     place = put(tmp_path, "a.pcd", pcd(XYZ_PCD, SPHERE.T))
     survey(place, progress=lambda stage, share: told.append(stage))
     assert list(dict.fromkeys(told)) == ["read", "spacing"]
+
+
+def test_a_format_may_be_given(tmp_path):
+    place = put(tmp_path, "scan.dat", text(SPHERE))
+    assert survey(place, format="xyz")["points"] == COUNT
+    assert survey(place, "header", format="xyz")["format"].startswith("XYZ, text")
 
 
 def test_an_unknown_depth_is_refused():
