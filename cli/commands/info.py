@@ -35,8 +35,14 @@ COLUMNS = ("columns_used", "columns_ignored", "notes", "fields")
     flag_value="full",
     help="Read all values of a large file too, for the ranges of its fields, extent and spacing.",
 )
+@click.option(
+    "--format",
+    metavar="NAME",
+    show_default="by the name of CLOUD",
+    help="Format of CLOUD, as 'splatline render' takes it; '-' as CLOUD is the standard input.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def info(path: Path, depth: str | None, as_json: bool) -> None:
+def info(path: Path, depth: str | None, format: str | None, as_json: bool) -> None:
     """Describe a cloud or a frame: format, points, fields with ranges, extent, spacing.
 
     Values are read if that takes about a second: up to 256 MB of a binary file, 16 MB of a text or
@@ -55,11 +61,12 @@ def info(path: Path, depth: str | None, as_json: bool) -> None:
 
     # A frame may have any name, but its sidecar lies beside it.
     is_frame = (
-        path.is_file()
+        format is None
+        and path.is_file()
         and format_suffix(path) not in FORMATS
         and (path.suffix.lower() == ".frame" or sidecar_path(path).is_file())
     )
-    facts = _frame_facts(path) if is_frame else _cloud_facts(path, depth or "quick")
+    facts = _frame_facts(path) if is_frame else _cloud_facts(path, depth or "quick", format)
     if as_json:
         click.echo(json.dumps(facts, indent=2, allow_nan=False))
     elif is_frame:
@@ -82,13 +89,13 @@ def _frame_facts(path: Path) -> dict[str, Any]:
     return {**counts, **facts}
 
 
-def _cloud_facts(path: Path, depth: str) -> dict[str, Any]:
+def _cloud_facts(path: Path, depth: str, format: str | None) -> dict[str, Any]:
     """Return the facts of a cloud, in the file's own coordinates."""
     from splatline.host.files.survey import survey
 
     stages = {"read": f"Reading {path}", "spacing": f"Measuring the spacing of {path.name}"}
     with Stages().stages(stages) as tell:
-        return survey(path, depth, progress=tell)
+        return survey(path, depth, format=format, progress=tell)
 
 
 def _print_cloud(facts: dict[str, Any], title: str) -> None:

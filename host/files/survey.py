@@ -39,6 +39,7 @@ def survey(
     path: str | os.PathLike[str],
     depth: str = "quick",
     *,
+    format: str | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> dict[str, Any]:
     """Return what a cloud file holds, ready for JSON.
@@ -58,6 +59,8 @@ def survey(
     depth
         ``header``: the header alone. ``full``: the values too. ``quick``: the values if the file is
         small enough for about a second.
+    format
+        A format of ``read_cloud``, whatever the name is.
     progress
         Called now and then with a stage, ``read`` or ``spacing``, and the share that is done.
 
@@ -69,13 +72,14 @@ def survey(
     if depth not in DEPTHS:
         raise InputError(f"the depth must be one of {', '.join(DEPTHS)}, not {depth!r}")
     read = None if progress is None else functools.partial(progress, "read")
-    with open_cloud_file(Path(path), Wanted(ranges=True), read) as source:
+    with open_cloud_file(Path(path), Wanted(ranges=True), read, format) as source:
         listing = _listing(source)
         small = listing is None or source.size <= _limit(listing, source.suffix)
         if listing is None or depth == "full" or (depth == "quick" and small):
             columns = _columns(source)
             if progress is not None:
                 progress("spacing", 0.0)
+            listing = listing or Listing(source.suffix[1:].upper(), None, _types(columns))
             return {**_of_header(listing, columns), **_of_values(columns)}
         if listing.points is None:
             listing = replace(listing, points=_count_lines(source))
@@ -122,31 +126,33 @@ def _count_lines(source: Source) -> int:
     return lines + (last != b"\n")
 
 
-def _of_header(listing: Listing | None, columns: Columns | None) -> dict[str, Any]:
+def _types(columns: Columns) -> dict[str, str]:
+    """Return the columns that a reader named; their types are not known."""
+    return dict.fromkeys([*columns.used, *columns.ignored], "")
+
+
+def _of_header(listing: Listing, columns: Columns | None) -> dict[str, Any]:
     """Return the facts of the header, with what the columns are taken for and their ranges."""
-    used, ignored = ({}, ()) if listing is None else taken_for(listing)
-    ranges, types = {}, {} if listing is None else listing.types
-    if columns is not None:
-        used, ranges = columns.used, columns.ranges
-        ignored = columns.ignored
+    used, ignored = taken_for(listing) if columns is None else (columns.used, columns.ignored)
+    ranges = {} if columns is None else columns.ranges
     fields = []
-    for name in types or dict.fromkeys([*used, *ignored]):
+    for name, kind in listing.types.items():
         low, high, missing = ranges.get(name, (None, None, None))
         fields.append(
             {
                 "name": name,
-                "type": types.get(name),
+                "type": kind or None,
                 "low": low,
                 "high": high,
                 "not_finite": missing,
                 "used_as": used.get(name),
             }
         )
-    extent = None if listing is None else listing.extent
-    facts = {**({} if listing is None else listing.facts), **({} if not columns else columns.facts)}
+    extent = listing.extent
+    facts = {**listing.facts, **({} if columns is None else columns.facts)}
     return {
-        "format": None if listing is None else listing.form,
-        "points": None if listing is None else listing.points,
+        "format": listing.form,
+        "points": listing.points,
         **{name.replace(" ", "_"): fact for name, fact in facts.items()},
         "low": None if extent is None else list(extent[0]),
         "high": None if extent is None else list(extent[1]),

@@ -73,3 +73,10 @@ def test_bad_input_gets_one_line_and_code_2(run, folder, option, name):
     assert len(told) == 1
     assert told[0].startswith(f"splatline: {name}: ")
     assert not result.stdout
+
+
+def test_the_format_may_be_given(run, folder):
+    (folder / "points.dat").write_text("0 0 0\n1 0 0\n0 1 0\n")
+    assert "unknown format '.dat'" in run("info", "points.dat").stderr
+    facts = json.loads(run("info", "points.dat", "--format", "xyz", "--json").stdout)
+    assert (facts["points"], facts["high"]) == (3, [1.0, 1.0, 0.0])

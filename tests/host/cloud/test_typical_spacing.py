@@ -36,6 +36,12 @@ def test_a_large_cloud_is_measured_in_parts(monkeypatch, normals, scale):
     assert bare.two_sided.any() != normals
 
 
+@pytest.mark.parametrize("count", [300_000, 600_000])
+def test_parts_hold_the_same_number_of_points_whatever_the_cloud_has(count):
+    inside = int(typical_spacing._in_boxes(sphere(count)).sum())
+    assert 0.1 < inside / (typical_spacing.PARTS * typical_spacing.PART_POINTS) < 2.0
+
+
 @pytest.mark.parametrize("shape", ["one place", "line", "stray"])
 def test_odd_clouds_have_a_size(monkeypatch, shape):
     monkeypatch.setattr(typical_spacing, "LARGE", 1000)

@@ -145,6 +145,12 @@ def test_columns_without_names_are_numbered(tmp_path):
     assert survey(tmp_path / "a.npy", "header")["points"] == COUNT
 
 
+@pytest.mark.parametrize("end", ["", "\n"])
+def test_a_last_line_without_an_end_counts(tmp_path, end):
+    place = put(tmp_path, "a.xyz", text(SPHERE).rstrip("\n") + end)
+    assert survey(place, "header")["points"] == COUNT
+
+
 def test_the_count_of_a_pts_file_is_the_headers(tmp_path):
     place = put(tmp_path, "a.pts", f"{COUNT}\n" + text(SPHERE, INTENSITY, COLOURS))
     assert survey(place, "header")["points"] == survey(place)["points"] == COUNT
@@ -157,6 +163,12 @@ def test_words_in_a_column_that_is_not_used_are_no_error(tmp_path, row):
     assert facts["points"] == 9
     assert by_name(facts)["kind"]["low"] is None
     assert by_name(facts)["kind"]["type"] == ("words" if row == 0 else "number")
+
+
+def test_words_further_down_are_no_error_in_another_encoding(tmp_path):
+    lines = [f"{i},{i % 2},2,{'tree' if i == 5 else i}\n" for i in range(9)]
+    content = ("x,y,z,kind\n" + "".join(lines)).encode("utf-16")
+    assert survey(put(tmp_path, "a.csv", content))["points"] == 9
 
 
 def test_other_elements_of_a_mesh_are_told(tmp_path):
@@ -195,6 +207,7 @@ def test_a_format_without_a_header_of_its_own_is_read(tmp_path, monkeypatch):
     for depth in ("quick", "header", "full"):
         facts = survey(place, depth)
         assert facts["points"] == COUNT
+        assert facts["format"] == "PLY"
         assert [field["name"] for field in facts["fields"]] == ["x", "y", "z", "q"]
         assert by_name(facts)["q"]["high"] == pytest.approx(QUALITY.max())
 
@@ -213,6 +226,12 @@ def test_the_progress_has_two_stages(tmp_path):
     place = put(tmp_path, "a.pcd", pcd(XYZ_PCD, SPHERE.T))
     survey(place, progress=lambda stage, share: told.append(stage))
     assert list(dict.fromkeys(told)) == ["read", "spacing"]
+
+
+def test_a_format_may_be_given(tmp_path):
+    place = put(tmp_path, "scan.dat", text(SPHERE))
+    assert survey(place, format="xyz")["points"] == COUNT
+    assert survey(place, "header", format="xyz")["format"].startswith("XYZ, text")
 
 
 def test_an_unknown_depth_is_refused():
