@@ -90,7 +90,7 @@ def test_the_first_frame_after_a_short_reset_is_right(config, edges):
 
 
 @in_icarus
-@pytest.mark.parametrize("config, part", FAULTS, ids=["tiles", "blocks"])
+@pytest.mark.parametrize("config, part", FAULTS, ids=["tiles", "planes", "blocks"])
 def test_undefined_values_that_reach_a_lane_are_noticed(config, part):
     """Without a fault none reaches one. A choice by a known value passes on no other's."""
     wrong = [
