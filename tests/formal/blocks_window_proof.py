@@ -348,8 +348,6 @@ PROOFS = [
         0,
         14,
         Fault("no depth test", PlaneLaneRow, r"difference\[-1\] & ", "", "_test"),
-        Fault("as it was read", PlaneLaneRow, r"forwarded, old", "old, old", "_test"),
-        Fault("over what is nearer", PlaneLaneRow, r"there & behind", "0", "_meet"),
         Fault("another line's share", window, r"block\.lines\[q\]", "block.lines[0]",
               "request_pixels"),
         Fault("columns of the block after", BlockWindow, r"m\.d\.sync \+= (columns\.eq)",

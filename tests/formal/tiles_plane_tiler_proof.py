@@ -106,10 +106,8 @@ PROOFS = [
             Fault("nothing beyond", PlaneDepths, r" & ~beyond", "", "_sum"),
             Fault("beyond before depth 0", PlaneDepths, r" & ~total\[-1\]", "", "_sum"),
             Fault("no overlap", PlaneDepths, r"overlap\(m, tile, given\)", "0"),
-            Fault("a stall forgotten", PlaneDepths, r" & valid & self\.o\.ready", ""),
             Fault("the top of the tile after", PlaneDepths, r"payload\.top\.eq\(top\)",
                   "payload.top.eq(tile.top)"),
-            Fault("the next frame goes early", PlaneTiler, r"eq\(depths\.ending\)", "eq(0)"),
         ),
     )
 ]  # fmt: skip

@@ -163,14 +163,4 @@ PROOFS = [
               "_connect_lanes"),
         config=TINY_PLANE,
     ),
-    plan(
-        "window of tiles, planes, further",
-        "the same, until a tile that stands still shows",
-        0,
-        16,
-        Fault("drawn as it stands still", TileWindow, r"m\.Elif\(running\)", "m.Else()",
-              "_draw_depth"),
-        config=TINY_PLANE,
-        long=True,
-    ),
 ]  # fmt: skip
