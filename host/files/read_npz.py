@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from typing import IO, Any
+from typing import IO, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -73,10 +73,43 @@ def read_npz(source: Source) -> Columns:
         if any(lengths[name] != count for name in meaning.positions):
             raise InputError("has arrays x, y and z of different lengths")
         table = {}
+        told = _Told(source, sum(members[name].file_size for name in meaning.names))
         for name in meaning.names:
             with archive.open(members[name]) as stream:
-                table[name] = npy.read_array(stream, allow_pickle=False)
+                table[name] = npy.read_array(told.of(stream), allow_pickle=False)
     return gather(table, meaning)
+
+
+class _Told:
+    """Tells the share of an archive's arrays that is read.
+
+    Parameters
+    ----------
+    source
+        The file.
+    size
+        Bytes of the arrays, unpacked.
+    """
+
+    def __init__(self, source: Source, size: int) -> None:
+        self._progress = source.progress
+        self._size = max(size, 1)
+        self._read = 0
+        self._stream: IO[bytes] | None = None
+
+    def of(self, stream: IO[bytes]) -> IO[bytes]:
+        """Return a stream that can be read as the one that is given, piece by piece."""
+        self._stream = stream
+        return cast(IO[bytes], self)
+
+    def read(self, size: int = -1) -> bytes:
+        """Return the next bytes, and tell the share."""
+        assert self._stream is not None
+        data = self._stream.read(size)
+        self._read += len(data)
+        if self._progress is not None:
+            self._progress(min(self._read / self._size, 1.0))
+        return data
 
 
 def array_shapes(

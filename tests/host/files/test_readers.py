@@ -295,6 +295,23 @@ def test_the_share_of_a_binary_file_that_is_read_rises_to_all(tmp_path, monkeypa
     assert len(set(told)) >= 5
 
 
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_the_share_of_an_archive_that_is_read_rises_to_all(tmp_path, save):
+    positions = np.random.default_rng(3).normal(size=(50_000, 3))
+    save(tmp_path / "a.npz", positions=positions, normals=positions)
+    told = []
+
+    def tell(stage, share):
+        if stage == "read":
+            told.append(share)
+
+    read = read_cloud(tmp_path / "a.npz", progress=tell)
+    assert np.allclose(read.positions + read.origin, positions)
+    assert told == sorted(told)
+    assert len(set(told)) >= 8
+    assert told[-1] == 1.0
+
+
 def test_a_cloud_with_normals_has_no_stage_for_them(tmp_path):
     told = []
     read_cloud(write_ply(tmp_path / "a.ply"), progress=lambda *what: told.append(what))
