@@ -82,7 +82,7 @@ def bins_of_row(splats: Splats, view: View, grid: Grid, number: int) -> list[Bin
 
 def _bits(data: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     """Return splats as integers, which are copied as they are: shape (slots, 4)."""
-    return data.view(np.int64).reshape(len(data), -1)
+    return data.view(np.int64).reshape(len(data), SPLAT.itemsize // 8)
 
 
 @nb.njit(inline="always", error_model="numpy")
@@ -135,7 +135,14 @@ def _count(floats: Any, starts: Any, stops: Any, camera: Any, row: Any, counts: 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
 def _fill(
-    floats: Any, bits: Any, chunks: Any, camera: Any, row: Any, following: Any, data: Any, slots: Any
+    floats: Any,
+    bits: Any,
+    chunks: Any,
+    camera: Any,
+    row: Any,
+    following: Any,
+    data: Any,
+    slots: Any,
 ) -> None:
     """Copy the splats of each tile and chunk to their places.
 
