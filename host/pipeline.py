@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,15 @@ from splatline.host.visibility.view import View
 from .sample_positions import SAMPLES
 from .stages import Stopwatch, draw_up, indexed
 
-__all__ = ["make_frame", "make_frames", "total_counts"]
+__all__ = [
+    "check_request",
+    "check_size",
+    "make_frame",
+    "make_frames",
+    "nothing_in_view",
+    "sample_views",
+    "total_counts",
+]
 
 INDEX_FRAMES = 16
 """Frames that take about as long as palette and index of a large cloud."""
@@ -118,7 +126,8 @@ def make_frames(
         or not finite.
     """
     chosen = check_skips(skips)
-    _check_request(samples, view, config, quality, shapes, chosen)
+    check_size(view.width, view.height, config)
+    check_request(samples, config, quality, shapes, chosen)
     clock = Stopwatch()
     index = indexed(cloud, radii, thin, materials, config, clock)
     draw = functools.partial(
@@ -131,20 +140,14 @@ def make_frames(
     return found
 
 
-def _check_request(
-    samples: int,
-    view: View,
-    config: EngineConfig,
-    quality: str,
-    shapes: str,
-    skips: frozenset[str],
+def check_request(
+    samples: int, config: EngineConfig, quality: str, shapes: str, skips: frozenset[str]
 ) -> None:
-    """Raise ``InputError`` if an option has no such value, or the image is too large."""
+    """Raise ``InputError`` if an option has no such value, or does not go with another."""
     if samples not in SAMPLES:
         raise InputError(
             f"no pattern of {samples} samples; there are: {', '.join(map(str, SAMPLES))}"
         )
-    check_size(view.width, view.height, config)
     if quality not in QUALITIES:
         raise InputError(f"no quality named {quality!r}; there are: {', '.join(QUALITIES)}")
     if config.plane and quality == "paper":
@@ -193,19 +196,25 @@ def _frames_of_samples(
     """
     found: list[Frame] = []
     limits = depth_range
-    for number, (right, down) in enumerate(SAMPLES[samples]):
-        shift = view.shift[0] - right / 16.0, view.shift[1] - down / 16.0
-        frame = draw(
-            dataclasses.replace(view, shift=shift),
-            skips,
-            depth_range=limits,
-            rounding=(number + 0.5) / samples,
-        )
+    for shifted, rounding in sample_views(view, samples):
+        frame = draw(shifted, skips, depth_range=limits, rounding=rounding)
         if limits is None and frame.counts["elements"]:
             limits = tuple(frame.counts["depth_range"])
         found.append(frame)
         tell(len(found))
     return found
+
+
+def sample_views(view: View, samples: int) -> list[tuple[View, float]]:
+    """Return the view of each sample of a pixel, and the rounding offset of its colours."""
+    shifts = [
+        (view.shift[0] - right / 16.0, view.shift[1] - down / 16.0)
+        for right, down in SAMPLES[samples]
+    ]
+    return [
+        (dataclasses.replace(view, shift=shift), (number + 0.5) / samples)
+        for number, shift in enumerate(shifts)
+    ]
 
 
 def _with_something(
@@ -236,10 +245,15 @@ def _with_something(
     if culled["no_pixel"] and "no_pixel" in skips:
         # A picture of one pixel a point is better than an empty one.
         return _with_something(frames, skips - {"no_pixel"}, index)
-    raise InputError(
-        f"nothing of {index.cloud.name} is in view: of {len(index)} points, "
-        + ", ".join(f"{count // len(found)} {reason}" for reason, count in culled.items() if count)
-        + "; change the view"
+    raise nothing_in_view(index, culled, len(found))
+
+
+def nothing_in_view(index: Index, culled: Mapping[str, int], samples: int) -> InputError:
+    """Return the error of a picture that shows nothing; ``culled`` is summed over the samples."""
+    reasons = ", ".join(f"{count // samples} {why}" for why, count in culled.items() if count)
+    return InputError(
+        f"nothing of {index.cloud.name} is in view: of {len(index)} points, {reasons};"
+        " change the view"
     )
 
 

@@ -22,9 +22,10 @@ from splatline.host.shading.shade import SHADE_LEVELS, shade_bits
 from splatline.host.visibility.block_index import Index, build_index
 from splatline.host.visibility.depth_extent import depth_extent
 from splatline.host.visibility.project import project
+from splatline.host.visibility.splats import Splats
 from splatline.host.visibility.view import View
 
-__all__ = ["Stopwatch", "draw_up", "indexed"]
+__all__ = ["Stopwatch", "draw_up", "indexed", "splats_of", "useful_skips"]
 
 
 def draw_up(
@@ -51,17 +52,9 @@ def draw_up(
     clock = Stopwatch()
     lighting = lighting or Lighting()
     tables = material_tables(index.materials, lighting, config, rounding)
-    shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
+    useful = useful_skips(chosen, quality)
     clock.lap("tables")
-    # The symmetric shapes always have a pixel.
-    useful = chosen - {"no_pixel", "overdrawn"} if quality == "paper" else chosen
-    splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
-    if depth_range is not None:
-        splats = dataclasses.replace(splats, depth_range=_check_range(depth_range))
-    elif config.plane:  # each pixel has its own depth, and beyond the range none
-        splats = dataclasses.replace(
-            splats, depth_range=depth_extent(splats, view, config.background_depth - 1)
-        )
+    splats = splats_of(index, view, useful, lighting, config, quality, depth_range)
     clock.lap("project")
     encoded = encode(
         splats,
@@ -93,6 +86,39 @@ def draw_up(
         "seconds": clock.laps,
     }
     return Frame(stream, tables, view.width, view.height, config, counts)
+
+
+def useful_skips(chosen: frozenset[str], quality: str) -> frozenset[str]:
+    """Return the skips that a quality has a use for: the symmetric shapes always have a pixel."""
+    return chosen - {"no_pixel", "overdrawn"} if quality == "paper" else chosen
+
+
+def splats_of(
+    index: Index,
+    view: View,
+    useful: frozenset[str],
+    lighting: Lighting,
+    config: EngineConfig,
+    quality: str,
+    depth_range: tuple[float, float] | None,
+) -> Splats:
+    """Return the splats of a view, with their depth range.
+
+    Parameters
+    ----------
+    useful
+        The skips; see :func:`useful_skips`.
+    depth_range
+        See :func:`make_frames`.
+    """
+    shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
+    splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
+    if depth_range is not None:
+        return dataclasses.replace(splats, depth_range=_check_range(depth_range))
+    if config.plane:  # each pixel has its own depth, and beyond the range none
+        extent = depth_extent(splats, view, config.background_depth - 1)
+        return dataclasses.replace(splats, depth_range=extent)
+    return splats
 
 
 def indexed(

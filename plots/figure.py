@@ -14,7 +14,15 @@ from splatline.host.files.atomic_write import atomic_write
 from splatline.sim.golden.multisample import Drawn, mismatches
 from splatline.sim.reference.reference import Reference
 
-__all__ = ["BACKGROUND", "GAIN", "picture_set", "save_depth", "save_rgb"]
+__all__ = [
+    "BACKGROUND",
+    "GAIN",
+    "depth_levels",
+    "picture_set",
+    "rgb_levels",
+    "save_depth",
+    "save_rgb",
+]
 
 _Floats = npt.NDArray[np.float64]
 
@@ -43,8 +51,7 @@ def save_rgb(path: str | Path, rgb: npt.ArrayLike) -> None:
     InputError
         If the file cannot be written.
     """
-    levels = np.rint(np.clip(np.asarray(rgb, np.float64), 0.0, 1.0) * 255.0)
-    _save(path, levels.astype(np.uint8))
+    _save(path, rgb_levels(rgb))
 
 
 def save_depth(path: str | Path, raster: Drawn) -> None:
@@ -65,9 +72,20 @@ def save_depth(path: str | Path, raster: Drawn) -> None:
     InputError
         If the file cannot be written.
     """
+    _save(path, depth_levels(raster))
+
+
+def rgb_levels(rgb: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+    """Return a picture's levels, as :func:`save_rgb` writes them."""
+    levels = np.rint(np.clip(np.asarray(rgb, np.float64), 0.0, 1.0) * 255.0)
+    return levels.astype(np.uint8)
+
+
+def depth_levels(raster: Drawn) -> npt.NDArray[np.uint16]:
+    """Return the levels of a raster's depth, as :func:`save_depth` writes them."""
     background = raster.config.background_depth
     nearness = background - raster.depth.astype(np.float64)
-    _save(path, np.rint(nearness * (65535.0 / background)).astype(np.uint16))
+    return np.rint(nearness * (65535.0 / background)).astype(np.uint16)
 
 
 def picture_set(

@@ -139,4 +139,4 @@ def play(
     files = [str(path) for path in (output, depth, stats) if path is not None]
     print_statistics(numbers, title=str(frame), files=files)
     if drawing.mismatched_pixels:
-        fail_mismatch(context, drawing)
+        fail_mismatch(context, drawing.mismatched_pixels)

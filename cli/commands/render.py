@@ -24,6 +24,8 @@ from splatline.cli.report.statistics import drawing_statistics
 from splatline.contract.errors import InputError
 from splatline.host.sample_positions import SAMPLES
 
+from .render_tiles import TileOptions, fits_engine, refuse_with_tiles, render_tiles
+
 if TYPE_CHECKING:
     from splatline.sim.reference.reference import Reference
 
@@ -99,6 +101,7 @@ def render(
       splatline render part.stl --sample 1000000           points on the faces of a mesh
       splatline render - --format ply -o scan.png          from another program
       splatline render scan.ply --samples 4                smooth edges, four frames
+      splatline render scan.ply --size 16384x16384         a poster: drawn in tiles, no seams
       splatline render scan.ply --up z --colour height --map turbo
       splatline render scan.ply --colour intensity --map magma --range 0,4000
       splatline render scan.ply --colour classification    ground brown, buildings red ...
@@ -115,6 +118,11 @@ def render(
     check_files((output, depth, stats, numbers_of_set), inputs=request.paths)
 
     stages = Stages()
+    if not fits_engine(request):
+        options = TileOptions(int(samples), engine, stall, seed, background, output, depth, stats)
+        refuse_with_tiles(request, engine, engines, reference or out_dir is not None)
+        render_tiles(context, request, options, stages)
+        return
     prepared = prepare(request, stages, int(samples))
     if prepared.cloud is None and (reference or out_dir is not None):
         raise InputError("the exact reference is drawn of a cloud that fits the memory alone")
@@ -152,7 +160,7 @@ def render(
 
     print_statistics(numbers, title=request.name, files=files)
     if drawing.mismatched_pixels:
-        fail_mismatch(context, drawing)
+        fail_mismatch(context, drawing.mismatched_pixels)
 
 
 def _measure(

@@ -21,7 +21,14 @@ if TYPE_CHECKING:
     from splatline.sim.cosim.player.jobs import Outcome
     from splatline.sim.golden.multisample import Drawn
 
-__all__ = ["Drawing", "background_option", "draw", "engine_options", "fail_mismatch"]
+__all__ = [
+    "Drawing",
+    "background_option",
+    "draw",
+    "engine_options",
+    "fail_mismatch",
+    "simulate_all",
+]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -191,6 +198,16 @@ def _simulate(frame: Frame, stall: float, seed: int, share: Callable[[float], No
         return simulate_frame(frame, stall=stall, seed=seed, progress=share)
 
 
+def simulate_all(frames: Sequence[Frame], stall: float, seed: int) -> list[Outcome]:
+    """Simulate the Verilog of an engine for some frames, each alone, in one run."""
+    if not frames:
+        return []
+    with _simulation_errors():
+        from splatline.sim.cosim.player.frames import simulate_frames
+
+        return simulate_frames(frames, stall=stall, seed=seed)
+
+
 def _simulate_on_buses(
     frame: Frame, stall: float, seed: int, share: Callable[[float], None]
 ) -> Outcome:
@@ -215,11 +232,10 @@ def _simulation_errors() -> Iterator[None]:
         raise ToolFailure(str(error)) from error
 
 
-def fail_mismatch(context: click.Context, drawing: Drawing) -> NoReturn:
-    """Report that Verilog and golden differ, and exit with code 1."""
+def fail_mismatch(context: click.Context, pixels: int) -> NoReturn:
+    """Report that Verilog and golden differ at some pixels, and exit with code 1."""
     click.echo(
-        f"splatline: {drawing.mismatched_pixels:,} pixels of the Verilog's picture differ from the"
-        " golden renderer's",
+        f"splatline: {pixels:,} pixels of the Verilog's picture differ from the golden renderer's",
         err=True,
     )
     context.exit(1)

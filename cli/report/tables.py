@@ -54,6 +54,8 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
         facts.append(
             ("code words", f"{stats['codewords']:,}, of them {stats['control_words']:,} control")
         )
+    if "words_twice" in stats:
+        facts.append(("sent again", f"{stats['words_twice']:,}, as they reach into another tile"))
     if "bits_sent" in stats:
         sent = [f"{bits:,} ({name})" for name, bits in stats["bits_sent"].items()]
         facts.append(("bits sent", ", ".join(sent)))

@@ -58,7 +58,7 @@ def encode_compact(
     column, line, diameter, shape, table, slopes, common, at, to
         See ``encode_symmetric``; the table is for the plain words.
     """
-    width, height = to[2], to[3]
+    width, height = to.width, to.height
     size = math.ceil(min(diameter, 2.0 * LARGEST))
     x, y = corner(column), corner(line)
     level_x, level_y = shape

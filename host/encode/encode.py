@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.config import ROWS, EngineConfig
+from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.host.shading.normal_levels import level_slopes
 from splatline.host.visibility.occlusion import cover, new_pyramid
@@ -17,7 +17,8 @@ from splatline.host.visibility.view import View
 from .encode_planes import encode_planes
 from .quality import DEFAULT_QUALITY, QUALITIES
 from .shape_table import shape_table
-from .splat_loop import Fixed, Occluders, Slots, encode_splats, measure_room
+from .splat_loop import Fixed, Occluders, Shapes, Slots, encode_splats, measure_room
+from .tile import Target, Tile, whole_image
 
 __all__ = ["Encoded", "encode"]
 
@@ -77,6 +78,8 @@ def encode(
     nearest_pixel: bool = False,
     skip_hidden: bool = False,
     compact: bool = False,
+    tile: Tile | None = None,
+    marks: npt.NDArray[np.uint8] | None = None,
 ) -> Encoded:
     """Return the code words that draw splats.
 
@@ -101,34 +104,40 @@ def encode(
         Leave out splats that are wholly behind others; no pixel changes. Not with compact words,
         whose rows are unknown here.
     compact
-        Write the symmetric shapes that the engine's ROM holds as compact words.
+        Write the symmetric shapes that the engine's ROM holds as compact words; not in tiles.
+    tile
+        The part of the image whose words are wanted; columns and lines of the words are those of
+        its frame. None: the whole image.
+    marks
+        Set for each slot of ``splats`` that has a word (1) or is hidden (2): shape (slots,), uint8.
+        None: not asked for.
     """
+    size = view.width, view.height
+    tile = tile or whole_image(*size)
+    marks = np.empty(0, np.uint8) if marks is None else marks
     if config.plane:
-        fixed = _fixed(splats, view, config, "exact", nearest_pixel, False)
-        return _encoded(*encode_planes(splats, fixed, config, skip_hidden, WAVES))
-    fixed = _fixed(splats, view, config, quality, nearest_pixel, compact)
+        fixed = _fixed(splats, view, config, "exact", nearest_pixel)
+        return _encoded(
+            *encode_planes(splats, fixed, size, tile, config, skip_hidden, WAVES, marks)
+        )
+    fixed = _fixed(splats, view, config, quality, nearest_pixel)
+    shapes = Shapes(shape_table(), level_slopes(), config.largest_shape if compact else 0)
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)
     source = (*splats.views(), splats.starts, splats.stops)
-    measure_room(source, fixed, room)
+    measure_room(source, fixed, size, tile.size, room)
     starts = np.concatenate([[0], np.cumsum(room)])
     words = np.empty(starts[-1], np.uint64)
     lines = np.empty(starts[-1], np.int16)
-    slots = Slots(
-        starts=starts[:-1],
-        stops=np.empty(chunks, np.int64),
-        counts=np.zeros((chunks, view.height + ROWS), np.int32),
-        elements=np.empty(chunks, np.int64),
-        hidden=np.zeros(chunks, np.int64),
-    )
-    size = view.width, view.height
-    to = (words, lines, *size, config.x.lsb, config.z.lsb, config.background_depth - 1)
-    pyramid = new_pyramid(*size, config) if skip_hidden else NOTHING
+    slots = Slots.of(starts[:-1], tile, marks)
+    positions = config.x.lsb, config.z.lsb, config.background_depth - 1
+    to = Target(words, lines, *size, *tile, *positions)
+    pyramid = new_pyramid(*tile.size, config) if skip_hidden else NOTHING
     occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
     # Chunks that may hide others go first. Later chunks know what they hide.
     nearest = np.argsort(splats.nearest, kind="stable")
     for wave in np.array_split(nearest, WAVES) if skip_hidden else [nearest]:
-        encode_splats(wave, source, fixed, to, occluders, slots)
+        encode_splats(wave, source, fixed, shapes, to, occluders, slots)
         if skip_hidden:
             cover(pyramid, words, lines, starts[wave], slots.stops[wave], config)
     return _encoded(words, lines, slots)
@@ -153,24 +162,18 @@ def _fixed(
     config: EngineConfig,
     quality: str,
     nearest_pixel: bool,
-    compact: bool,
 ) -> Fixed:
     """Return the values that all splats of a frame share; see :func:`encode`."""
     low, high = splats.depth_range
     middle_x, middle_y = view.middle
     return Fixed(
-        table=shape_table(),
-        levels=level_slopes(),
         quality=list(QUALITIES).index(quality),
-        width=view.width,
-        height=view.height,
         inverse_focal=1.0 / view.focal,
         low=low,
         inverse_span=_inverse(high - low),
         nearest_pixel=nearest_pixel,
         look_lsb=config.diffuse.lsb,
         near=view.near,
-        largest_compact=config.largest_shape if compact else 0,
         middle_x=middle_x,
         middle_y=middle_y,
     )

@@ -4,19 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from splatline.contract.config import ROWS, EngineConfig
+from splatline.contract.config import EngineConfig
 from splatline.host.visibility.occlusion import cover_planes, new_pyramid
 from splatline.host.visibility.splats import Splats
 
 from .plane_loop import encode_plane_splats
 from .plane_words import layout_of
 from .splat_loop import Fixed, Occluders, Slots, measure_room
+from .tile import Target, Tile
 
 __all__ = ["encode_planes"]
 
 
 def encode_planes(
-    splats: Splats, fixed: Fixed, config: EngineConfig, skip_hidden: bool, waves: int
+    splats: Splats,
+    fixed: Fixed,
+    size: tuple[int, int],
+    tile: Tile,
+    config: EngineConfig,
+    skip_hidden: bool,
+    waves: int,
+    marks: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, Slots]:
     """Return the plane words of splats: words, lines and slots.
 
@@ -25,12 +33,16 @@ def encode_planes(
 
     Parameters
     ----------
-    splats, config, skip_hidden
+    splats, tile, config, skip_hidden
         See :func:`splatline.host.encode.encode.encode`.
     fixed
         What all splats share, with the quality ``exact``.
+    size
+        Width and height of the whole image.
     waves
         Parts that are encoded one after the other if each may hide the next.
+    marks
+        See :class:`splatline.host.encode.splat_loop.Slots`.
 
     Returns
     -------
@@ -44,20 +56,14 @@ def encode_planes(
     chunks = len(splats.starts)
     room = np.empty(chunks, np.int64)
     source = (*splats.views(), splats.starts, splats.stops)
-    measure_room(source, fixed, room)
+    measure_room(source, fixed, size, tile.size, room)
     starts = np.concatenate([[0], np.cumsum(room)])
     words = np.empty((starts[-1], 2), np.uint64)
     lines = np.empty(starts[-1], np.int16)
-    slots = Slots(
-        starts=starts[:-1],
-        stops=np.empty(chunks, np.int64),
-        counts=np.zeros((chunks, fixed.height + ROWS), np.int32),
-        elements=np.empty(chunks, np.int64),
-        hidden=np.zeros(chunks, np.int64),
-    )
-    to = words.view(np.int64), lines, fixed.width, fixed.height
-    size = (fixed.width, fixed.height) if skip_hidden else (1, 1)
-    pyramid = new_pyramid(*size, config)
+    slots = Slots.of(starts[:-1], tile, marks)
+    positions = config.x.lsb, config.z.lsb, config.background_depth - 1
+    to = Target(words.view(np.int64), lines, *size, *tile, *positions)
+    pyramid = new_pyramid(*(tile.size if skip_hidden else (1, 1)), config)
     occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
     nearest = np.argsort(splats.nearest, kind="stable")
     layout = layout_of(config)

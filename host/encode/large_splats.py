@@ -11,9 +11,19 @@ from splatline.contract.config import BLOCK, ROWS
 
 from .ellipse import CLOSED, extent, row_code, span
 from .shape_table import EMPTY_SCANS
+from .tile import first_column_of, first_line_of, first_part
 from .write_words import put, quantised_depth
 
-__all__ = ["STEEP", "cut", "encode_fractions", "fraction_of", "fraction_size", "row_of"]
+__all__ = [
+    "STEEP",
+    "covers_some",
+    "cut",
+    "encode_fractions",
+    "fraction_of",
+    "fraction_size",
+    "lines_of",
+    "row_of",
+]
 
 STEEP = 3.0 / 512.0
 """Share of the depth range from corner to corner beyond which ``exact`` halves a fraction, whose
@@ -78,6 +88,8 @@ def encode_fractions(
 ) -> int:
     """Write a splat's fractions; see :mod:`splatline.host.encode.write_words` for ``at``, ``to``.
 
+    The splat is cut as in the whole image. Parts beside the tile are not looked at.
+
     Each fraction has the depth of the disc's plane at the mean position of its pixels. All
     fractions are about equally large, so that no pixel is far from that position.
 
@@ -93,14 +105,14 @@ def encode_fractions(
     common
         The words' bits that do not depend on the position.
     """
-    width, height, z_lsb, largest = to[2], to[3], to[5], to[6]
-    is_open = plane[7] >= CLOSED
-    top, bottom = extent(line, form[0] / form[3] * square)
-    top, bottom = (0, height - 1) if is_open else (max(top, 0), min(bottom, height - 1))
+    width, z_lsb, largest = to.width, to.z_lsb, to.largest
+    top, bottom = lines_of(line, square, form, plane, to.height)
     change = plane[4] * plane[6]
     columns, lines = fraction_size(plane[2] * change, plane[3] * change, plane[9])
     first_line, lines = cut(top, bottom, lines, plane[3])
-    for uncut_line in range(first_line, bottom + 1, lines):
+    for uncut_line in range(
+        first_part(first_line, lines, first_line_of(to)), min(bottom + 1, to.bottom), lines
+    ):
         begin_line = max(uncut_line, top)
         rows = min(bottom + 1, uncut_line + lines) - begin_line
         left, right = width, -1
@@ -109,7 +121,9 @@ def encode_fractions(
             if first <= last:
                 left, right = min(left, first), max(right, last)
         first_column, wide = cut(left, right, columns, plane[2])
-        for uncut in range(first_column, right + 1, wide):
+        for uncut in range(
+            first_part(first_column, wide, first_column_of(to)), min(right + 1, to.right), wide
+        ):
             begin, end = max(uncut, left), min(uncut + wide, right + 1)
             scans, x, y = fraction_of(
                 begin, end, begin_line, rows, (column, line, square, form), plane, width
@@ -121,6 +135,36 @@ def encode_fractions(
                 z = quantised_depth((distance - plane[5]) * plane[6], largest)
                 at = put(common | z << z_lsb, scans, begin, begin_line, at, to)
     return at
+
+
+@nb.njit(inline="always", error_model="numpy")
+def lines_of(line: float, square: float, form: Any, plane: Any, height: int) -> tuple[int, int]:
+    """Return the first and last line of the image on which a splat may have pixels."""
+    if plane[7] >= CLOSED:
+        return 0, height - 1
+    top, bottom = extent(line, form[0] / form[3] * square)
+    return max(top, 0), min(bottom, height - 1)
+
+
+@nb.njit(error_model="numpy")
+def covers_some(
+    column: float, line: float, square: float, form: Any, plane: Any, width: int, height: int
+) -> bool:
+    """Return whether a splat covers the centre of any pixel of the whole image.
+
+    Parameters
+    ----------
+    column, line, square, form, plane
+        As for :func:`encode_fractions`.
+    width, height
+        Of the image.
+    """
+    top, bottom = lines_of(line, square, form, plane, height)
+    for row in range(top, bottom + 1):
+        first, last = row_of(row, column, line, square, form, plane, width)
+        if first <= last:
+            return True
+    return False
 
 
 @nb.njit(error_model="numpy")

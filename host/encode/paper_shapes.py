@@ -11,6 +11,7 @@ from splatline.contract.config import BLOCK, ROWS
 from splatline.host.visibility.view import LARGEST
 
 from .shape_table import SIZES, row_span
+from .tile import first_column_of, first_line_of, first_part
 from .write_words import ONE_PIXEL, corner, half_turn, put_block, write_fraction
 
 __all__ = ["encode_symmetric"]
@@ -71,8 +72,9 @@ def encode_symmetric(
             at = write_fraction(scans, x + dx, y - 2 * ROWS + dy, common, at, to)
             at = write_fraction(half_turn(scans), x + BLOCK - dx, y + ROWS - dy, common, at, to)
         return at
-    end = _encode_large(x, y, 0.5 * size, slopes[level_x], slopes[level_y], common, at, to)
-    if end == at:  # so thin that it covers no pixel's centre
+    slope_x, slope_y = slopes[level_x], slopes[level_y]
+    end = _encode_large(x, y, 0.5 * size, slope_x, slope_y, common, at, to)
+    if end == at and not _covers_some(x, y, 0.5 * size, slope_x, slope_y, to.width, to.height):
         return write_fraction(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)
     return end
 
@@ -82,19 +84,15 @@ def _encode_large(
     x: int, y: int, radius: float, slope_x: float, slope_y: float, common: int, at: int, to: Any
 ) -> int:
     """Write the fractions of an ellipse of any size about the pixel corner (x, y)."""
-    width, height = to[2], to[3]
-    # Only the blocks that reach into the image, however large the ellipse is.
-    blocks = math.ceil(min(radius, 4.0 * (abs(y) + height)) / ROWS)
-    begin_block = max(-blocks, -(y // ROWS) - 1)
-    end_block = min(blocks, (height - y) // ROWS + 1)
+    width, height = to.width, to.height
+    begin_block, end_block = _blocks(y, radius, first_line_of(to), to.bottom, height)
     for block in range(begin_block, end_block):
         top = y + ROWS * block
-        if top >= height or top + ROWS <= 0:
-            continue
         left, right = _block_extent(block, radius, slope_x, slope_y)
         first_column = max(x + left, 0)
         last_column = min(x + right, width - 1)
-        for begin in range(first_column, last_column + 1, BLOCK):
+        first_begin = first_part(first_column, BLOCK, first_column_of(to))
+        for begin in range(first_begin, min(last_column + 1, to.right), BLOCK):
             scans = 0
             for row in range(ROWS):
                 a, b = _row_pixels(block, row, radius, slope_x, slope_y)
@@ -104,6 +102,42 @@ def _encode_large(
                 scans |= ((first | last << 3) if filled else 1) << 6 * row
             at = write_fraction(scans, begin, top, common, at, to)
     return at
+
+
+@nb.njit(inline="always")
+def _blocks(y: int, radius: float, top: int, bottom: int, height: int) -> tuple[int, int]:
+    """Return the first block of four lines that reaches lines of the image, and the one behind.
+
+    Parameters
+    ----------
+    y, radius
+        Of the ellipse.
+    top, bottom
+        First line, and the line behind the last.
+    height
+        Of the image.
+    """
+    # However large the ellipse is.
+    blocks = math.ceil(min(radius, 4.0 * (abs(y) + height)) / ROWS)
+    return max(-blocks, (top - y) // ROWS), min(blocks, -((y - bottom) // ROWS))
+
+
+@nb.njit
+def _covers_some(
+    x: int, y: int, radius: float, slope_x: float, slope_y: float, width: int, height: int
+) -> bool:
+    """Return whether an ellipse covers the centre of any pixel of the whole image.
+
+    If it does not, it is so thin that no line of pixels' centres meets it, or lies outside.
+    """
+    begin_block, end_block = _blocks(y, radius, 0, height, height)
+    for block in range(begin_block, end_block):
+        for row in range(ROWS):
+            if 0 <= y + ROWS * block + row < height:
+                left, right = _row_pixels(block, row, radius, slope_x, slope_y)
+                if max(x + left, 0) <= min(x + right, width - 1):
+                    return True
+    return False
 
 
 @nb.njit

@@ -14,12 +14,13 @@ from splatline.host.visibility.occlusion import is_hidden
 from splatline.host.visibility.splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 from splatline.host.visibility.view import LARGEST
 
-from .ellipse import CLOSED, extent, in_perspective, one_fraction
-from .large_splats import cut, fraction_of, row_of
+from .ellipse import CLOSED, in_perspective, one_fraction
+from .large_splats import covers_some, cut, fraction_of, lines_of, row_of
 from .plane_block import TRUE_ROWS, encode_block
 from .plane_words import plane_bits, put_plane
 from .shape_table import EMPTY_SCANS
-from .splat_loop import own_pixel
+from .splat_loop import DRAWN, HIDDEN, own_pixel
+from .tile import first_column_of, first_line_of, first_part
 from .write_words import ONE_PIXEL, quantised_depth
 
 __all__ = ["encode_plane_splats"]
@@ -42,12 +43,14 @@ def encode_plane_splats(
     layout
         See :class:`splatline.host.encode.plane_words.Layout`.
     to
-        Words, shape (slots, 2), int64; lines; width and height of the image.
+        Where words go; see :class:`splatline.host.encode.tile.Target`.
     """
     floats, bits, doubles, begins, ends = source
-    lines, width, height = to[1], to[2], to[3]
+    lines, width, height = to.lines, to.width, to.height
+    origin = to.origin_x, to.origin_y
     skip_hidden, bound, coarse = occluders
-    starts, stops, counts, elements, hidden = slots
+    starts, stops, counts, elements, hidden, marks = slots
+    marked = len(marks) > 0
     inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
     nearest_pixel, middle_x, middle_y = fixed.nearest_pixel, fixed.middle_x, fixed.middle_y
     for number in nb.prange(len(wave)):
@@ -72,8 +75,14 @@ def encode_plane_splats(
                 distance, low, inverse_span * layout.largest, share * share, fixed.near,
             )  # fmt: skip
             disc = column, line, tangent(plane, column, line), radius
-            if skip_hidden and not in_depth and _is_hidden(disc, a, b, layout, bound, coarse):
+            if (
+                skip_hidden
+                and not in_depth
+                and _is_hidden(disc, a, b, layout, origin, bound, coarse)
+            ):
                 behind += 1
+                if marked:
+                    marks[i] = HIDDEN
                 continue
             centre_x, centre_y = column, line
             if in_depth:
@@ -89,10 +98,15 @@ def encode_plane_splats(
             elif share < 0.5:
                 found, x, top, scans = one_fraction(centre_x, centre_y, square, form, width, height)
             look = np.int64(bits[i, LOOK]) << layout.look_lsb
+            ellipse = centre_x, centre_y, square, form
             if found == 2:
-                ellipse = centre_x, centre_y, square, form
                 at = _encode_larger(ellipse, plane, look, rows, layout, at, to)
-            uncovered = found == 0 or (found == 2 and at == before)
+            uncovered = found == 0 or (
+                found == 2
+                and at == before
+                and nearest_pixel
+                and not _covers_some(ellipse, plane, rows, layout, width, height)
+            )
             if uncovered:
                 x, top, scans = math.floor(column), math.floor(line), ONE_PIXEL
                 found = int(nearest_pixel and 0 <= x < width and 0 <= top < height)
@@ -107,6 +121,8 @@ def encode_plane_splats(
                 high = plane_bits(depth, change_x, change_y, right, down, layout)
                 at = put_plane(look | scans << 1 | 1, high, x, top + ROWS, at, to, layout)
             drawn += at > before
+            if marked and at > before:
+                marks[i] = DRAWN
             for word in range(before, at):
                 counts[chunk, lines[word]] += 1
         stops[chunk] = at
@@ -142,7 +158,9 @@ def tangent(plane: Any, column: float, line: float) -> tuple[float, float, float
 
 
 @nb.njit(error_model="numpy")
-def _is_hidden(disc: Any, a: float, b: float, layout: Any, bound: Any, coarse: Any) -> bool:
+def _is_hidden(
+    disc: Any, a: float, b: float, layout: Any, origin: Any, bound: Any, coarse: Any
+) -> bool:
     """Return whether a splat is hidden, whatever its word will be.
 
     Its least depth is that of a plane whose slopes are rounded outwards, at a corner of its
@@ -157,6 +175,10 @@ def _is_hidden(disc: Any, a: float, b: float, layout: Any, bound: Any, coarse: A
         Column and line of its centre, its plane and its radius in pixels.
     a, b
         x / z and y / z of its centre.
+    origin
+        Column and line at which the pyramid begins.
+    bound, coarse
+        The pyramid.
     """
     column, line, plane, radius = disc
     depth, change_x, change_y = plane
@@ -168,7 +190,18 @@ def _is_hidden(disc: Any, a: float, b: float, layout: Any, bound: Any, coarse: A
     nearer = depth - across * wide - down * high
     cut_off = largest - (BLOCK - 1) * (across + down)
     z = quantised_depth((min(nearer, cut_off) - SLACK) / largest, largest)
-    return is_hidden(column, line, wide, high, z, bound, coarse)
+    return is_hidden(column - origin[0], line - origin[1], wide, high, z, bound, coarse)
+
+
+@nb.njit(error_model="numpy")
+def _covers_some(ellipse: Any, plane: Any, rows: Any, layout: Any, width: int, height: int) -> bool:
+    """Return whether :func:`_encode_larger` has words for a splat, if the tile is the image."""
+    centre_x, centre_y, square, form = ellipse
+    if plane[7] < CLOSED:
+        found, _, _, x, y = encode_block(centre_x, centre_y, square, form, rows, layout)
+        if found and x >= 0 and y >= -ROWS:
+            return x < width and y < height
+    return covers_some(centre_x, centre_y, square, form, plane, width, height)
 
 
 @nb.njit(error_model="numpy")
@@ -185,7 +218,7 @@ def _encode_larger(
         See :func:`tangent`.
     """
     centre_x, centre_y, square, form = ellipse
-    width, height = to[2], to[3]
+    width, height = to.width, to.height
     if plane[7] < CLOSED:
         found, low, high, x, y = encode_block(centre_x, centre_y, square, form, rows, layout)
         if found and x >= 0 and y >= -ROWS:
@@ -219,12 +252,12 @@ def _encode_fractions(
     plane
         See :func:`tangent`.
     """
-    width, height = to[2], to[3]
-    top, bottom = extent(line, form[0] / form[3] * square)
-    is_open = plane[7] >= CLOSED
-    top, bottom = (0, height - 1) if is_open else (max(top, 0), min(bottom, height - 1))
+    width = to.width
+    top, bottom = lines_of(line, square, form, plane, to.height)
     first_line, lines = cut(top, bottom, ROWS, plane[3])
-    for uncut_line in range(first_line, bottom + 1, lines):
+    for uncut_line in range(
+        first_part(first_line, lines, first_line_of(to)), min(bottom + 1, to.bottom), lines
+    ):
         begin_line = max(uncut_line, top)
         rows = min(bottom + 1, uncut_line + lines) - begin_line
         left, right = width, -1
@@ -233,7 +266,9 @@ def _encode_fractions(
             if first <= last:
                 left, right = min(left, first), max(right, last)
         first_column, wide = cut(left, right, BLOCK, plane[2])
-        for uncut in range(first_column, right + 1, wide):
+        for uncut in range(
+            first_part(first_column, wide, first_column_of(to)), min(right + 1, to.right), wide
+        ):
             begin, end = max(uncut, left), min(uncut + wide, right + 1)
             scans, x, y = fraction_of(
                 begin, end, begin_line, rows, (column, line, square, form), plane, width

@@ -11,6 +11,8 @@ import numpy as np
 from splatline.contract.config import EngineConfig
 from splatline.contract.plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
 
+from .tile import may_touch
+
 __all__ = ["Layout", "layout_of", "plane_bits", "put_plane"]
 
 SHIFT = np.array(SHIFTS, np.int64)
@@ -148,14 +150,14 @@ def _finite(value: float) -> float:
     return min(max(value, -BEYOND), BEYOND) if value == value else 0.0
 
 
-@nb.njit(inline="always")
+@nb.njit
 def put_plane(low: int, high: int, x: int, line: int, at: int, to: Any, layout: Any) -> int:
-    """Write a word whose block has rows 4 and up from ``line`` on; return the next slot.
+    """Write a word whose block has rows 4 and up from ``line`` on, if it may touch the tile.
 
-    ``to`` has the slots: words, shape (slots, 2), int64, and lines.
+    Return the next slot; see :class:`splatline.host.encode.tile.Target` for ``to``.
     """
-    words, lines = to[0], to[1]
-    words[at, 0] = low | x << layout.x_lsb
+    words, lines, _, _, origin_x, origin_y, right, bottom, _, _, _ = to
+    words[at, 0] = low | x - origin_x << layout.x_lsb
     words[at, 1] = high
-    lines[at] = line
-    return at + 1
+    lines[at] = line - origin_y
+    return at + may_touch(x, line, origin_x, origin_y, right, bottom)

@@ -24,12 +24,22 @@ from splatline.host.visibility.view import LARGEST
 from .compact_words import encode_compact
 from .ellipse import in_perspective, one_fraction
 from .half_pixel import encode_half_pixel
-from .large_splats import STEEP, encode_fractions, fraction_size
+from .large_splats import STEEP, covers_some, encode_fractions, fraction_size
 from .paper_shapes import encode_symmetric
 from .quality import AS_PAPER, EXACT, FAST
+from .tile import Tile, may_touch
 from .write_words import ONE_PIXEL, quantised_depth, write_fraction
 
-__all__ = ["Fixed", "encode_splats", "measure_room", "own_pixel"]
+__all__ = [
+    "DRAWN",
+    "HIDDEN",
+    "Fixed",
+    "Occluders",
+    "Slots",
+    "encode_splats",
+    "measure_room",
+    "own_pixel",
+]
 
 SMALL = 2.0
 """Diameter in pixels of a splat that takes one word unless it is near the eye or far aslant."""
@@ -39,17 +49,17 @@ REACH = 0.5 * BLOCK + 1.0
 centre has the nearest pixel in its own metric, which may lie anywhere in its block."""
 
 
+DRAWN, HIDDEN = 1, 2
+"""Marks of splats that gave a word, and of those that are behind others."""
+
+
 class Fixed(NamedTuple):
     """Values that are the same for all splats of a frame.
 
     Parameters
     ----------
-    table, levels
-        The shape table, and the slopes of its levels.
     quality
         Its number.
-    width, height
-        Of the image.
     inverse_focal
         1 over the focal length, in pixels.
     low, inverse_span
@@ -60,43 +70,66 @@ class Fixed(NamedTuple):
         The lowest bit of DIFFUSE.
     near
         Distance of the near plane.
-    largest_compact
-        The largest size that becomes a compact word; 0: none.
     middle_x, middle_y
         Column and line of the view's axis.
     """
 
-    table: Any
-    levels: Any
     quality: int
-    width: int
-    height: int
     inverse_focal: float
     low: float
     inverse_span: float
     nearest_pixel: bool
     look_lsb: int
     near: float
-    largest_compact: int
     middle_x: float
     middle_y: float
 
 
+class Shapes(NamedTuple):
+    """What the quality ``paper`` draws with.
+
+    Parameters
+    ----------
+    table, levels
+        The shape table, and the slopes of its levels.
+    largest_compact
+        The largest size that becomes a compact word; 0: none.
+    """
+
+    table: Any
+    levels: Any
+    largest_compact: int
+
+
 @nb.njit(parallel=True, cache=True, error_model="numpy")
-def measure_room(source: Any, fixed: Any, room: Any) -> None:
-    """Set the most words that each chunk may have."""
+def measure_room(source: Any, fixed: Any, size: Any, inside: Any, room: Any) -> None:
+    """Set the slots that each chunk needs: for the most words that it may have, and one more.
+
+    Parameters
+    ----------
+    source, fixed
+        As for :func:`encode_splats`.
+    size, inside
+        Columns and lines of the whole image, and of the tile.
+    room
+        Set: shape (chunks,), int64.
+    """
     floats, _, doubles, starts, stops = source
     for chunk in nb.prange(len(starts)):
-        total = 0
+        total = 1  # where a word goes that does not touch the tile
         for i in range(starts[chunk], stops[chunk]):
             position = floats[i, COLUMN], floats[i, LINE]
             slope = floats[i, SLOPE_X], floats[i, SLOPE_Y]
-            total += _room(position, floats[i, DIAMETER], slope, doubles[i, DEPTH], fixed)
+            total += _room(
+                position, floats[i, DIAMETER], slope, doubles[i, DEPTH], fixed, size, inside
+            )
         room[chunk] = total
 
 
 @nb.njit(error_model="numpy")
-def _room(position: Any, diameter: float, slope: Any, distance: float, fixed: Any) -> int:
+def _room(
+    position: Any, diameter: float, slope: Any, distance: float, fixed: Any, size: Any, inside: Any
+) -> int:
     """Return the most words that a splat may take.
 
     A disc seen at the slant a = x / z reaches sqrt(1 + a^2) times its radius (see ``conic``), and
@@ -118,8 +151,8 @@ def _room(position: Any, diameter: float, slope: Any, distance: float, fixed: An
     high = diameter * (1.0 + min(b, 0.5 * b * b)) * larger + 1e-3
     if fixed.quality == AS_PAPER:
         wide, high = wide + 2.0 * ROWS, high + 4.0 * ROWS
-    lines = min(int(min(high, LARGEST)) + 1, fixed.height + 2 * ROWS)
-    columns = min(int(min(wide, LARGEST)) + 1, fixed.width + BLOCK)
+    lines = min(int(min(high, LARGEST)) + 1, size[1] + 2 * ROWS)
+    columns = min(int(min(wide, LARGEST)) + 1, size[0] + BLOCK)
     if lines <= ROWS and columns <= BLOCK:
         return 1
     # Computed as in ``encode_fractions``, to the last bit.
@@ -129,7 +162,24 @@ def _room(position: Any, diameter: float, slope: Any, distance: float, fixed: An
     most_columns, most_lines = fraction_size(
         change_x, change_y, STEEP if fixed.quality == EXACT else math.inf
     )
-    return -(-lines // most_lines) * -(-columns // most_columns)
+    return _parts(lines, most_lines, inside[1]) * _parts(columns, most_columns, inside[0])
+
+
+@nb.njit(inline="always")
+def _parts(length: int, most: int, inside: int) -> int:
+    """Return the most parts of a splat that touch a tile.
+
+    A splat has as few parts as can be, so that each but the border's has more than half of ``most``
+    lines or columns; see ``large_splats.cut``.
+
+    Parameters
+    ----------
+    length, most
+        Lines or columns of the splat, and the most that a part has.
+    inside
+        Lines or columns of the tile.
+    """
+    return min(-(-length // most), inside // (most // 2 + 1) + 2)
 
 
 class Occluders(NamedTuple):
@@ -157,6 +207,9 @@ class Slots(NamedTuple):
         First slot of each chunk.
     stops, counts, elements, hidden
         Set; ``elements`` and ``hidden`` for each chunk.
+    marks
+        Set for each slot of a splat that is drawn or hidden: ``DRAWN`` or ``HIDDEN``. Empty: not
+        asked for.
     """
 
     starts: Any
@@ -164,10 +217,26 @@ class Slots(NamedTuple):
     counts: Any
     elements: Any
     hidden: Any
+    marks: Any
+
+    @classmethod
+    def of(cls, starts: Any, tile: Tile, marks: Any) -> Slots:
+        """Return slots in which nothing is counted yet."""
+        chunks = len(starts)
+        return cls(
+            starts=starts,
+            stops=np.empty(chunks, np.int64),
+            counts=np.zeros((chunks, tile.size[1] + ROWS), np.int32),
+            elements=np.empty(chunks, np.int64),
+            hidden=np.zeros(chunks, np.int64),
+            marks=marks,
+        )
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
-def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, slots: Any) -> None:
+def encode_splats(
+    wave: Any, source: Any, fixed: Any, shapes: Any, to: Any, occluders: Any, slots: Any
+) -> None:
     """Encode chunks, each into its own slots, and count their words on each line.
 
     Parameters
@@ -176,22 +245,27 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
         Numbers of the chunks.
     source
         Views of the splats (see ``Splats.views``), and the slots of each chunk.
-    fixed
-        See :class:`Fixed`.
+    fixed, shapes
+        See :class:`Fixed` and :class:`Shapes`.
     to
-        Where words go; see :mod:`splatline.host.encode.write_words`.
+        Where words go; see :class:`splatline.host.encode.tile.Target`.
     occluders, slots
         See :class:`Occluders` and :class:`Slots`.
     """
     floats, bits, doubles, begins, ends = source
-    words, lines, width, height, x_lsb, z_lsb, largest = to
+    words, lines, width, height = to.words, to.lines, to.width, to.height
+    x_lsb, z_lsb, largest = to.x_lsb, to.z_lsb, to.largest
+    border, bottom = to.right, to.bottom
+    origin_x, origin_y = origin = to.origin_x, to.origin_y
     skip_hidden, bound, coarse = occluders
-    starts, stops, counts, elements, hidden = slots
+    starts, stops, counts, elements, hidden, marks = slots
+    marked = len(marks) > 0
     # Read before the loop, which would read them again for every splat.
     inverse_focal, low, inverse_span = fixed.inverse_focal, fixed.low, fixed.inverse_span
     look_lsb, nearest_pixel = fixed.look_lsb, fixed.nearest_pixel
     middle_x, middle_y = fixed.middle_x, fixed.middle_y
     true_shapes = fixed.quality != AS_PAPER
+    table, levels, largest_compact = shapes
     for number in nb.prange(len(wave)):
         chunk = wave[number]
         at = starts[chunk]
@@ -214,9 +288,11 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
             if (
                 skip_hidden
                 and not in_depth
-                and _is_hidden(splat, radius, a, b, fixed, largest, bound, coarse)
+                and _is_hidden(splat, origin, radius, a, b, fixed, largest, bound, coarse)
             ):
                 behind += 1
+                if marked:
+                    marks[i] = HIDDEN
                 continue
             centre_x, centre_y = column, line
             if in_depth:
@@ -235,15 +311,30 @@ def encode_splats(wave: Any, source: Any, fixed: Any, to: Any, occluders: Any, s
             if found == 1:  # nearly all
                 z = quantised_depth((distance - low) * inverse_span, largest)
                 common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
-                words[at] = common | 1 | scans << 1 | x << x_lsb
-                lines[at] = top + ROWS
-                at += 1
+                words[at] = common | 1 | scans << 1 | x - origin_x << x_lsb
+                lines[at] = top + ROWS - origin_y
+                at += may_touch(x, top + ROWS, origin_x, origin_y, border, bottom)
+            elif not true_shapes:
+                z = quantised_depth((distance - low) * inverse_span, largest)
+                common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
+                shape = quantise(-slope_x, -1.0, LEVELS), quantise(-slope_y, -1.0, LEVELS)
+                if largest_compact > 0:
+                    at = encode_compact(
+                        column, line, diameter, shape, largest_compact, table, levels, common, at,
+                        to,
+                    )  # fmt: skip
+                else:
+                    at = encode_symmetric(
+                        column, line, diameter, shape, table, levels, common, at, to
+                    )
             elif found == 2 or nearest_pixel:
                 common = np.int64(bits[i, LOOK]) << look_lsb
                 share = radius * inverse_focal
                 ellipse = centre_x, centre_y, square, share * share
                 at = _encode_other(splat, common, found, form, ellipse, fixed, at, to)
             drawn += at > before
+            if marked and at > before:
+                marks[i] = DRAWN
             for word in range(before, at):
                 counts[chunk, lines[word]] += 1
         stops[chunk] = at
@@ -263,12 +354,22 @@ def own_pixel(
 
 @nb.njit(error_model="numpy")
 def _is_hidden(
-    splat: Any, radius: float, a: float, b: float, fixed: Any, largest: int, bound: Any, coarse: Any
+    splat: Any,
+    origin: Any,
+    radius: float,
+    a: float,
+    b: float,
+    fixed: Any,
+    largest: int,
+    bound: Any,
+    coarse: Any,
 ) -> bool:
     """Return whether a splat is hidden, whatever its words will be.
 
     Parameters
     ----------
+    origin
+        Column and line at which the pyramid begins.
     radius
         In pixels.
     a, b
@@ -285,7 +386,7 @@ def _is_hidden(
     nearer = change * (abs(slope_x) * wide + abs(slope_y) * high)
     depth = (distance - low) * inverse_span
     z = quantised_depth(depth - nearer if radius > 0.5 * ROWS - 1.0 else depth, largest)
-    return is_hidden(column, line, wide, high, z, bound, coarse)
+    return is_hidden(column - origin[0], line - origin[1], wide, high, z, bound, coarse)
 
 
 @nb.njit(error_model="numpy")
@@ -300,22 +401,13 @@ def _encode_other(
     to: Any,
 ) -> int:
     """Write the words of a splat that is not one fraction; return the next slot."""
-    table, levels, quality, rom = fixed.table, fixed.levels, fixed.quality, fixed.largest_compact
+    quality = fixed.quality
     column, line, diameter, slope_x, slope_y, distance = splat
-    z_lsb, largest = to[5], to[6]
+    z_lsb, largest = to.z_lsb, to.largest
     depth = (distance - fixed.low) * fixed.inverse_span
     if found and quality == FAST and diameter <= BLOCK:
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_half_pixel(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
-    if quality == AS_PAPER:
-        shape = (
-            quantise(-slope_x, -1.0, LEVELS),
-            quantise(-slope_y, -1.0, LEVELS),
-        )
-        common |= quantised_depth(depth, largest) << z_lsb
-        if rom > 0:
-            return encode_compact(column, line, diameter, shape, rom, table, levels, common, at, to)
-        return encode_symmetric(column, line, diameter, shape, table, levels, common, at, to)
     if found:
         plane = (
             column,
@@ -330,7 +422,11 @@ def _encode_other(
             STEEP if quality == EXACT else math.inf,
         )
         end = encode_fractions(ellipse[0], ellipse[1], ellipse[2], form, plane, common, at, to)
-        if end > at or not fixed.nearest_pixel:
+        if (
+            end > at
+            or not fixed.nearest_pixel
+            or covers_some(ellipse[0], ellipse[1], ellipse[2], form, plane, to.width, to.height)
+        ):
             return end
     common |= quantised_depth(depth, largest) << z_lsb
     return write_fraction(ONE_PIXEL, math.floor(column), math.floor(line), common, at, to)

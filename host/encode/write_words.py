@@ -1,4 +1,4 @@
-"""Writes code words: fractions and symmetric words, clipped to the image."""
+"""Writes code words: fractions and symmetric words, clipped to the image, those of a tile alone."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from splatline.contract.config import BLOCK, ROWS
 from splatline.host.visibility.view import LARGEST
 
 from .shape_table import EMPTY_SCANS
+from .tile import may_touch
 
 __all__ = [
     "ONE_PIXEL",
@@ -26,8 +27,8 @@ __all__ = [
 ONE_PIXEL = EMPTY_SCANS & ~63
 """SCANS of a fraction whose only pixel is the first of its first row."""
 
-# Where words go: (words, lines, width, height, lsb of X, lsb of Z, largest Z). Every function here
-# takes the slot of the next word and returns the slot after the words that it wrote.
+# Every function here takes the slot of the next word, and where words go (``tile.Target``), and
+# returns the slot after the words that it wrote. Columns and lines are those of the whole image.
 
 
 @nb.njit(inline="always")
@@ -41,7 +42,7 @@ def quantised_depth(depth: float, largest: int) -> int:
 @nb.njit
 def write_fraction(scans: int, x: int, top: int, common: int, at: int, to: Any) -> int:
     """Write a fraction with its first row on line ``top``, clipped on the left, unless empty."""
-    width, height = to[2], to[3]
+    width, height = to.width, to.height
     x, top = int(x), int(top)
     if x >= width or x <= -BLOCK or top >= height or top <= -ROWS:
         return at
@@ -73,20 +74,20 @@ def half_turn(scans: int) -> int:
 
 @nb.njit
 def put(common: int, scans: int, x: int, top: int, at: int, to: Any) -> int:
-    """Write a fraction that needs no clipping."""
-    words, lines, _, _, x_lsb, _, _ = to
-    words[at] = common | 1 | scans << 1 | x << x_lsb
-    lines[at] = top + ROWS
-    return at + 1
+    """Write a fraction that needs no clipping, if it may touch the tile."""
+    return put_symmetric(common | 1, scans, x, top + ROWS, at, to)
 
 
 @nb.njit
 def put_symmetric(common: int, scans: int, x: int, line: int, at: int, to: Any) -> int:
-    """Write a symmetric shape whose middle lies above ``line``; its X is at least 0."""
-    words, lines, _, _, x_lsb, _, _ = to
-    words[at] = common | scans << 1 | x << x_lsb
-    lines[at] = line
-    return at + 1
+    """Write a symmetric shape whose middle lies above ``line``, if it may touch the tile.
+
+    Its X is at least 0.
+    """
+    words, lines, _, _, origin_x, origin_y, right, bottom, x_lsb, _, _ = to
+    words[at] = common | scans << 1 | x - origin_x << x_lsb
+    lines[at] = line - origin_y
+    return at + may_touch(x, line, origin_x, origin_y, right, bottom)
 
 
 @nb.njit(inline="always")
@@ -104,7 +105,7 @@ def put_block(
     It is two fractions if a symmetric word would start outside of the image. ``right`` and
     ``raised``: the middle lies half a column right of the corner, and half a line above it.
     """
-    width, height = to[2], to[3]
+    width, height = to.width, to.height
     x -= BLOCK // 2
     if x >= 0 and y >= 0:
         if x >= width or y - ROWS >= height:

@@ -5,18 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 from splatline.contract.errors import InputError
 
-__all__ = ["atomic_write"]
+__all__ = ["atomic_stream", "atomic_write"]
 
 
 def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a temporary file in the same folder, then rename it.
-
-    A reader finds the old content or the new, never a part. A link keeps its target, and an old
-    file keeps its permissions. A pipe or device such as ``/dev/stdout`` is written to directly.
+    """Write a file at once; see :func:`atomic_stream`.
 
     Parameters
     ----------
@@ -30,18 +29,43 @@ def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
     InputError
         If the file cannot be written; an older file of that name is untouched.
     """
+    with atomic_stream(path) as stream:
+        stream.write(data)
+
+
+@contextlib.contextmanager
+def atomic_stream(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
+    """Write a temporary file in the same folder, then rename it when the block has ended.
+
+    A reader finds the old content or the new, never a part. A link keeps its target, and an old
+    file keeps its permissions. A pipe or device such as ``/dev/stdout`` is written to directly. If
+    the block raises, nothing is left behind.
+
+    Parameters
+    ----------
+    path
+        Path of the file; its folder must exist.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written; an older file of that name is untouched.
+    """
     asked = Path(path)
     try:
         target = Path(os.path.realpath(asked))
         if target.exists() and not target.is_file() and not target.is_dir():
-            target.write_bytes(data)
+            with target.open("wb") as stream:
+                yield stream
         else:
-            _replace(target, data)
+            with _replacing(target) as stream:
+                yield stream
     except OSError as error:
         raise InputError(f"{asked}: cannot be written: {error.strerror or error}") from None
 
 
-def _replace(target: Path, data: bytes) -> None:
+@contextlib.contextmanager
+def _replacing(target: Path) -> Iterator[IO[bytes]]:
     """Write a temporary file in the target's folder and rename it; leave nothing behind."""
     mode = target.stat().st_mode & 0o777 if target.is_file() else 0o666 & ~_umask()
     if target.is_file() and not os.access(target, os.W_OK):
@@ -51,7 +75,7 @@ def _replace(target: Path, data: bytes) -> None:
     beside = Path(name)
     try:
         with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
+            yield stream
             stream.flush()
             # Without this, a crash of the machine after the rename can leave an empty file.
             os.fsync(stream.fileno())

@@ -14,7 +14,7 @@ from .jobs import STREAMS, Outcome, Playing
 from .play import Progress, play_jobs
 from .player import wrap
 
-__all__ = ["Job", "build_engine", "play", "simulate_frame"]
+__all__ = ["Job", "build_engine", "play", "simulate_frame", "simulate_frames"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +74,12 @@ def simulate_frame(
     """
     rates = dict.fromkeys(STREAMS, 1.0 - stall)
     return play([Job(frame=frame, initial=initial, rates=rates, seed=seed)], progress=progress)[0]
+
+
+def simulate_frames(frames: Sequence[Frame], *, stall: float = 0.0, seed: int = 1) -> list[Outcome]:
+    """Draw frames as :func:`simulate_frame` does, each alone, in one run of the simulator."""
+    rates = dict.fromkeys(STREAMS, 1.0 - stall)
+    return play([Job(frame=frame, rates=rates, seed=seed) for frame in frames])
 
 
 def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Build:

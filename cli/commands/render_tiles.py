@@ -1,0 +1,216 @@
+"""``splatline render`` of a picture that is larger than the engine's image: tile by tile."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from splatline.cli.options.drawing import Drawing, fail_mismatch, simulate_all
+from splatline.cli.options.outputs import write_json
+from splatline.cli.options.prepare import prepare_view
+from splatline.cli.options.request import RenderRequest
+from splatline.cli.report.progress import Stages
+from splatline.cli.report.statistics import picture_statistics
+from splatline.contract.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from splatline.contract.config import EngineConfig
+    from splatline.contract.raster import Raster
+    from splatline.host.picture_tiles.frames import TiledPicture, TileFrames
+    from splatline.sim.golden.multisample import Drawn
+
+__all__ = ["TileOptions", "fits_engine", "refuse_with_tiles", "render_tiles"]
+
+
+class TileOptions(NamedTuple):
+    """The options of ``splatline render`` that count for tiles; see there."""
+
+    samples: int
+    engine: str
+    stall: float
+    seed: int
+    background: tuple[float, float, float] | None
+    output: Path | None
+    depth: Path | None
+    stats: Path | None
+
+
+@dataclass
+class _Totals:
+    """Sums over the tiles."""
+
+    drawn_pixels: int = 0
+    cycles: int = 0
+    mismatched_pixels: int = 0
+
+
+def fits_engine(request: RenderRequest) -> bool:
+    """Return whether an engine draws a request's picture in one frame."""
+    width, height = request.size
+    return width <= request.preset.max_width and height <= request.preset.max_height
+
+
+def refuse_with_tiles(
+    request: RenderRequest, engine: str, engines: int | None, reference: bool
+) -> None:
+    """Raise ``InputError`` if the picture is too large, or an option does not go with tiles."""
+    most = f"{request.preset.max_width}x{request.preset.max_height}"
+    refused = {
+        "--reference and --out-dir": reference,
+        "--engines": engines is not None,
+        "--engine axi": engine == "axi",
+        "--shapes rom": request.shapes != "table",
+    }
+    for name, given in refused.items():
+        if given:
+            raise InputError(
+                f"{name} cannot draw in tiles: the picture must fit preset"
+                f" {request.preset.name}, with at most {most} pixels"
+            )
+    from splatline.host.picture_tiles.grid import Grid
+
+    Grid.of(*request.size, request.preset, None)
+
+
+def render_tiles(
+    context: click.Context, request: RenderRequest, options: TileOptions, stages: Stages
+) -> None:
+    """Draw a picture in tiles and write it row by row of tiles.
+
+    Raises
+    ------
+    InputError
+        See :func:`splatline.host.picture_tiles.frames.tile_picture`.
+    """
+    prepared = prepare_view(request, stages)
+    with stages.stage("", "Projecting"):
+        from splatline.host.picture_tiles.frames import tile_picture
+
+        picture = tile_picture(
+            prepared.cloud,
+            prepared.view,
+            options.samples,
+            **prepared.discs._asdict(),
+            config=request.preset,
+            quality=request.quality,
+            skips=request.skips,
+        )
+    grid, totals = picture.grid, _Totals()
+    tiles = grid.rows * grid.columns
+    with stages.stage("tiles", f"Drawing {tiles:,} tiles") as share:
+        _draw_and_write(picture, options, totals, share)
+    stages.seconds.update(picture.counts.pop("seconds"))
+    files = [str(path) for path in (options.output, options.depth) if path is not None]
+    size = f"{grid.frame_width} x {grid.frame_height}"
+    empty = picture.counts["tiles_empty"]
+    note = f"drawn in {tiles:,} tiles of up to {size} pixels, of which {empty:,} are empty"
+    numbers = {
+        "cloud": " ".join(map(str, request.paths)) or f"scene {request.scene}",
+        "view": prepared.camera,
+        "splat_size": request.splat_size or "auto",
+        "dropped": prepared.cloud.dropped,
+        "far_away": prepared.far_away,
+        "colour": prepared.cloud.colour_key or None,
+        "notes": [*prepared.notes, note],
+        **picture_statistics(
+            request.preset.name,
+            (grid.width, grid.height),
+            {**picture.counts, "samples": options.samples},
+            drawn_pixels=totals.drawn_pixels,
+            cycles=None if options.engine == "golden" else totals.cycles,
+            mismatched_pixels=None if options.engine == "golden" else totals.mismatched_pixels,
+            engine=options.engine,
+            seconds=stages.seconds,
+            stall=options.stall,
+            seed=options.seed,
+        ),
+    }
+    if options.stats is not None:
+        write_json(options.stats, numbers)
+        files.append(str(options.stats))
+
+    from splatline.cli.report.tables import print_statistics
+
+    print_statistics(numbers, title=request.name, files=files)
+    if totals.mismatched_pixels:
+        fail_mismatch(context, totals.mismatched_pixels)
+
+
+def _draw_and_write(
+    picture: TiledPicture, options: TileOptions, totals: _Totals, share: Callable[[float], None]
+) -> None:
+    """Draw the tiles and write the rows of the picture as they are done."""
+    from splatline.plots.figure import BACKGROUND, depth_levels, rgb_levels
+    from splatline.plots.png_rows import png_rows
+
+    grid = picture.grid
+    background = options.background or BACKGROUND
+    writers: list[tuple[Callable[[Drawn], npt.NDArray[Any]], Any]] = []
+    with contextlib.ExitStack() as stack:
+        size = grid.width, grid.height
+        if options.output is not None:
+            rows = stack.enter_context(png_rows(options.output, *size))
+            writers.append((lambda drawn: rgb_levels(drawn.to_rgb(background)), rows))
+        if options.depth is not None:
+            grey = stack.enter_context(png_rows(options.depth, *size, grey=True))
+            writers.append((depth_levels, grey))
+        for number, row in enumerate(picture.rows()):
+            bands: list[list[npt.NDArray[Any]]] = [[] for _ in writers]
+            for at, drawing in enumerate(_drawings(row, picture, options)):
+                totals.drawn_pixels += int(drawing.raster.drawn.sum())
+                totals.cycles += drawing.cycles or 0
+                totals.mismatched_pixels += drawing.mismatched_pixels or 0
+                for band, (levels, _) in zip(bands, writers, strict=True):
+                    band.append(levels(drawing.raster))
+                share((number + (at + 1) / grid.columns) / grid.rows)
+            for band, (_, writer) in zip(bands, writers, strict=True):
+                writer.write(_side_by_side(band))
+
+
+def _side_by_side(parts: list[npt.NDArray[Any]]) -> npt.NDArray[np.generic]:
+    """Return the parts of a band from left to right as one."""
+    import numpy as np
+
+    return np.concatenate(parts, axis=1)
+
+
+def _drawings(
+    row: list[TileFrames], picture: TiledPicture, options: TileOptions
+) -> Iterator[Drawing]:
+    """Yield the drawing of each tile of a row, without its guard band."""
+    from splatline.sim import golden
+    from splatline.sim.golden.multisample import average
+
+    def picture_of(tile: TileFrames, rasters: Iterable[Raster | None]) -> Drawn:
+        return average([_without_guard(raster, tile, picture.config) for raster in rasters])
+
+    simulated = options.engine != "golden"
+    frames = [frame for tile in row for frame in tile.frames if frame is not None]
+    runs = iter(simulate_all(frames, options.stall, options.seed) if simulated else ())
+    for tile in row:
+        drawn = picture_of(tile, (frame and golden.render(frame) for frame in tile.frames))
+        if simulated:
+            own = [frame and next(runs) for frame in tile.frames]
+            cycles = sum(run.cycles for run in own if run is not None)
+            yield Drawing(drawn, picture_of(tile, (run and run.raster for run in own)), cycles)
+        else:
+            yield Drawing(drawn)
+
+
+def _without_guard(raster: Raster | None, tile: TileFrames, config: EngineConfig) -> Raster:
+    """Return a tile's raster without its guard band; None is background."""
+    from splatline.contract.raster import Raster
+
+    columns, lines = tile.tile.guard
+    if raster is None:
+        width, height = tile.tile.size
+        return Raster.background(width - columns, height - lines, config)
+    return raster.without(columns, lines)

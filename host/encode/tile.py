@@ -1,0 +1,138 @@
+"""A tile: the part of an image that a frame draws, and the words that a frame of it has.
+
+All floating-point work is in the coordinates of the whole image, clipped to the whole image. A tile
+only decides which words are written, and takes its origin from their columns and lines. So the
+words of a tile are words of the whole image, bit for bit but for X.
+
+An engine clips words at the right and lower border. X is unsigned, so that no word begins left of
+the image. A tile's frame therefore has a guard band on the left and above, which the engine draws
+and the host throws away. The first tile of a row or column needs none.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numba as nb
+
+from splatline.contract.config import BLOCK, ROWS
+
+__all__ = [
+    "GUARD_COLUMNS",
+    "GUARD_LINES",
+    "Target",
+    "Tile",
+    "first_column_of",
+    "first_line_of",
+    "first_part",
+    "may_touch",
+    "whole_image",
+]
+
+GUARD_COLUMNS, GUARD_LINES = 2 * BLOCK, BLOCK
+"""The guard band. A word reaches eight columns and three lines into a tile. The frame begins at a
+multiple of ``sort_by_line.PERIOD`` columns, which is as many as the guard band's."""
+
+
+class Tile(NamedTuple):
+    """A tile of an image, in pixels of the whole image.
+
+    Parameters
+    ----------
+    origin_x, origin_y
+        Column and line at which its frame begins: 0, or those of its first pixel less the guard
+        band. ``origin_x`` is a multiple of ``sort_by_line.PERIOD``, so that words come in the order
+        of the whole image.
+    right, bottom
+        The column and the line behind its last.
+    """
+
+    origin_x: int
+    origin_y: int
+    right: int
+    bottom: int
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of its frame, the guard band included."""
+        return self.right - self.origin_x, self.bottom - self.origin_y
+
+    @property
+    def guard(self) -> tuple[int, int]:
+        """Columns and lines of its guard band."""
+        return GUARD_COLUMNS * (self.origin_x > 0), GUARD_LINES * (self.origin_y > 0)
+
+
+def whole_image(width: int, height: int) -> Tile:
+    """Return the tile that is a whole image."""
+    return Tile(0, 0, width, height)
+
+
+class Target(NamedTuple):
+    """Where words go, for compiled code: a flat tuple, as numba's parallel loops require.
+
+    It is copied at each call, so that it is as small as can be.
+
+    Parameters
+    ----------
+    words, lines
+        Slots: shape (slots,), uint64, or plane words of shape (slots, 2), int64; and (slots,),
+        int16.
+    width, height
+        Of the whole image.
+    origin_x, origin_y, right, bottom
+        See :class:`Tile`.
+    x_lsb, z_lsb
+        Lowest bits of X and Z in a word of 64 bits.
+    largest
+        Largest depth that draws.
+    """
+
+    words: Any
+    lines: Any
+    width: int
+    height: int
+    origin_x: int
+    origin_y: int
+    right: int
+    bottom: int
+    x_lsb: int
+    z_lsb: int
+    largest: int
+
+
+@nb.njit(inline="always")
+def first_column_of(to: Any) -> int:
+    """Return the tile's first column."""
+    return to.origin_x + GUARD_COLUMNS * (to.origin_x > 0)
+
+
+@nb.njit(inline="always")
+def first_line_of(to: Any) -> int:
+    """Return the tile's first line."""
+    return to.origin_y + GUARD_LINES * (to.origin_y > 0)
+
+
+@nb.njit(inline="always")
+def may_touch(x: int, line: int, origin_x: int, origin_y: int, right: int, bottom: int) -> bool:
+    """Return whether a word may touch a tile: its block has the lines from ``line`` - 4 on.
+
+    A block has nine columns, as its rotated rows may lie one column further right.
+    """
+    left = origin_x + (GUARD_COLUMNS - BLOCK) * (origin_x > 0)
+    above = origin_y + (GUARD_LINES - ROWS + 1) * (origin_y > 0)
+    return left <= x < right and above <= line < bottom + ROWS
+
+
+@nb.njit(inline="always")
+def first_part(first: int, length: int, least: int) -> int:
+    """Return where the first of some parts begins that reaches a column or line, or lies beyond.
+
+    Parameters
+    ----------
+    first, length
+        Where the first part of all begins, and the parts' length.
+    least
+        The column or line.
+    """
+    return first if first + length > least else first + (least - first) // length * length
