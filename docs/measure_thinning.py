@@ -19,7 +19,7 @@ from splatline.cli.bench.machine import described
 from splatline.host import fit_view, read_cloud
 from splatline.host.cloud.spacing import measure_discs
 from splatline.host.large import read_part
-from splatline.host.large.draw_parts import Drawing, draw_parts
+from splatline.host.large.draw_parts import Drawing, draw_parts, frames_of
 from splatline.host.large.plan import make_plan
 from splatline.host.pipeline import make_frames
 from splatline.host.scenes.terrain import terrain_patches
@@ -58,9 +58,13 @@ def main():
         tell("all points", len(cloud), whole, truth.rgb)
         for cells in (4.0, 2.0, 1.0, 0.5):
             read_part.CELLS = cells
-            drawn = [draw_parts(plan, Drawing(samples=n, memory=8 << 30)) for n in SAMPLES]
-            kept = drawn[0][1].points - sum(drawn[0][1].dropped.values())
-            tell(f"cells of 1/{cells:g} pixel", kept, [frames for frames, _ in drawn], truth.rgb)
+            pictures = []
+            for samples in SAMPLES:
+                drawing = Drawing(samples=samples, memory=8 << 30)
+                joined = draw_parts(plan, drawing)
+                pictures.append(frames_of(plan, drawing, joined))
+            kept = joined.points - sum(joined.dropped.values())
+            tell(f"cells of 1/{cells:g} pixel", kept, pictures, truth.rgb)
 
 
 def tell(what, points, pictures, truth):

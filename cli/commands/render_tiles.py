@@ -12,7 +12,7 @@ import click
 
 from splatline.cli.options.drawing import Drawing, fail_mismatch, simulate_all
 from splatline.cli.options.outputs import write_json
-from splatline.cli.options.prepare import prepare_view
+from splatline.cli.options.prepare import prepare_tiles
 from splatline.cli.options.request import RenderRequest
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import picture_statistics
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from splatline.contract.config import EngineConfig
     from splatline.contract.raster import Raster
+    from splatline.host.large.joined_tiles import JoinedTiles
     from splatline.host.picture_tiles.frames import TiledPicture, TileFrames
     from splatline.sim.golden.multisample import Drawn
 
@@ -90,19 +91,8 @@ def render_tiles(
     InputError
         See :func:`splatline.host.picture_tiles.frames.tile_picture`.
     """
-    prepared = prepare_view(request, stages)
-    with stages.stage("", "Projecting"):
-        from splatline.host.picture_tiles.frames import tile_picture
-
-        picture = tile_picture(
-            prepared.cloud,
-            prepared.view,
-            options.samples,
-            **prepared.discs._asdict(),
-            config=request.preset,
-            quality=request.quality,
-            skips=request.skips,
-        )
+    prepared = prepare_tiles(request, stages, options.samples)
+    picture = prepared.picture
     grid, totals = picture.grid, _Totals()
     tiles = grid.rows * grid.columns
     with stages.stage("tiles", f"Drawing {tiles:,} tiles") as share:
@@ -116,10 +106,11 @@ def render_tiles(
         "cloud": " ".join(map(str, request.paths)) or f"scene {request.scene}",
         "view": prepared.camera,
         "splat_size": request.splat_size or "auto",
-        "dropped": prepared.cloud.dropped,
+        "dropped": prepared.dropped,
         "far_away": prepared.far_away,
-        "colour": prepared.cloud.colour_key or None,
+        "colour": prepared.colour_key or None,
         "notes": [*prepared.notes, note],
+        **prepared.facts,
         **picture_statistics(
             request.preset.name,
             (grid.width, grid.height),
@@ -145,7 +136,10 @@ def render_tiles(
 
 
 def _draw_and_write(
-    picture: TiledPicture, options: TileOptions, totals: _Totals, share: Callable[[float], None]
+    picture: TiledPicture | JoinedTiles,
+    options: TileOptions,
+    totals: _Totals,
+    share: Callable[[float], None],
 ) -> None:
     """Draw the tiles and write the rows of the picture as they are done."""
     from splatline.plots.figure import BACKGROUND, depth_levels, rgb_levels
@@ -183,7 +177,7 @@ def _side_by_side(parts: list[npt.NDArray[Any]]) -> npt.NDArray[np.generic]:
 
 
 def _drawings(
-    row: list[TileFrames], picture: TiledPicture, options: TileOptions
+    row: list[TileFrames], picture: TiledPicture | JoinedTiles, options: TileOptions
 ) -> Iterator[Drawing]:
     """Yield the drawing of each tile of a row, without its guard band."""
     from splatline.sim import golden

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from splatline.host.large.draw_parts import Drawing, PartFrames
     from splatline.host.large.plan import Plan
 
-    from .prepare import PreparedFrames
+    from .prepare import PreparedFrames, PreparedTiles
 
-__all__ = ["LARGE_OPTIONS", "is_large", "prepare_large"]
+__all__ = ["LARGE_OPTIONS", "is_large", "prepare_large", "prepare_large_tiles"]
 
 SHARE = 4
 """The memory that is used by default is the machine's over this."""
@@ -72,11 +72,50 @@ def prepare_large(
     InputError
         If a file cannot be read, an option does not go with a large cloud, or nothing is in view.
     """
+    from splatline.host.large.draw_parts import frames_of
+
+    from .prepare import PreparedFrames
+
+    plan, drawing = _planned(request, camera, stages, samples)
+    joined, facts = _draw(plan, drawing, request, stages)
+    return PreparedFrames(
+        frames=frames_of(plan, drawing, joined),
+        view=plan.view,
+        camera=camera,
+        dropped=joined.dropped,
+        colour_key=plan.colourings[0].key,
+        notes=_notes(plan, joined),
+        facts=facts,
+    )
+
+
+def prepare_large_tiles(
+    request: RenderRequest, camera: dict[str, Any], stages: Stages, samples: int
+) -> PreparedTiles:
+    """Return the tiles of a request's cloud, drawn part by part; see ``prepare_tiles``."""
+    from splatline.host.large.joined_tiles import tiles_of
+
+    from .prepare import PreparedTiles
+
+    plan, drawing = _planned(request, camera, stages, samples)
+    joined, facts = _draw(plan, drawing, request, stages)
+    return PreparedTiles(
+        picture=tiles_of(plan, drawing, joined),
+        camera=camera,
+        dropped=joined.dropped,
+        colour_key=plan.colourings[0].key,
+        notes=_notes(plan, joined),
+        facts=facts,
+    )
+
+
+def _planned(
+    request: RenderRequest, camera: dict[str, Any], stages: Stages, samples: int
+) -> tuple[Plan, Drawing]:
+    """Return the plan of a request's cloud, and how its parts are drawn."""
     from splatline.host.large.draw_parts import Drawing
     from splatline.host.large.plan import make_plan
     from splatline.host.visibility.view import fit_view
-
-    from .prepare import PreparedFrames
 
     _check(request)
     with stages.stage("survey", f"Looking at samples of {_named(request.paths)}"):
@@ -95,40 +134,36 @@ def prepare_large(
         splat_size=request.splat_size,
         memory=_memory(request),
     )
-    frames, joined, facts = _draw(plan, drawing, request, stages)
+    return plan, drawing
+
+
+def _notes(plan: Plan, joined: PartFrames) -> list[str]:
+    """Return what a person should know about a cloud that is drawn in parts."""
     parts = f", in {len(plan.parts)} parts" if len(plan.parts) > 1 else ""
-    notes = [
+    return [
         *joined.notes,
         f"points closer than a part of a pixel are drawn as one{parts}; the view fits a sample",
     ]
-    return PreparedFrames(
-        frames=frames,
-        view=plan.view,
-        camera=camera,
-        dropped=joined.dropped,
-        colour_key=plan.colourings[0].key,
-        notes=notes,
-        facts={"parts": len(plan.parts), **facts},
-    )
 
 
 def _draw(
     plan: Plan, drawing: Drawing, request: RenderRequest, stages: Stages
-) -> tuple[list[Any], PartFrames, dict[str, Any]]:
-    """Draw a plan's parts here or on a cluster; return what a cluster sent, too."""
+) -> tuple[PartFrames, dict[str, Any]]:
+    """Draw a plan's parts here or on a cluster; return statistics, too."""
+    facts: dict[str, Any] = {"parts": len(plan.parts)}
     if request.dask is None:
         from splatline.host.large.draw_parts import draw_parts
 
         with stages.stages({"parts": f"Drawing {plan.count:,} points"}) as tell:
-            return *draw_parts(plan, drawing, progress=tell), {}
+            return draw_parts(plan, drawing, progress=tell), facts
     from splatline.host.large.cluster import draw_on_cluster, open_cluster
 
     with (
         open_cluster(request.dask) as client,
         stages.stages({"parts": f"Drawing {plan.count:,} points on {request.dask}"}) as tell,
     ):
-        frames, joined, traffic = draw_on_cluster(plan, drawing, client, progress=tell)
-    return frames, joined, {"dask_tasks": traffic.tasks, "dask_bytes": traffic.bytes}
+        joined, traffic = draw_on_cluster(plan, drawing, client, progress=tell)
+    return joined, {**facts, "dask_tasks": traffic.tasks, "dask_bytes": traffic.bytes}
 
 
 def _check(request: RenderRequest) -> None:

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
-from splatline.contract.errors import InputError
 
-from .large import is_large, prepare_large
+from .large import is_large, prepare_large, prepare_large_tiles
 from .request import RenderRequest
 
 if TYPE_CHECKING:
@@ -21,15 +20,17 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
     from splatline.host.files.wanted import ColourBy
+    from splatline.host.large.joined_tiles import JoinedTiles
+    from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
 
 __all__ = [
     "PreparedFrames",
-    "PreparedView",
+    "PreparedTiles",
     "measure_in_stages",
     "prepare",
-    "prepare_view",
+    "prepare_tiles",
     "read_in_stages",
 ]
 
@@ -79,7 +80,28 @@ class PreparedFrames:
 
 
 @dataclass(frozen=True)
-class PreparedView:
+class PreparedTiles:
+    """The tiles of a render request.
+
+    Parameters
+    ----------
+    picture
+        The tiles; their frames are made as they are asked for, or lie in memory.
+    camera, dropped, colour_key, notes, far_away, facts
+        See :class:`PreparedFrames`.
+    """
+
+    picture: TiledPicture | JoinedTiles
+    camera: dict[str, Any]
+    dropped: dict[str, int]
+    colour_key: dict[str, Any]
+    notes: list[str]
+    far_away: int = 0
+    facts: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _View:
     """The cloud of a render request in memory, and its view.
 
     Parameters
@@ -128,21 +150,39 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     )
 
 
-def prepare_view(request: RenderRequest, stages: Stages) -> PreparedView:
-    """Read the cloud of a request, which must fit the memory, and fit its view.
+def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedTiles:
+    """Read the cloud of a request whose picture is larger than the engine's image.
 
     Raises
     ------
     InputError
-        As :func:`prepare`; or if the cloud is one that is drawn in parts.
+        As :func:`prepare`.
     """
     request, camera, scene = _with_camera(request, stages)
     if is_large(request):
-        raise InputError(
-            "a cloud that is drawn in parts (several files, --memory or --dask) is drawn in one"
-            " frame alone: take a smaller --size, or a preset with a larger image"
+        return prepare_large_tiles(request, camera, stages, samples)
+    prepared = _view_of(request, camera, scene, stages)
+    cloud = prepared.cloud
+    with stages.stage("", "Projecting"):
+        from splatline.host.picture_tiles.frames import tile_picture
+
+        picture = tile_picture(
+            cloud,
+            prepared.view,
+            samples,
+            **prepared.discs._asdict(),
+            config=request.preset,
+            quality=request.quality,
+            skips=request.skips,
         )
-    return _view_of(request, camera, scene, stages)
+    return PreparedTiles(
+        picture=picture,
+        camera=camera,
+        dropped=cloud.dropped,
+        colour_key=cloud.colour_key,
+        notes=prepared.notes,
+        far_away=prepared.far_away,
+    )
 
 
 def _with_camera(
@@ -172,7 +212,7 @@ def _with_camera(
 
 def _view_of(
     request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
-) -> PreparedView:
+) -> _View:
     """Read the cloud of a request and fit its view."""
     from splatline.host.visibility.view import fit_view
 
@@ -195,7 +235,7 @@ def _view_of(
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=request.size, radii=discs.radii, **camera)
-    return PreparedView(cloud, discs, view, camera, far_away)
+    return _View(cloud, discs, view, camera, far_away)
 
 
 def _encode(

@@ -15,9 +15,8 @@ from importlib import metadata
 from typing import Any, NamedTuple
 
 from splatline.contract.errors import InputError, install_hint
-from splatline.contract.frame import Frame
 
-from .draw_parts import Drawing, PartFrames, Progress, draw_part, finish, join_parts
+from .draw_parts import Drawing, PartFrames, Progress, check_shown, draw_part, join_parts
 from .plan import Part, Plan
 
 __all__ = ["LOCAL", "Traffic", "draw_on_cluster", "open_cluster"]
@@ -49,7 +48,7 @@ class Traffic(NamedTuple):
 
 def draw_on_cluster(
     plan: Plan, drawing: Drawing, client: Any, *, progress: Progress | None = None
-) -> tuple[list[Frame], PartFrames, Traffic]:
+) -> tuple[PartFrames, Traffic]:
     """Draw all parts on a cluster's workers; see :func:`splatline.host.large.draw_parts`.
 
     Parameters
@@ -92,7 +91,8 @@ def draw_on_cluster(
         ) from None
     finally:
         client.cancel([*tasks, *sizes])
-    return finish(plan, drawing, joined), joined, traffic
+    check_shown(plan, joined)
+    return joined, traffic
 
 
 @contextmanager
@@ -179,4 +179,4 @@ def _join(one: PartFrames, other: PartFrames) -> PartFrames:
 
 def _bytes(parts: PartFrames) -> int:
     """Return the bytes of the code words of parts, on the worker that has them."""
-    return sum(frame.codewords.nbytes for frame in parts.frames)
+    return sum(frame.codewords.nbytes for frame in parts.frames if frame is not None)

@@ -14,9 +14,11 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.contract.presets import DEFAULT
-from splatline.host.cloud.spacing import measure_discs
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.spacing import Discs, measure_discs
 from splatline.host.encode.join_frames import join_frames
 from splatline.host.encode.quality import DEFAULT_QUALITY
+from splatline.host.picture_tiles.frames import tile_picture
 from splatline.host.pipeline import make_frames
 from splatline.host.shading.materials import materials_of
 from splatline.host.visibility.skips import DEFAULT_SKIPS
@@ -24,7 +26,15 @@ from splatline.host.visibility.skips import DEFAULT_SKIPS
 from .plan import Part, Plan
 from .read_part import read_part
 
-__all__ = ["Drawing", "PartFrames", "draw_part", "draw_parts", "join_parts"]
+__all__ = [
+    "Drawing",
+    "PartFrames",
+    "check_shown",
+    "draw_part",
+    "draw_parts",
+    "frames_of",
+    "join_parts",
+]
 
 OVERDRAWN = "overdrawn"
 """Of points of one pixel the nearest alone is sent. Which that is depends on a part's other points,
@@ -60,6 +70,11 @@ class Drawing:
     splat_size: float | None = None
     memory: int = 2 << 30
 
+    def in_tiles(self, plan: Plan) -> bool:
+        """Return whether a plan's picture is larger than the engine's image."""
+        width, height = plan.view.width, plan.view.height
+        return width > self.config.max_width or height > self.config.max_height
+
 
 @dataclasses.dataclass(frozen=True)
 class PartFrames:
@@ -68,7 +83,8 @@ class PartFrames:
     Parameters
     ----------
     frames
-        One for each sample; empty if the parts show nothing.
+        One for each sample; of a picture in tiles for each tile and sample, row by row, each from
+        left to right, None where nothing is. Empty if the parts show nothing.
     points
         Points that were read.
     dropped, culled
@@ -81,7 +97,7 @@ class PartFrames:
         Columns of the files that were used, as what, and those that were not.
     """
 
-    frames: tuple[Frame, ...]
+    frames: tuple[Frame | None, ...]
     points: int = 0
     dropped: dict[str, int] = dataclasses.field(default_factory=dict)
     culled: dict[str, int] = dataclasses.field(default_factory=dict)
@@ -112,30 +128,43 @@ def draw_part(
     if cloud is None:
         return PartFrames(())
     discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
-    frames = make_frames(
-        cloud,
-        plan.view,
-        drawing.samples,
-        **discs._asdict(),
-        materials=materials_of(cloud, plan.palette),
-        config=drawing.config,
-        quality=drawing.quality,
-        skips=drawing.skips - {OVERDRAWN},
-        depth_range=plan.depth_range,
-        may_be_empty=True,
-        progress=told("encode"),
-    )
-    left_out = sum(number for reason, number in cloud.dropped.items())
+    frames, counts = _frames(plan, drawing, cloud, discs, told("encode"))
     return PartFrames(
-        frames=tuple(join_frames([frame]) for frame in frames),
-        points=len(cloud) + left_out,
+        frames=tuple(None if frame is None else join_frames([frame]) for frame in frames),
+        points=len(cloud) + sum(cloud.dropped.values()),
         dropped=dict(cloud.dropped),
-        culled=_total(frame.counts["culled"] for frame in frames),
-        elements=sum(frame.counts["elements"] for frame in frames),
+        culled=_total(count["culled"] for count in counts),
+        elements=sum(count["elements"] for count in counts),
         notes=cloud.notes,
         used=cloud.used,
         ignored=cloud.ignored,
     )
+
+
+def _frames(
+    plan: Plan,
+    drawing: Drawing,
+    cloud: Cloud,
+    discs: Discs,
+    progress: Callable[[float], None] | None,
+) -> tuple[list[Frame | None], list[dict[str, Any]]]:
+    """Return the frames of a part, and counts whose sum is the part's."""
+    options: dict[str, Any] = {
+        **discs._asdict(),
+        "materials": materials_of(cloud, plan.palette),
+        "config": drawing.config,
+        "quality": drawing.quality,
+        "skips": drawing.skips - {OVERDRAWN},
+        "depth_range": plan.depth_range,
+        "may_be_empty": True,
+    }
+    if drawing.in_tiles(plan):
+        picture = tile_picture(cloud, plan.view, drawing.samples, **options)
+        rows = list(picture.rows())
+        frames = [frame for row in rows for tile in row for frame in tile.frames]
+        return frames, [picture.counts]
+    made = make_frames(cloud, plan.view, drawing.samples, **options, progress=progress)
+    return list(made), [frame.counts for frame in made]
 
 
 def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
@@ -143,7 +172,7 @@ def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
     drawn = [part.frames for part in parts if part.frames]
     first = parts[0]
     return PartFrames(
-        frames=tuple(join_frames(frames) for frames in zip(*drawn, strict=True)),
+        frames=tuple(_joined(frames) for frames in zip(*drawn, strict=True)),
         points=sum(part.points for part in parts),
         dropped=_total(part.dropped for part in parts),
         culled=_total(part.culled for part in parts),
@@ -154,19 +183,16 @@ def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
     )
 
 
-def draw_parts(
-    plan: Plan, drawing: Drawing, *, progress: Progress | None = None
-) -> tuple[list[Frame], PartFrames]:
+def _joined(frames: Sequence[Frame | None]) -> Frame | None:
+    """Return several parts' frames of a tile as one, or None if all are empty."""
+    some = [frame for frame in frames if frame is not None]
+    return join_frames(some) if some else None
+
+
+def draw_parts(plan: Plan, drawing: Drawing, *, progress: Progress | None = None) -> PartFrames:
     """Draw all parts, one after the other; the memory holds one of them.
 
     ``progress`` is called now and then with the stage ``parts`` and the share that is done.
-
-    Returns
-    -------
-    list of Frame
-        One for each sample, with the counts that :func:`splatline.host.pipeline.make_frames` has.
-    PartFrames
-        What they were made of.
 
     Raises
     ------
@@ -177,24 +203,27 @@ def draw_parts(
     for number, part in enumerate(plan.parts):
         drawn = draw_part(plan, part, drawing, progress=_within(progress, number, len(plan.parts)))
         joined = join_parts([joined, drawn])
-    return finish(plan, drawing, joined), joined
+    check_shown(plan, joined)
+    return joined
 
 
-def finish(plan: Plan, drawing: Drawing, joined: PartFrames) -> list[Frame]:
-    """Return the frames of a picture, with their counts.
-
-    Raises
-    ------
-    InputError
-        If nothing is in view.
-    """
-    if not any(frame.counts["elements"] for frame in joined.frames):
+def check_shown(plan: Plan, joined: PartFrames) -> None:
+    """Raise ``InputError`` if nothing is in view."""
+    if not any(frame is not None and frame.counts["elements"] for frame in joined.frames):
         raise InputError(
             f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points all lie"
             " outside; change the view"
         )
+
+
+def frames_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> list[Frame]:
+    """Return the frames of a picture, one for each sample.
+
+    They have the counts of :func:`splatline.host.pipeline.make_frames`.
+    """
     found = []
     for number, frame in enumerate(joined.frames):
+        assert frame is not None, "a picture in tiles has no frame of its own"
         sums: dict[str, Any] = {"culled": joined.culled, "elements": joined.elements}
         if number:  # those of the first stand for all samples
             sums = {"culled": dict.fromkeys(joined.culled, 0), "elements": 0}

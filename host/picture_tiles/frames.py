@@ -36,7 +36,7 @@ from splatline.host.visibility.view import View
 from .bins import Bin, bins_of_row
 from .grid import Grid
 
-__all__ = ["TileFrames", "TiledPicture", "tile_picture"]
+__all__ = ["TileFrames", "TiledPicture", "tile_picture", "words_of_others"]
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ class TiledPicture:
         counts = self.counts
         counts["codewords"] += len(stream)
         counts["control_words"] += control_words
-        counts["words_twice"] += _words_of_others(encoded, own.tile, self.config)
+        counts["words_twice"] += words_of_others(*encoded.together(), own.tile, self.config)
         counts["bits_sent"]["table"] += self.config.codeword_bits * len(stream)
         for stage, seconds in clock.laps.items():
             counts["seconds"][stage] = counts["seconds"].get(stage, 0.0) + seconds
@@ -220,6 +220,7 @@ def tile_picture(
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
     frame_size: tuple[int, int] | None = None,
+    may_be_empty: bool = False,
 ) -> TiledPicture:
     """Project, cull and shade a cloud for a picture of any size, which is drawn in tiles.
 
@@ -231,6 +232,8 @@ def tile_picture(
         ``table``; compact words have no order that tiles keep.
     frame_size
         See :meth:`splatline.host.picture_tiles.grid.Grid.of`.
+    may_be_empty
+        Whether a picture that shows nothing is no error, as that of a part of a cloud.
 
     Raises
     ------
@@ -251,9 +254,9 @@ def tile_picture(
         counts = _first_counts(index, config, quality, kept)
         picture = TiledPicture(grid, config, counts, quality, useful_skips(kept, quality), [])
         limits = picture.project(index, view, samples, lighting or Lighting(), depth_range)
-        if limits is not None:
+        if limits is not None or may_be_empty:
             clock.lap("project")
-            counts["depth_range"], counts["seconds"] = list(limits), laps
+            counts["depth_range"], counts["seconds"] = list(limits or (0.0, 0.0)), laps
             return picture
     raise nothing_in_view(index, picture.culled(), samples)
 
@@ -281,10 +284,11 @@ def _first_counts(
     }
 
 
-def _words_of_others(encoded: Encoded, tile: Tile, config: EngineConfig) -> int:
+def words_of_others(
+    words: npt.NDArray[np.uint64], line: npt.NDArray[Any], tile: Tile, config: EngineConfig
+) -> int:
     """Return how many words begin left of a tile or above it; the tile there has them too."""
     columns, lines = tile.guard
-    words, line = encoded.together()
     low = words[:, 0] if config.plane else words
     x = low >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)
     return int(np.count_nonzero((x < columns) | (line < lines + ROWS) & (lines > 0)))

@@ -40,6 +40,21 @@ def test_a_file_that_needs_more_memory_is_drawn_in_parts(run, folder, scan, monk
     assert unlike < 12
 
 
+def test_a_picture_larger_than_the_engine_s_is_drawn_in_tiles_of_parts(run, folder, scan):
+    wide = ["--size", "700x540", "--orbit", "0,70", "--stats", "a.json"]
+    result = run("render", scan, *wide, "-o", "tiles.png", "--memory", "501M")
+    assert result.exit_code == 0, result.stderr
+    numbers = numbers_of(folder)
+    assert numbers["points"] == 30_000
+    assert numbers["tiles"] == 4
+    one = run("render", scan, *wide, "-o", "one.png", "--memory", "501M", "--preset", "wide2048")
+    assert one.exit_code == 0, one.stderr
+    assert "tiles" not in numbers_of(folder)
+    tiles, whole = pixels(folder / "tiles.png"), pixels(folder / "one.png")
+    assert tiles.shape == whole.shape == (540, 700, 3)
+    assert np.abs(tiles - whole).mean() < 6  # wide2048 has coarser intensities
+
+
 def test_many_files_are_one_cloud(run, folder, scan, cloud):
     positions, colours = hills(30_000, 6)
     write_las(folder / "other.las", positions + np.array([100, 0, 0]), colours)

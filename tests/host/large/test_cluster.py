@@ -14,7 +14,7 @@ from splatline.contract.errors import InputError
 from splatline.contract.presets import RGB24
 from splatline.host.large import cluster, plan
 from splatline.host.large.cluster import draw_on_cluster, open_cluster
-from splatline.host.large.draw_parts import Drawing, draw_parts
+from splatline.host.large.draw_parts import Drawing, draw_parts, frames_of
 from splatline.host.large.plan import make_plan
 from splatline.host.visibility.view import fit_view
 from tests.host.large.test_draw_parts import hills, write_las
@@ -45,7 +45,9 @@ def client():
 
 @pytest.fixture(scope="module")
 def alone(settled):
-    return draw_parts(settled, Drawing(samples=4))
+    drawing = Drawing(samples=4)
+    joined = draw_parts(settled, drawing)
+    return frames_of(settled, drawing, joined), joined
 
 
 def same(one, other):
@@ -57,18 +59,19 @@ def same(one, other):
 
 def test_a_cluster_draws_what_one_machine_draws(settled, client, alone):
     told = []
-    frames, parts, traffic = draw_on_cluster(
-        settled, Drawing(samples=4), client, progress=lambda stage, share: told.append(share)
+    drawing = Drawing(samples=4)
+    parts, traffic = draw_on_cluster(
+        settled, drawing, client, progress=lambda stage, share: told.append(share)
     )
-    assert same(frames, alone[0])
+    assert same(frames_of(settled, drawing, parts), alone[0])
     assert parts.dropped == alone[1].dropped
     assert told == sorted(told)
     assert told[-1] == 1.0
     assert traffic.tasks == 8 + 7
     # At most a word for each pixel of each sample, from each task.
     assert 0 < traffic.bytes <= traffic.tasks * 4 * 96 * 80 * 8
-    again, _, _ = draw_on_cluster(settled, Drawing(samples=4), client)
-    assert same(again, alone[0])
+    again, _ = draw_on_cluster(settled, drawing, client)
+    assert same(frames_of(settled, drawing, again), alone[0])
 
 
 def test_a_lost_worker_s_work_is_done_again(settled, alone):
@@ -82,9 +85,10 @@ def test_a_lost_worker_s_work_is_done_again(settled, alone):
                 killed.set()
                 os.kill(next(iter(workers.values())), signal.SIGKILL)
 
-        frames, _, _ = draw_on_cluster(settled, Drawing(samples=4), client, progress=kill_one)
+        drawing = Drawing(samples=4)
+        parts, _ = draw_on_cluster(settled, drawing, client, progress=kill_one)
         assert killed.is_set()
-        assert same(frames, alone[0])
+        assert same(frames_of(settled, drawing, parts), alone[0])
         until = time.monotonic() + 30
         while len(client.run(os.getpid)) < len(workers) and time.monotonic() < until:
             time.sleep(0.1)
@@ -97,7 +101,8 @@ def test_a_file_that_a_worker_lacks_is_one_line(scans, settled, client, tmp_path
     gone.unlink()
     with pytest.raises(InputError, match=r"gone\.laz: cannot be read: .* \(on the worker tcp://"):
         draw_on_cluster(away, Drawing(), client)
-    assert same(draw_on_cluster(settled, Drawing(), client)[0], draw_parts(settled, Drawing())[0])
+    usable, _ = draw_on_cluster(settled, Drawing(), client)
+    assert usable.points == 80_000
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "no such://place", "127.0.0.1:1"])
@@ -153,5 +158,5 @@ def test_without_dask_the_extra_is_named(monkeypatch):
 def test_the_configuration_travels(scans, client):
     small = make_plan(scans[:1], None, functools.partial(fit_view, size=(40, 40)), 128)
     config = RGB24.replace(name="rgb24")
-    frames, _, _ = draw_on_cluster(small, Drawing(config=config), client)
-    assert frames[0].config == config
+    parts, _ = draw_on_cluster(small, Drawing(config=config), client)
+    assert parts.frames[0].config == config

@@ -11,7 +11,7 @@ from splatline.host.cloud.spacing import measure_discs
 from splatline.host.files.readers import read_cloud
 from splatline.host.files.wanted import ColourBy
 from splatline.host.large import pieces, plan
-from splatline.host.large.draw_parts import Drawing, draw_part, draw_parts, finish, join_parts
+from splatline.host.large.draw_parts import Drawing, draw_part, draw_parts, frames_of, join_parts
 from splatline.host.large.plan import make_plan
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility.view import fit_view
@@ -56,7 +56,8 @@ def plan_of(*paths, by=None, config=RGB24, **options):
 
 
 def picture(plan, drawing=Drawing()):  # noqa: B008  (it is frozen)
-    (frame,), parts = draw_parts(plan, drawing)
+    parts = draw_parts(plan, drawing)
+    (frame,) = frames_of(plan, drawing, parts)
     return golden.render(frame), parts
 
 
@@ -84,11 +85,12 @@ def test_a_thinned_scan_looks_as_all_of_its_points_do(scan):
 def test_parts_may_be_drawn_and_joined_in_any_order(scan, small_parts, config):
     settled, drawing = plan_of(scan, config=config), Drawing(config=config, samples=4)
     assert len(settled.parts) == 4
-    frames, joined = draw_parts(settled, drawing)
+    joined = draw_parts(settled, drawing)
+    frames = frames_of(settled, drawing, joined)
     assert len(frames) == 4
     assert joined.points == 60_000
     a, b, c, d = (draw_part(settled, part, drawing) for part in settled.parts)
-    other = finish(settled, drawing, join_parts([join_parts([d, b]), join_parts([c, a])]))
+    other = frames_of(settled, drawing, join_parts([join_parts([d, b]), join_parts([c, a])]))
     for one, two in zip(frames, other, strict=True):
         assert np.array_equal(one.codewords, two.codewords)
         assert one.counts == two.counts
