@@ -58,9 +58,7 @@ def assert_same(cloud, view, config, wide=None, samples=1, frame_size=(64, 40), 
     materials = find_materials(cloud, 8)
     common = {"materials": materials, **options}
     whole = make_frames(cloud, view, samples, config=wide or config, **common)
-    picture = tile_picture(
-        cloud, view, samples, config=config, frame_size=frame_size, **common
-    )
+    picture = tile_picture(cloud, view, samples, config=config, frame_size=frame_size, **common)
     rasters, frames = drawn_in_tiles(picture)
     for raster, frame in zip(rasters, whole, strict=True):
         wanted = golden.render(frame)
@@ -115,7 +113,10 @@ def test_discs_that_reach_the_eye_are_drawn_whole(quality, ahead):
     view = fit_view(cloud, size=(330, 170))
     # The eye is amid the points, and many discs reach behind it.
     view = dataclasses.replace(view, eye=ahead * view.axes[2], near=0.01)
-    options = {"radii": radii_of(5, len(cloud), 2.0), "quality": "exact" if config.plane else quality}
+    options = {
+        "radii": radii_of(5, len(cloud), 2.0),
+        "quality": "exact" if config.plane else quality,
+    }
     assert_same(cloud, view, config, skips={"outside"}, **options)
 
 
