@@ -173,7 +173,7 @@ def test_points_without_a_pixel_are_drawn_if_nothing_else_is():
 def test_a_view_of_nothing_is_one_line():
     cloud = sphere(50)
     view = dataclasses.replace(fit_view(cloud, size=(700, 100)), eye=np.array([0.0, 0.0, 1e6]))
-    with pytest.raises(InputError, match="nothing of .* is in view: of 50 points, "):
+    with pytest.raises(InputError, match=r"nothing of .* is in view: of 50 points, "):
         tile_picture(cloud, view, radii=np.full(50, 0.1))
 
 
