@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import png
 
-from splatline.host.files.atomic_write import atomic_stream
+from splatline.host.files.atomic_write import atomic_stream, tell_unwritable
 
 __all__ = ["PngRows", "png_rows"]
 
@@ -24,11 +24,19 @@ splats of few colours, that is less than differences from row to row."""
 class PngRows:
     """The rows of a PNG; see :func:`png_rows`."""
 
-    def __init__(self, stream: IO[bytes], width: int, height: int, grey: bool) -> None:
-        self._stream = stream
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        stream: IO[bytes],
+        width: int,
+        height: int,
+        grey: bool,
+    ) -> None:
+        self._path, self._stream = path, stream
         self._bytes = 2 * width if grey else 3 * width
         writer = png.Writer(width, height, greyscale=grey, bitdepth=16 if grey else 8)
-        writer.write_preamble(stream)
+        with tell_unwritable(path):
+            writer.write_preamble(stream)
         self._compressor = zlib.compressobj()
 
     def write(self, rows: npt.NDArray[Any]) -> None:
@@ -41,12 +49,14 @@ class PngRows:
     def end(self) -> None:
         """Write what is left, when all rows are written."""
         self._chunk(self._compressor.flush())
-        png.write_chunk(self._stream, b"IEND")
+        with tell_unwritable(self._path):
+            png.write_chunk(self._stream, b"IEND")
 
     def _chunk(self, data: bytes) -> None:
         """Write compressed data as a chunk, unless there is none."""
-        if data:
-            png.write_chunk(self._stream, b"IDAT", data)
+        with tell_unwritable(self._path):
+            if data:
+                png.write_chunk(self._stream, b"IDAT", data)
 
 
 @contextlib.contextmanager
@@ -70,6 +80,6 @@ def png_rows(
         If the file cannot be written.
     """
     with atomic_stream(path) as stream:
-        rows = PngRows(stream, width, height, grey)
+        rows = PngRows(path, stream, width, height, grey)
         yield rows
         rows.end()

@@ -11,7 +11,7 @@ from typing import IO
 
 from splatline.contract.errors import InputError
 
-__all__ = ["atomic_stream", "atomic_write"]
+__all__ = ["atomic_stream", "atomic_write", "tell_unwritable"]
 
 
 def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
@@ -29,7 +29,7 @@ def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
     InputError
         If the file cannot be written; an older file of that name is untouched.
     """
-    with atomic_stream(path) as stream:
+    with atomic_stream(path) as stream, tell_unwritable(path):
         stream.write(data)
 
 
@@ -49,19 +49,39 @@ def atomic_stream(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
     Raises
     ------
     InputError
-        If the file cannot be written; an older file of that name is untouched.
+        If the file cannot be made or renamed; an older file of that name is untouched. Errors of
+        the block's own writing are as they are; see :func:`tell_unwritable`.
     """
-    asked = Path(path)
+    with contextlib.ExitStack() as stack:
+        with tell_unwritable(path):
+            target = Path(os.path.realpath(path))
+            is_special = target.exists() and not target.is_file() and not target.is_dir()
+            stream = stack.enter_context(_direct(target) if is_special else _replacing(target))
+        yield stream
+        with tell_unwritable(path):
+            stack.close()
+
+
+@contextlib.contextmanager
+def tell_unwritable(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Convert the system's errors in the block to ``InputError``: the file cannot be written."""
     try:
-        target = Path(os.path.realpath(asked))
-        if target.exists() and not target.is_file() and not target.is_dir():
-            with target.open("wb") as stream:
-                yield stream
-        else:
-            with _replacing(target) as stream:
-                yield stream
+        yield
     except OSError as error:
-        raise InputError(f"{asked}: cannot be written: {error.strerror or error}") from None
+        raise InputError(f"{Path(path)}: cannot be written: {error.strerror or error}") from None
+
+
+@contextlib.contextmanager
+def _direct(target: Path) -> Iterator[IO[bytes]]:
+    """Write to a pipe or device; an error of the block is not hidden by one of the last bytes."""
+    stream = target.open("wb")
+    try:
+        yield stream
+    except BaseException:
+        with contextlib.suppress(OSError):
+            stream.close()
+        raise
+    stream.close()
 
 
 @contextlib.contextmanager

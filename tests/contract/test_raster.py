@@ -63,3 +63,11 @@ def test_a_pixel_counts_once_whatever_differs_in_it():
 def test_rasters_of_two_kinds_do_not_compare(other, message):
     with pytest.raises(ValueError, match=message):
         random_raster(cw.PAPER).mismatches(other)
+
+
+def test_first_columns_and_lines_are_taken_away():
+    depth = np.arange(12, dtype=np.uint16).reshape(3, 4)
+    raster = Raster(depth, np.zeros((3, 4, 3), np.uint8))
+    assert raster.without(1, 2).depth.tolist() == [[9, 10, 11]]
+    assert raster.without(0, 0).depth.tolist() == raster.depth.tolist()
+    assert raster.without(3, 1).colour.shape == (2, 1, 3)

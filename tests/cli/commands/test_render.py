@@ -180,7 +180,7 @@ def test_a_cloud_in_the_current_folder_is_not_written_over(run, folder, cloud):
         (["{cloud}", "--out-dir", "{cloud}"], "is a file"),
         (["{cloud}", "--fov", "200"], "field of view"),
         (["{cloud}", "--zoom", "0"], "zoom"),
-        (["{cloud}", "--size", "4000x8"], "512"),
+        (["{cloud}", "--size", "70000x8"], "65536"),
         (["{cloud}", "--zoom", "1e6", "--splat-size", "1e-9"], "in view"),
         (["--scene", "nowhere"], "terrain"),
     ],
