@@ -109,11 +109,3 @@ def test_what_does_not_go_with_tiles_gets_one_line(run, folder, cloud, arguments
     last = result.stderr.strip().splitlines()[-1]
     assert words in last
     assert not list(folder.iterdir())
-
-
-def test_a_cloud_in_parts_is_not_drawn_in_tiles(run, folder, cloud):
-    (folder / "b.csv").write_bytes(cloud.read_bytes())
-    result = run("render", cloud, "b.csv", "--size", SIZE)
-    assert result.exit_code == 2
-    assert "is drawn in one frame alone" in result.stderr
-    assert [path.name for path in folder.iterdir()] == ["b.csv"]
