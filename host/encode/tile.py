@@ -30,8 +30,8 @@ __all__ = [
 ]
 
 GUARD_COLUMNS, GUARD_LINES = 2 * BLOCK, BLOCK
-"""The guard band. A word reaches eight columns and three lines into a tile. The frame begins at a
-multiple of ``sort_by_line.PERIOD`` columns, which is as many as the guard band's."""
+"""The guard band. A word reaches at most seven columns and three lines into a tile. The frame
+begins at a multiple of ``sort_by_line.PERIOD`` columns, which is as many as the guard band's."""
 
 
 class Tile(NamedTuple):
@@ -117,9 +117,10 @@ def first_line_of(to: Any) -> int:
 def may_touch(x: int, line: int, origin_x: int, origin_y: int, right: int, bottom: int) -> bool:
     """Return whether a word may touch a tile: its block has the lines from ``line`` - 4 on.
 
-    A block has nine columns, as its rotated rows may lie one column further right.
+    A block has eight columns. The ninth that the contract knows is in no word of the host, whose
+    shapes half a column to the right have seven (``half_pixel``).
     """
-    left = origin_x + (GUARD_COLUMNS - BLOCK) * (origin_x > 0)
+    left = origin_x + (GUARD_COLUMNS - BLOCK + 1) * (origin_x > 0)
     above = origin_y + (GUARD_LINES - ROWS + 1) * (origin_y > 0)
     return left <= x < right and above <= line < bottom + ROWS
 
