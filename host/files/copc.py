@@ -132,10 +132,10 @@ def _read_pages(source: Source, at: int, size: int) -> npt.NDArray[Any]:
 def _checked(source: Source, header: LasHeader, entries: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return the nodes that have points, by ascending offset; what they promise is possible."""
     level = entries["level"]
-    good = (0 <= level) & (level <= DEEPEST) & (entries["count"] >= 0)
+    good = (level >= 0) & (level <= DEEPEST) & (entries["count"] >= 0)
     width = np.int64(1) << np.clip(level, 0, DEEPEST).astype(np.int64)
     for axis in "xyz":
-        good &= (0 <= entries[axis]) & (entries[axis] < width)
+        good &= (entries[axis] >= 0) & (entries[axis] < width)
     if not good.all():
         raise InputError("has nodes that no octree has; is it damaged?")
     nodes = entries[entries["count"] > 0]

@@ -242,8 +242,8 @@ def _write(
         corner, side = cube
         times = rows["gps_time"]
         new.vlrs[0].record_data = struct.pack(
-            "<5d2Q2d88x", *(corner + 0.5 * side), 0.5 * side, side / (1 << CELL_BITS), at + 60, root,
-            times.min(), times.max(),
+            "<5d2Q2d88x", *(corner + 0.5 * side), 0.5 * side, side / (1 << CELL_BITS),
+            at + 60, root, times.min(), times.max(),
         )  # fmt: skip
         file.seek(0)
         new.write_to(file)

@@ -201,7 +201,7 @@ def test_damaged_bytes_are_an_error_or_other_points(hills, tmp_path):
         try:
             octree, found = read(path)
         except InputError as error:
-            assert "\n" not in str(error)  # noqa: PT017
+            assert "\n" not in str(error)
         else:
             total = sum(len(table["x"]) + sum(dropped.values()) for table, dropped in found)
             assert octree is None or total == COUNT
