@@ -117,3 +117,9 @@ class Fields:
                 np.right_shift(rows[column] & mask, (mask & -mask).bit_length() - 1, out=out)
             else:
                 out[:] = rows[column]
+
+    def table(self, rows: npt.NDArray[Any]) -> Table:
+        """Return the fields of points of ``dtype`` in new arrays."""
+        table = self.empty(len(rows))
+        self.fill(table, 0, rows)
+        return table

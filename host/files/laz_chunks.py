@@ -12,7 +12,7 @@ from splatline.contract.errors import InputError
 from .las_header import LasHeader
 from .source import Source, unpacked_limit
 
-__all__ = ["open_laz"]
+__all__ = ["LAYERED", "VARIABLE", "Layers", "open_laz", "parse_laszip"]
 
 RECORD = struct.Struct("<HHBBHIIqqH")
 """Begin of the LASzip record: compressor, coder, version, options, points of a chunk, special
@@ -44,7 +44,7 @@ def open_laz(source: Source, header: LasHeader, selection: Any) -> Any:
     """
     import lazrs  # not before a LAZ file is read
 
-    compressor, size, items = _parse(header)
+    compressor, size, items = parse_laszip(header)
     limit = unpacked_limit(source.size) // header.length
     if header.count > limit:
         raise InputError(f"promises {header.count:,} points, more than {source.size:,} bytes hold")
@@ -70,8 +70,14 @@ def open_laz(source: Source, header: LasHeader, selection: Any) -> Any:
     return lazrs.ParLasZipDecompressor(source.stream, bytes(record), selection)
 
 
-def _parse(header: LasHeader) -> tuple[int, int, list[tuple[int, int]]]:
-    """Return the compressor, the points of a chunk, and type and size of the items of a point."""
+def parse_laszip(header: LasHeader) -> tuple[int, int, list[tuple[int, int]]]:
+    """Return the compressor, the points of a chunk, and type and size of the items of a point.
+
+    Raises
+    ------
+    InputError
+        If the record does not fit the points, or the method is not known.
+    """
     try:
         compressor, coder, *_, size, _, _, count = RECORD.unpack_from(header.laszip)
         items = [
@@ -105,16 +111,39 @@ def _find_table(source: Source, header: LasHeader) -> int:
     return at
 
 
+class Layers:
+    """The layers of a chunk: after its first point, as it is, their sizes, then they.
+
+    Parameters
+    ----------
+    header
+        The file's header.
+    items
+        Type and size of the items of a point.
+    """
+
+    def __init__(self, header: LasHeader, items: list[tuple[int, int]]) -> None:
+        self.first = header.length + 4
+        self.length = 4 * sum(LAYERS.get(kind, length) for kind, length in items)
+
+    def check(self, sizes: bytes | memoryview, chunk: int) -> None:
+        """Raise ``InputError`` if the layers are longer than the chunk of ``chunk`` bytes.
+
+        ``sizes`` has up to ``length`` bytes of it, from the byte ``first`` on.
+        """
+        head = self.first + self.length
+        fits = len(sizes) == self.length
+        if not fits or head + int(np.frombuffer(sizes, "<u4").sum(dtype=int)) > chunk:
+            raise InputError("has chunks that are shorter than their layers; is it damaged?")
+
+
 def _check_layers(
     source: Source, header: LasHeader, items: list[tuple[int, int]], sizes: list[int]
 ) -> None:
     """Raise ``InputError`` if a chunk's layers are longer than the chunk."""
-    layers = sum(LAYERS.get(kind, length) for kind, length in items)
-    head = header.length + 4 + 4 * layers
+    layers = Layers(header, items)
     at = header.start + 8
     for size in sizes:
-        source.stream.seek(at + header.length + 4)
-        block = source.stream.read(4 * layers)
-        if len(block) < 4 * layers or head + int(np.frombuffer(block, "<u4").sum(dtype=int)) > size:
-            raise InputError("has chunks that are shorter than their layers; is it damaged?")
+        source.stream.seek(at + layers.first)
+        layers.check(source.stream.read(layers.length), size)
         at += size

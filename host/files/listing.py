@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .columns import find_meaning
+from .copc import COPC
 from .las_facts import las_extent, las_facts
 from .las_fields import Fields, field_names
 from .las_header import read_las_header
@@ -21,9 +22,6 @@ from .read_text import read_layout
 from .source import Source
 
 __all__ = ["HEADERS", "Listing", "taken_for"]
-
-COPC = ("copc", 1)
-"""The record of an octree."""
 
 Extent = tuple[tuple[float, float, float], tuple[float, float, float]]
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, Meaning, find_meaning, gather
+from .las_drawn import Drawn
 from .las_fields import Fields, Table, field_names
 from .las_header import LasHeader, read_las_header
 from .laz_chunks import open_laz
@@ -21,15 +22,6 @@ __all__ = ["las_chunks", "las_meaning", "las_sample", "las_tables", "read_las"]
 
 PIECE = 1 << 20
 """Points that are decoded at once."""
-
-NOISE = (7, 18)
-"""Classes of low and of high noise."""
-
-FLAGS_SINCE = 1
-"""Minor version in which a class got its flags. Before, it means what the maker of a file says."""
-
-LONG_CLASS = 6
-"""First point format with a class of 8 bits; class 18 is no noise in those before."""
 
 
 def read_las(source: Source) -> Columns:
@@ -121,7 +113,7 @@ def las_tables(
     """
     fields = Fields(header, names)
     for rows, dropped in _rows(source, header, fields, points, begin, end):
-        yield _table(fields, rows), dropped
+        yield fields.table(rows), dropped
 
 
 def las_sample(
@@ -140,14 +132,7 @@ def las_sample(
         for start in starts
         for rows, _ in _rows(source, header, fields, points, start, start + points)
     ]
-    return _table(fields, np.concatenate(pieces))
-
-
-def _table(fields: Fields, rows: npt.NDArray[Any]) -> Table:
-    """Return the fields of some points in new arrays."""
-    table = fields.empty(len(rows))
-    fields.fill(table, 0, rows)
-    return table
+    return fields.table(np.concatenate(pieces))
 
 
 def _read_all(
@@ -179,29 +164,13 @@ def _rows(
 
     They are those from the number ``begin`` up to ``end``, or all.
     """
-    flags = None
-    if header.minor >= FLAGS_SINCE:
-        flags = Fields(header, ("withheld", "classification"))
-    read = _open(
-        source, header, Fields(header, (*fields.names, *(flags.names if flags else ()))), begin
-    )
+    drawn = Drawn(header, fields)
+    read = _open(source, header, drawn.read, begin)
     left = min(header.count, end or header.count) - begin
     while left:
         count = min(points, left)
-        rows = read(count).view(fields.dtype)
+        rows, dropped = drawn.split(read(count).view(fields.dtype))
         left -= count
-        dropped: dict[str, int] = {}
-        if flags is not None:
-            table = flags.empty(count)
-            flags.fill(table, 0, rows)
-            withheld = table["withheld"] != 0
-            noise = np.isin(table["classification"], NOISE[: 1 + (header.form >= LONG_CLASS)])
-            noise &= ~withheld
-            for reason, which in (("withheld", withheld), ("noise", noise)):
-                if found := int(np.count_nonzero(which)):
-                    dropped[reason] = found
-            if dropped:
-                rows = rows[~(withheld | noise)]
         source.tell()
         yield rows, dropped
 

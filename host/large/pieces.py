@@ -1,9 +1,9 @@
-"""Files in pieces: LAS and LAZ some points at a time, other formats as a whole."""
+"""Files in pieces: LAS and LAZ some points at a time, COPC by nodes, other formats as a whole."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,12 @@ import numpy.typing as npt
 from splatline.host.files.colouring import colour_values, heights
 from splatline.host.files.colours import NEUTRAL, brightest, colours_to_bytes, robust_range
 from splatline.host.files.columns import Columns, gather
-from splatline.host.files.las_header import read_las_header
+from splatline.host.files.copc import Octree, copc_sample, copc_tables, read_octree
+from splatline.host.files.las_fields import Table
+from splatline.host.files.las_header import LasHeader, read_las_header
 from splatline.host.files.read_las import las_meaning, las_sample, las_tables
 from splatline.host.files.readers import open_cloud_file, parser_errors, read_columns
-from splatline.host.files.source import Progress, format_suffix
+from splatline.host.files.source import Progress, Source, format_suffix
 from splatline.host.files.wanted import HEIGHT, INTENSITY, RGB, ColourBy, Wanted
 
 __all__ = ["Colouring", "PieceFile", "Sample", "colours_of"]
@@ -74,7 +76,7 @@ class Sample:
         The least and the greatest coordinates, shape (3,) each, as the file says; None: it does
         not.
     in_pieces
-        Whether the file can be read in parts.
+        Whether the file can be read in parts. COPC cannot: its nodes overlap.
     """
 
     columns: Columns
@@ -92,11 +94,17 @@ class PieceFile:
         The file.
     by
         What colours a point; None: the file's colours, else its intensity, else one colour.
+
+    Attributes
+    ----------
+    octree
+        The octree of a COPC file, once a sample is taken.
     """
 
     def __init__(self, path: Path, by: ColourBy | None) -> None:
         self.path = path
         self._by = by
+        self.octree: Octree | None = None
         self._colours = True
         self._in_pieces = format_suffix(path) in IN_PIECES
 
@@ -116,27 +124,40 @@ class PieceFile:
                 return Sample(_rows(columns, some), count, None, False)
             with parser_errors(source):
                 header = read_las_header(source)
+                self.octree = read_octree(source, header)
                 meaning = las_meaning(header, source.wanted)
-                table = las_sample(source, header, meaning.names, *_places(header.count))
+                table = self._sample(source, header, meaning.names)
                 black = meaning.kind == "colour" and not any(
                     table[name].any() for name in meaning.colours
                 )
                 if black and self._by is None:  # as ``read_las`` has it
                     self._colours = False
                     meaning = las_meaning(header, source.wanted, colours=False)
-                    table = las_sample(source, header, meaning.names, *_places(header.count))
+                    table = self._sample(source, header, meaning.names)
                 if meaning.kind.startswith("intensity") and self._by is None:
                     self._by = ColourBy(INTENSITY)
                     meaning = las_meaning(header, Wanted(self._by), colours=self._colours)
                 bounds = header.low, header.high
-                return Sample(gather(table, meaning), header.count, bounds, True)
+                in_pieces = self.octree is None
+                return Sample(gather(table, meaning), header.count, bounds, in_pieces)
+
+    def _sample(self, source: Source, header: LasHeader, names: Sequence[str]) -> Table:
+        """Return some fields of some points from all over a LAS file."""
+        if self.octree is not None:
+            return copc_sample(source, header, self.octree, names, SAMPLE)
+        return las_sample(source, header, names, *_places(header.count))
 
     def pieces(
-        self, first: int = 0, stop: int | None = None, progress: Progress | None = None
+        self,
+        first: int = 0,
+        stop: int | None = None,
+        progress: Progress | None = None,
+        nodes: npt.NDArray[Any] | None = None,
     ) -> Iterator[Columns]:
         """Yield the points from the number ``first`` up to ``stop``, or the file's end.
 
-        ``dropped`` of each has those left out, by reason.
+        ``dropped`` of each has those left out, by reason. With ``nodes``, some of ``octree``'s, the
+        points are theirs.
 
         Raises
         ------
@@ -150,7 +171,10 @@ class PieceFile:
             with parser_errors(source):
                 header = read_las_header(source)
                 meaning = las_meaning(header, source.wanted, colours=self._colours)
-                tables = las_tables(source, header, meaning.names, PIECE, first, stop)
+                if nodes is not None:
+                    tables = copc_tables(source, header, nodes, meaning.names, PIECE)
+                else:
+                    tables = las_tables(source, header, meaning.names, PIECE, first, stop)
                 for table, dropped in tables:
                     columns = gather(table, meaning)
                     columns.dropped.update(dropped)

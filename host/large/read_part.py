@@ -12,6 +12,7 @@ from splatline.host.cloud.cloud import Cloud
 from splatline.host.files.assemble import assemble_cloud
 from splatline.host.files.columns import Columns
 
+from .nodes import choose_nodes
 from .pieces import Colouring, colours_of
 from .plan import Part, Plan
 from .thin import Thinner
@@ -52,7 +53,8 @@ def read_part(
 
     Points of a cell become one, at their mean position, with the mean of their colours and normals.
     A cell is half a pixel wide, or as many times twice as wide as the memory asks for. The result
-    depends neither on the order of the part's points nor on the pieces in which they are read.
+    depends neither on the order of the part's points nor on the pieces in which they are read. Of a
+    COPC file only the nodes that the view needs are read (see ``choose_nodes``).
 
     Parameters
     ----------
@@ -78,9 +80,12 @@ def read_part(
     steps = np.concatenate([np.ones(3), np.full(3 * colouring.normals, NORMAL_STEP)])
     thinner = Thinner(plan.view, plan.origin, plan.farthest, steps, CELLS, cells_of_memory(memory))
     told = None if progress is None else lambda share: progress("read", share)
-    columns = None
+    columns = chosen = None
+    if file.octree is not None:
+        chosen = choose_nodes(file.octree, plan.view, plan.origin, thinner.grid)
     dropped: dict[str, int] = {}
-    for columns in file.pieces(part.first, part.stop, told):
+    nodes = None if chosen is None else chosen.nodes
+    for columns in file.pieces(part.first, part.stop, told, nodes):
         _add(thinner, columns, colouring)
         for reason, number in columns.dropped.items():
             dropped[reason] = dropped.get(reason, 0) + number
@@ -91,6 +96,9 @@ def read_part(
         "outside": thinner.outside,
         "finer": thinner.points - thinner.outside - len(thinner),
     }
+    if chosen is not None:
+        dropped["outside"] += chosen.outside
+        dropped["finer"] += chosen.finer
     thinned = thinner.result()
     return assemble_cloud(
         Columns(
