@@ -39,7 +39,7 @@ LARGE_OPTIONS = (
         metavar="SIZE",
         show_default="a quarter of the machine's",
         help="Memory for the cloud, such as 2G. A LAS or LAZ file that needs more is read in parts:"
-        " points of half a pixel become one, or of more if the memory asks for it.",
+        " points of a pixel become one, or of more pixels if the memory asks for it.",
     ),
 )
 """Options for large clouds, last one first."""
@@ -142,7 +142,7 @@ def _notes(plan: Plan, joined: PartFrames) -> list[str]:
     parts = f", in {len(plan.parts)} parts" if len(plan.parts) > 1 else ""
     return [
         *joined.notes,
-        f"points closer than a part of a pixel are drawn as one{parts}; the view fits a sample",
+        f"points of one pixel and depth are drawn as one{parts}; the view fits a sample",
     ]
 
 

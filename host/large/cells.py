@@ -1,6 +1,6 @@
 """A table of cells that hold points: a hash table of whole numbers, so that order plays no part.
 
-A cell is as large as a part of a pixel where it lies. Its row has its key, its points, and the sums
+A cell is about as large as a pixel where it lies. Its row has its key, its points, and the sums
 of their values. Sums of whole numbers are exact, so points may be added in any order, and tables
 may be added to tables.
 """

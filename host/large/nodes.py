@@ -17,8 +17,8 @@ __all__ = ["Chosen", "choose_nodes"]
 SLACK = 1e-6
 """Share of a cube's side by which points may lie outside of it: coordinates are rounded."""
 
-FINEST = 0.5
-"""Pixels between the points of a node, if the nodes below it are too fine: a cell of ``Thinner``."""
+FINEST = 1.0
+"""Cells between the points of a node, if the nodes below it are too fine."""
 
 CORNERS = np.stack(np.meshgrid(*[(-SLACK, 1.0 + SLACK)] * 3), axis=-1).reshape(8, 3)
 
@@ -75,7 +75,7 @@ def choose_nodes(octree: Octree, view: View, origin: npt.NDArray[np.float64], gr
         last = view.focal * across + (middle + grid.beside - cells / grid.cells) * ahead
         outside |= (first < 0.0).all(axis=1) | (last > 0.0).all(axis=1)
     pixels = view.focal / np.maximum(nearest, view.near)
-    finer = ~outside & (2.0 * octree.spacings() * pixels <= FINEST)
+    finer = ~outside & (2.0 * octree.spacings() * pixels * grid.cells <= FINEST)
     finer &= octree.nodes["level"] > 0
     counts = octree.nodes["count"].astype(np.int64)
     return Chosen(

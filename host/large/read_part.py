@@ -19,9 +19,9 @@ from .thin import Thinner
 
 __all__ = ["CELLS", "FIXED_BYTES", "POINT_BYTES", "cells_of_memory", "read_part"]
 
-CELLS = 2.0
-"""Cells of a pixel, along a line and from line to line. Discs are wider than a pixel, so that finer
-detail would be drawn over."""
+CELLS = 1.0
+"""Cells of a pixel, along a line and from line to line: of smaller ones the picture is further from
+the truth, as points of noise are not averaged (decision 0078)."""
 
 CELL_BYTES = 250
 """Most memory that a cell takes: as a point of a cloud, while its disc is measured."""
@@ -52,7 +52,7 @@ def read_part(
     """Return a part's points, thinned to the cells of the view; None if it shows none of them.
 
     Points of a cell become one, at their mean position, with the mean of their colours and normals.
-    A cell is half a pixel wide, or as many times twice as wide as the memory asks for. The result
+    A cell is a pixel wide, or as many times twice as wide as the memory asks for. The result
     depends neither on the order of the part's points nor on the pieces in which they are read. Of a
     COPC file only the nodes that the view needs are read (see ``choose_nodes``).
 
@@ -131,5 +131,4 @@ def _notes(cells: float) -> tuple[str, ...]:
     """Return what a person should know about cells that are wider than usual."""
     if cells >= CELLS:
         return ()
-    width = "a pixel" if cells == 1.0 else f"{1 / cells:g} pixels"
-    return (f"points of a cell of {width} are drawn as one, to save memory; see --memory",)
+    return (f"points of {1 / cells:g} pixels are drawn as one, to save memory; see --memory",)

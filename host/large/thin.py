@@ -1,4 +1,4 @@
-"""Thins points to cells of a part of a pixel, as a view sees them."""
+"""Thins points to cells that are as large as a pixel, as a view sees them."""
 
 from __future__ import annotations
 

@@ -165,7 +165,7 @@ def test_less_memory_gives_coarser_cells_and_says_so(scan, monkeypatch):
     settled = plan_of(scan)
     monkeypatch.setattr("splatline.host.large.read_part.FEWEST_CELLS", 2000)
     drawn, parts = picture(settled, Drawing(memory=1))
-    assert any("cell of a pixel" in note or "pixels" in note for note in parts.notes)
+    assert any("pixels are drawn as one" in note for note in parts.notes)
     assert parts.elements < 2000
     assert drawn.drawn.sum() > 500
 
