@@ -6,7 +6,7 @@ import pytest
 
 from splatline.host.files.copc import ENTRY, Octree
 from splatline.host.large import pieces
-from splatline.host.large.draw_parts import Drawing, draw_parts
+from splatline.host.large.draw_parts import Drawing, draw_parts, frames_of
 from splatline.host.large.nodes import choose_nodes
 from splatline.host.large.plan import make_plan
 from splatline.host.large.read_part import CELLS
@@ -98,7 +98,8 @@ def plan_of(path, **options):
 
 
 def picture(plan):
-    (frame,), parts = draw_parts(plan, Drawing())
+    parts = draw_parts(plan, Drawing())
+    (frame,) = frames_of(plan, Drawing(), parts)
     return golden.render(frame), parts
 
 
