@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from splatline import host
 from splatline.contract.errors import InputError
-from splatline.host.files import read_las
+from splatline.host.files import las_drawn, read_las
 from splatline.host.files.asprs import CLASSES
 from splatline.host.files.wanted import ColourBy
 from tests.host.files.cloud_files import POSITIONS
@@ -319,8 +319,9 @@ def test_las_decodes_what_is_asked_alone(tmp_path, monkeypatch):
     place.write_bytes(las(7))
     asked = []
     real = read_las.Fields
-    monkeypatch.setattr(
-        read_las, "Fields", lambda header, names: asked.extend(names) or real(header, names)
-    )
+    for module in (read_las, las_drawn):
+        monkeypatch.setattr(
+            module, "Fields", lambda header, names: asked.extend(names) or real(header, names)
+        )
     host.read_cloud(place, colour="gps_time")
     assert set(asked) == {"x", "y", "z", "gps_time", "withheld", "classification"}

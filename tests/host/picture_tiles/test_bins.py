@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from splatline.contract.presets import PAPER, PLANE
@@ -38,6 +38,9 @@ def words_of(encoded):
     return sorted(tuple(row) for row in np.column_stack([rows, lines]).tolist())
 
 
+@example(3, 60.0, 900.0, "exact", True)  # a disc that reaches far beyond its radius
+@example(3, 60.0, 900.0, "plane", True)
+@settings(max_examples=50)
 @given(
     st.integers(0, 2**32 - 1),
     st.sampled_from([60.0, 300.0, 5000.0]),

@@ -81,7 +81,7 @@ SKIPS = (
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=12)
 @given(
     st.integers(0, 10_000),
     st.sampled_from(["exact", "fast", "paper", "plane", "swift-plane"]),
