@@ -82,10 +82,7 @@ def prepare_large(
         frames=frames_of(plan, drawing, joined),
         view=plan.view,
         camera=camera,
-        dropped=joined.dropped,
-        colour_key=plan.colourings[0].key,
-        notes=_notes(plan, joined),
-        facts=facts,
+        **_told(plan, joined, facts),
     )
 
 
@@ -102,10 +99,7 @@ def prepare_large_tiles(
     return PreparedTiles(
         picture=tiles_of(plan, drawing, joined),
         camera=camera,
-        dropped=joined.dropped,
-        colour_key=plan.colourings[0].key,
-        notes=_notes(plan, joined),
-        facts=facts,
+        **_told(plan, joined, facts),
     )
 
 
@@ -135,6 +129,16 @@ def _planned(
         memory=_memory(request),
     )
     return plan, drawing
+
+
+def _told(plan: Plan, joined: PartFrames, facts: dict[str, Any]) -> dict[str, Any]:
+    """Return what is told of a cloud in parts; see ``PreparedFrames`` and ``PreparedTiles``."""
+    return {
+        "dropped": joined.dropped,
+        "colour_key": plan.colourings[0].key,
+        "notes": _notes(plan, joined),
+        "facts": facts,
+    }
 
 
 def _notes(plan: Plan, joined: PartFrames) -> list[str]:

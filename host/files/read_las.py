@@ -18,7 +18,7 @@ from .laz_chunks import open_laz
 from .source import Source
 from .wanted import USUAL, Wanted
 
-__all__ = ["las_chunks", "las_meaning", "las_sample", "las_tables", "read_las"]
+__all__ = ["las_meaning", "las_sample", "las_tables", "read_las"]
 
 PIECE = 1 << 20
 """Points that are decoded at once."""
@@ -58,26 +58,6 @@ def read_las(source: Source) -> Columns:
     columns = gather(table, meaning, notes)
     columns.dropped.update(dropped)
     return columns
-
-
-def las_chunks(source: Source, points: int) -> Iterator[Columns]:
-    """Yield the points of a file in its order, up to ``points`` at a time.
-
-    Memory follows ``points``, not the file. Colours keep the file's scale, which the values of one
-    chunk may not tell (see ``colours_to_bytes``), and greys of an intensity are those of the chunk
-    alone; ``las_tables`` yields the numbers as they are.
-
-    Raises
-    ------
-    InputError
-        If the file is damaged or has no points.
-    """
-    header = read_las_header(source)
-    meaning = las_meaning(header, source.wanted)
-    for table, dropped in las_tables(source, header, meaning.names, points):
-        columns = gather(table, meaning)
-        columns.dropped.update(dropped)
-        yield columns
 
 
 def las_meaning(header: LasHeader, wanted: Wanted = USUAL, *, colours: bool = True) -> Meaning:

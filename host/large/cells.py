@@ -56,11 +56,6 @@ class CellTable:
         """Return the number of cells."""
         return int(self._fill.sum())
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes that the table takes."""
-        return self._rows.nbytes
-
     def add(self, keys: _Ints, points: _Ints | None, values: _Ints) -> None:
         """Add points, or the rows of another table.
 

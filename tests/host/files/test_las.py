@@ -10,7 +10,7 @@ import pytest
 
 from splatline.contract.errors import InputError
 from splatline.host.files.las_header import read_las_header
-from splatline.host.files.read_las import las_chunks, las_tables
+from splatline.host.files.read_las import las_tables
 from splatline.host.files.readers import read_cloud
 from splatline.host.files.source import open_source
 from tests.host.files.cloud_files import COLOURS, COUNT, NORMALS, places
@@ -145,10 +145,12 @@ def test_chunk_by_chunk_the_points_are_those_of_the_whole(tmp_path, points, pack
     path = tmp_path / "a.laz"
     path.write_bytes(pack(las(7)))
     with open_source(path) as source:
-        chunks = list(las_chunks(source, points))
-    assert max(len(chunk.positions) for chunk in chunks) == min(points, COUNT)
-    assert np.array_equal(np.vstack([chunk.positions for chunk in chunks]), places_of())
-    assert np.array_equal(np.vstack([chunk.colours for chunk in chunks]), COLOURS.astype(int) * 257)
+        names = ("x", "y", "z", "red", "green", "blue")
+        tables = [table for table, _ in las_tables(source, read_las_header(source), names, points)]
+    assert max(len(table["x"]) for table in tables) == min(points, COUNT)
+    found = np.vstack([np.stack([table[name] for name in names], axis=1) for table in tables])
+    assert np.array_equal(found[:, :3], places_of())
+    assert np.array_equal(found[:, 3:], COLOURS.astype(int) * 257)
 
 
 def test_any_field_can_be_asked_for(tmp_path):
