@@ -93,7 +93,7 @@ def _details(results: dict[str, Any]) -> str:
     ]
     if results["copc"] is not None:
         octree = results["copc"]["stats"]["dropped"]
-        reasons = ", ".join(f"{number:,} {reason}" for reason, number in octree.items())
+        reasons = ", ".join(f"{number:,} {reason}" for reason, number in octree.items() if number)
         lines.append(f"From COPC: {reasons}.")
     stats = results["dask"]["stats"]
     pixels = results["render"]["stats"]["drawn_pixels"]
