@@ -94,7 +94,7 @@ formal: setup
 # named splatline, so it gets that folder, made of links.
 lint: setup
 	@mkdir -p build/types/splatline
-	@for part in contract rtl flow host sim plots cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
+	@for part in contract rtl flow host sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	MYPYPATH=build/types $(VENV)/bin/mypy

@@ -13,7 +13,7 @@ from splatline.host.cloud.cloud import Cloud
 
 from .reach import measure_reach
 
-__all__ = ["LARGEST", "View", "fit_view"]
+__all__ = ["LARGEST", "View", "check_camera", "fit_view", "orbit_axes"]
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
@@ -117,6 +117,18 @@ def fit_view(
     InputError
         If a parameter is out of its range.
     """
+    check_camera(orbit, fov, size, up, zoom)
+    width, height = size
+    axes = orbit_axes(orbit, up)
+    focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
+    eye, near = _fit_eye(cloud.positions, axes, (width / focal, height / focal), radii)
+    return View(eye, axes, focal * zoom, width, height, near)
+
+
+def check_camera(
+    orbit: tuple[float, float], fov: float, size: tuple[int, int], up: str, zoom: float
+) -> None:
+    """Raise ``InputError`` if a parameter of :func:`fit_view` is out of its range."""
     width, height = size
     if not 0.0 < fov < 180.0:
         raise InputError(f"the field of view must lie between 0 and 180 degrees, not {fov:g}")
@@ -129,22 +141,31 @@ def fit_view(
     if not all(math.isfinite(angle) for angle in orbit):
         raise InputError(f"the orbit must be two finite angles, not {orbit}")
 
-    axes = _orbit_axes(orbit, np.asarray(UP_AXES[up], np.float64))
-    focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
-    eye, near = _fit_eye(cloud.positions, axes, (width / focal, height / focal), radii)
-    return View(eye, axes, focal * zoom, width, height, near)
 
+def orbit_axes(orbit: tuple[float, float], up: str) -> npt.NDArray[np.float64]:
+    """Return the right, down and forward axes of an eye that looks in from an orbit.
 
-def _orbit_axes(orbit: tuple[float, float], up: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return the right, down and forward axes of an eye that looks in from an orbit."""
+    Parameters
+    ----------
+    orbit
+        Azimuth and elevation in degrees.
+    up
+        One of ``UP_AXES``.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (3, 3), float64, orthonormal rows.
+    """
+    upward = np.asarray(UP_AXES[up], np.float64)
     azimuth, elevation = np.radians(orbit)
     # At azimuth 0 the eye stands on the axis that follows up's in cyclic order (z for y up).
-    front = np.roll(np.abs(up), 1)
-    side = np.cross(up, front)
+    front = np.roll(np.abs(upward), 1)
+    side = np.cross(upward, front)
     outward = np.cos(elevation) * (np.cos(azimuth) * front + np.sin(azimuth) * side)
-    outward = outward + np.sin(elevation) * up
+    outward = outward + np.sin(elevation) * upward
     above = -np.sin(elevation) * (np.cos(azimuth) * front + np.sin(azimuth) * side)
-    above = above + np.cos(elevation) * up
+    above = above + np.cos(elevation) * upward
     return np.stack([np.cross(above, outward), -above, -outward])
 
 

@@ -1,0 +1,169 @@
+"""Draws a picture of a live cloud: the golden renderer's, bit for bit the engine's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.config import EngineConfig
+from splatline.contract.frame import Frame
+from splatline.contract.presets import DEFAULT
+from splatline.contract.raster import Raster
+from splatline.host.encode.quality import DEFAULT_QUALITY
+from splatline.host.picture_tiles.frames import TiledPicture, tile_picture
+from splatline.host.pipeline import make_frames, total_counts
+from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
+from splatline.host.visibility.skips import DEFAULT_SKIPS
+from splatline.host.visibility.view import View
+from splatline.sim.golden.renderer import render
+
+from .camera import Camera
+from .live_cloud import LiveCloud
+from .pixels import rgba_bytes
+
+__all__ = ["BACKGROUND", "Drawing", "Settings", "draw"]
+
+BACKGROUND = (23 / 255, 26 / 255, 31 / 255)
+"""RGB of the background, that of ``splatline render``."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a picture is drawn.
+
+    Parameters
+    ----------
+    preset
+        The engine.
+    quality, samples, skips
+        As of ``make_frames``.
+    lights
+        One of ``LIGHTS``.
+    background
+        RGB in 0..1 of the pixels that nothing is drawn into.
+    """
+
+    preset: EngineConfig = DEFAULT
+    quality: str = DEFAULT_QUALITY
+    samples: int = 1
+    skips: frozenset[str] = DEFAULT_SKIPS
+    lights: str = DEFAULT_LIGHTS
+    background: tuple[float, float, float] = BACKGROUND
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A picture, and what it was made of.
+
+    Parameters
+    ----------
+    view
+        What the camera saw.
+    frames
+        The code words: one frame for each sample of a pixel, and for each tile if the image is
+        larger than the engine's; a tile's frame that draws nothing is left out.
+    rasters
+        The picture of each sample of a pixel.
+    counts
+        Statistics of the frames together; see ``make_frames``.
+    background
+        See :class:`Settings`.
+    """
+
+    view: View
+    frames: list[Frame]
+    rasters: list[Raster]
+    counts: dict[str, Any]
+    background: tuple[float, float, float]
+
+    @cached_property
+    def rgba(self) -> npt.NDArray[np.uint8]:
+        """The picture: shape (height, width, 4), uint8; the bytes of ``splatline render``'s PNG."""
+        return rgba_bytes(self.rasters, self.background)
+
+    def depth_at(self, column: int, line: int) -> float | None:
+        """Return the distance along the view at a pixel, in the cloud's unit; None: background.
+
+        Raises
+        ------
+        IndexError
+            If the pixel lies outside the image.
+        """
+        raster = self.rasters[0]
+        if not (0 <= column < self.view.width and 0 <= line < self.view.height):
+            raise IndexError(f"no pixel {column}, {line}")
+        code = int(raster.depth[line, column])
+        last = raster.config.background_depth - 1
+        if code > last:
+            return None
+        nearest, farthest = self.counts["depth_range"]
+        return float(nearest + (farthest - nearest) * code / last)
+
+
+def draw(
+    live: LiveCloud, camera: Camera, size: tuple[int, int], settings: Settings | None = None
+) -> Drawing:
+    """Draw a picture; an empty one if nothing of the cloud is in view.
+
+    Parameters
+    ----------
+    live
+        The cloud.
+    camera
+        Where it is seen from.
+    size
+        Width and height of the image in pixels. An image that is larger than the engine's is drawn
+        in tiles, without seams.
+    settings
+        How it is drawn; None: as by default.
+
+    Raises
+    ------
+    InputError
+        If an option has no such value, or does not go with another.
+    """
+    settings = settings or Settings()
+    config = settings.preset
+    view = camera.view(live.cloud, size)
+    cloud = live.index(config)
+    options: dict[str, Any] = {
+        "lighting": LIGHTS[settings.lights],
+        "config": config,
+        "quality": settings.quality,
+        "skips": settings.skips,
+        "may_be_empty": True,
+    }
+    if size[0] > config.max_width or size[1] > config.max_height:
+        picture = tile_picture(cloud, view, settings.samples, **options)
+        frames, rasters = _draw_tiles(picture, settings.samples)
+        counts = {**picture.counts, "samples": settings.samples}
+    else:
+        frames = make_frames(cloud, view, settings.samples, **options)
+        rasters, counts = [render(frame) for frame in frames], total_counts(frames)
+    return Drawing(view, frames, rasters, counts, settings.background)
+
+
+def _draw_tiles(picture: TiledPicture, samples: int) -> tuple[list[Frame], list[Raster]]:
+    """Return the frames of a picture's tiles, and the raster of each sample."""
+    grid, config = picture.grid, picture.config
+    rasters = [Raster.background(grid.width, grid.height, config) for _ in range(samples)]
+    frames: list[Frame] = []
+    for row in picture.rows():
+        for tile, own in ((one.tile, one.frames) for one in row):
+            columns, lines = tile.guard
+            part = (
+                slice(tile.origin_y + lines, tile.bottom),
+                slice(tile.origin_x + columns, tile.right),
+            )
+            for frame, raster in zip(own, rasters, strict=True):
+                if frame is None:
+                    continue
+                frames.append(frame)
+                drawn = render(frame).without(columns, lines)
+                raster.depth[part] = drawn.depth
+                raster.colour[part] = drawn.colour
+    return frames, rasters

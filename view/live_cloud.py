@@ -1,0 +1,82 @@
+"""A cloud that is drawn again and again: read once, indexed once for each palette."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from splatline.contract.config import EngineConfig
+from splatline.host.cloud.bulk import far_points, select
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.spacing import Discs, measure_discs
+from splatline.host.shading.materials import find_materials
+from splatline.host.visibility.block_index import Index, build_index
+
+__all__ = ["LiveCloud", "Progress", "live_cloud"]
+
+Progress = Callable[[str, float], None]
+"""Called with what is done, in words for a person, and the share of it that is done."""
+
+
+class LiveCloud:
+    """A cloud with its discs, and an index for each size of palette.
+
+    It may be used by several threads.
+
+    Parameters
+    ----------
+    cloud
+        The points.
+    discs
+        Their discs, as of ``measure_discs``.
+    far_away
+        Points that were left out, as they lie far from the rest.
+    """
+
+    def __init__(self, cloud: Cloud, discs: Discs, far_away: int = 0) -> None:
+        self.cloud = cloud
+        self.discs = discs
+        self.far_away = far_away
+        self._indexes: dict[int, Index] = {}
+        self._lock = threading.Lock()
+
+    def index(self, config: EngineConfig) -> Index:
+        """Return the index for an engine; it is built when it is first asked for."""
+        with self._lock:
+            bits = config.material_bits
+            if bits not in self._indexes:
+                materials = find_materials(self.cloud, 1 << bits)
+                index = build_index(self.cloud, self.discs.radii, materials, self.discs.thin)
+                self._indexes[bits] = index
+            return self._indexes[bits]
+
+
+def live_cloud(
+    cloud: Cloud,
+    *,
+    fit: str = "bulk",
+    splat_size: float | None = None,
+    progress: Progress | None = None,
+) -> LiveCloud:
+    """Return a cloud ready to be drawn, with the discs and points of ``splatline render``.
+
+    Parameters
+    ----------
+    cloud
+        The points, as of ``read_cloud``.
+    fit
+        ``bulk``: without points far from the rest. ``all``: every point.
+    splat_size
+        Diameter of all discs, in the cloud's unit; None: from the points' spacing.
+    progress
+        Told how far the discs are.
+    """
+    far_away = 0
+    if fit != "all":
+        far = far_points(cloud.positions)
+        far_away = int(far.sum())
+        if far_away:
+            cloud = select(cloud, ~far)
+    doing = f"Measuring the spacing of {len(cloud):,} points"
+    share = None if progress is None else lambda part: progress(doing, part)
+    return LiveCloud(cloud, measure_discs(cloud, splat_size, progress=share), far_away)
