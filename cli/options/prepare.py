@@ -36,9 +36,6 @@ __all__ = [
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
 
-MAPPED = (".las", ".laz", ".e57", ".ptx")
-"""Formats of surveyors, whose z points up."""
-
 
 @dataclass(frozen=True)
 class PreparedFrames:
@@ -202,8 +199,10 @@ def _with_camera(
         with stages.stage("read", f"Making the scene {request.scene}"):
             scene = load_scene(request.scene)
         camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
-    elif request.path.suffix.lower() in MAPPED:
-        camera["up"] = "z"
+    else:
+        from splatline.host.files.source import usual_up
+
+        camera["up"] = usual_up(request.path, request.format)
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
     if request.colour is not None:
         request = replace(request, colour=replace(request.colour, up=camera["up"]))

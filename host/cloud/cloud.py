@@ -52,6 +52,8 @@ class Cloud:
     radii
         Shape (n,), float64, above 0: radii of the discs that the file gives, in its own unit. None:
         the points' spacing tells them.
+    up
+        The axis that points up by the habit of the file's format.
     """
 
     positions: npt.NDArray[np.float64]
@@ -67,6 +69,7 @@ class Cloud:
     colour_key: dict[str, Any] = field(default_factory=dict)
     facts: dict[str, str] = field(default_factory=dict)
     radii: npt.NDArray[np.float64] | None = None
+    up: str = "y"
 
     def __len__(self) -> int:
         """Return the number of points."""
