@@ -88,8 +88,8 @@ class Picture {
     this.canvas = canvas;
     this.context = canvas.getContext("2d", { alpha: false });
     this.last = 0; // the newest frame
-    /** @type {(CanvasImageSource | null)[]} */
-    this.images = [null, null];
+    /** @type {{frame: number, image: any}[]} */
+    this.shown = [{ frame: 0, image: null }, { frame: 0, image: null }];
     /** @type {number | null} */
     this.seam = null; // share of the width at which the second picture begins
   }
@@ -101,23 +101,23 @@ class Picture {
     this.last = header.frame;
     const image = header.encoding === 0 ? rawImage(header, payload) : await pngImage(payload);
     if (header.frame !== this.last) return false; // a newer one came while this one was decoded
-    this.images = first ? [image, null] : [this.images[0], image];
+    this.shown[header.kind - 1] = { frame: header.frame, image };
     this.paint();
     return true;
   }
 
   paint() {
     const { width, height } = this.canvas;
-    const [first, second] = this.images;
-    if (!first) return;
-    this.#stretch(first);
-    if (!second || this.seam === null) return;
+    const [first, second] = this.shown;
+    if (!first.image) return;
+    this.#stretch(first.image);
+    if (this.seam === null || second.frame !== first.frame || !second.image) return;
     const from = Math.round(this.seam * width);
     this.context.save();
     this.context.beginPath();
     this.context.rect(from, 0, width - from, height);
     this.context.clip();
-    this.#stretch(second);
+    this.#stretch(second.image);
     this.context.restore();
   }
 
