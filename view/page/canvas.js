@@ -86,7 +86,7 @@ export function attachCanvas(element, send, options = {}) {
 class Picture {
   constructor(/** @type {HTMLCanvasElement} */ canvas) {
     this.canvas = canvas;
-    this.context = canvas.getContext("2d", { alpha: false });
+    this.context = canvas.getContext("2d");
     this.last = 0; // the newest frame
     /** @type {{frame: number, image: any}[]} */
     this.shown = [{ frame: 0, image: null }, { frame: 0, image: null }];

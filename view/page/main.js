@@ -34,6 +34,7 @@ const received = {
   hello(message) {
     const same = hello?.name === message.name && hello?.points === message.points;
     hello = message;
+    delete document.body.dataset.waiting;
     document.title = `${message.name} · Splatline`;
     byId("cloud").textContent = message.name;
     byId("facts").textContent = `${count(message.points)} points`;

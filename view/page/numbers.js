@@ -24,7 +24,9 @@ export function showNumbers(numbers, preset) {
   byId("fps").textContent = measure(numbers.fps);
   byId("clock").textContent = clockNote(numbers, preset);
   const tiles = numbers.tiles > 1 ? ` in ${count(numbers.tiles)} tiles` : "";
+  const psnr = numbers.psnr ?? null;
   const figures = [
+    ...(psnr === null ? [] : [["PSNR to the reference", `${psnr.toFixed(1)} dB`]]),
     ["Code words", count(numbers.codewords)],
     ["Cycles", count(numbers.cycles)],
     ["Cycles an element", measure(numbers.cycles_per_element)],
@@ -36,9 +38,6 @@ export function showNumbers(numbers, preset) {
     ["Picture", `${numbers.width} × ${numbers.height}${tiles}`],
     ["Time here", `${measure(numbers.host_ms + numbers.golden_ms)} ms`],
   ];
-  if (numbers.psnr !== null && numbers.psnr !== undefined) {
-    figures.push(["PSNR to the reference", `${numbers.psnr.toFixed(1)} dB`]);
-  }
   fill(byId("figures"), figures);
   showLeftOut(numbers);
 }

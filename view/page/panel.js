@@ -66,7 +66,7 @@ function showChoices(settings) {
     input.checked = Number(input.value) === settings.samples;
   }
   byId("compare").checked = settings.split !== null;
-  byId("sides").hidden = settings.split === null;
+  for (const id of ["left-row", "right-row"]) byId(id).hidden = settings.split === null;
   if (settings.split) {
     byId("side-left").value = settings.split.left;
     byId("side-right").value = settings.split.right;

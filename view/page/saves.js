@@ -31,7 +31,7 @@ export function bindSaves(send) {
       shown.textContent = text;
       shown.hidden = false;
       const copied = await copy(text, shown);
-      byId("copy").textContent = copied ? "Copied" : "Copy it from below";
+      byId("copy").textContent = copied ? "Copied" : "Copy it above";
       setTimeout(() => { byId("copy").textContent = "Copy command"; }, 2000);
     },
   };
