@@ -5,6 +5,7 @@ const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getEleme
 const SIDES = [
   ["paper", "Paper's engine"], ["engine", "Chosen engine"], ["reference", "Exact reference"],
 ];
+const UNMAPPED = ["default", "rgb"]; // colours that are in the file as they are
 const FIRST_SPLIT = { left: "paper", right: "reference" };
 
 /**
@@ -39,7 +40,7 @@ export function bindPanel(send) {
       fill("quality", hello.qualities.map(({ name }) => [name, name]));
       fill("lights", hello.lights.map(({ name }) => [name, name]));
       fill("colour-by", hello.colours.map(({ by, label }) => [by, label]));
-      fill("colour-map", hello.maps.map((/** @type {string} */ map) => [map, map]));
+      fill("colour-map", [["", "the usual"], ...hello.maps.map((/** @type {string} */ map) => [map, map])]);
       fill("side-left", SIDES);
       fill("side-right", SIDES);
       byId("samples").replaceChildren(...hello.samples.map(radio));
@@ -75,8 +76,8 @@ function showChoices(settings) {
 
 function showColour({ by, map, range }) {
   byId("colour-by").value = by;
-  byId("colour-map").value = map;
-  const mapped = by !== "rgb";
+  byId("colour-map").value = map ?? "";
+  const mapped = !UNMAPPED.includes(by);
   byId("map-row").hidden = !mapped;
   byId("range-row").hidden = !mapped;
   ["range-from", "range-to"].forEach((id, end) => {
@@ -90,7 +91,7 @@ function colour(/** @type {boolean} */ anew) {
   const given = !anew && ends.every((end) => end !== "");
   return {
     by: byId("colour-by").value,
-    map: byId("colour-map").value,
+    map: byId("colour-map").value || null,
     range: given ? ends.map(Number) : null,
   };
 }
