@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
+    from splatline.view.subject import Subject
 
 __all__ = [
     "PreparedFrames",
@@ -32,6 +33,7 @@ __all__ = [
     "prepare",
     "prepare_tiles",
     "read_in_stages",
+    "subject_of",
 ]
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
@@ -182,6 +184,25 @@ def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> P
         colour_key=cloud.colour_key,
         notes=prepared.notes,
         far_away=prepared.far_away,
+    )
+
+
+def subject_of(request: RenderRequest) -> Subject:
+    """Return what a live view of a request looks at."""
+    from splatline.view.subject import Subject
+
+    request, camera, _ = _with_camera(request, Stages())
+    return Subject(
+        path=request.path,
+        scene=request.scene,
+        name=request.name,
+        format=request.format,
+        sample=request.sample,
+        fit=request.fit,
+        splat_size=request.splat_size,
+        orbit=camera["orbit"],
+        fov=camera["fov"],
+        up=camera["up"],
     )
 
 
