@@ -13,3 +13,8 @@ export function measure(/** @type {number | null | undefined} */ value) {
   if (value === null || value === undefined) return "–";
   return Math.abs(value) >= 100 ? WHOLE.format(value) : FINE.format(value);
 }
+
+/** A time in milliseconds. */
+export function milliseconds(/** @type {number} */ value) {
+  return value < 1 ? "< 1 ms" : `${measure(value)} ms`;
+}

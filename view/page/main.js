@@ -39,9 +39,9 @@ const received = {
     byId("cloud").textContent = message.name;
     byId("facts").textContent = `${count(message.points)} points`;
     panel.offer(message);
+    if (settings) panel.show(settings);
     showNotes(message.notes);
     hideCard("error");
-    canvas.announce();
     if (before && same) restore(before);
     before = null;
   },
@@ -62,6 +62,7 @@ const received = {
     else hideCard("empty");
   },
   error({ text }) {
+    hideCard("loading");
     if (hello) showError(text);
     else showFailure(text);
   },
@@ -72,11 +73,13 @@ const received = {
 const link = keepConnected(socketAddress(), {
   opened() {
     canvas.restart();
+    canvas.announce();
     showLink("");
   },
-  closed() {
+  closed(attempts) {
     before ??= settings;
-    showLink("The connection is lost. Trying again …");
+    hideCard("loading");
+    showLink(attempts < 4 ? "The connection is lost. Trying again …" : "The server does not answer. Still trying …");
   },
   message: (message) => received[message.type]?.(message),
   binary: async (header, payload) => {

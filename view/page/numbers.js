@@ -1,6 +1,6 @@
 // What the picture means in hardware: the words, the cycles, and what the engine takes.
 
-import { count, measure } from "./format.js";
+import { count, measure, milliseconds } from "./format.js";
 
 /** Words for the reasons to leave points out; other reasons are shown as they come. */
 const REASONS = {
@@ -23,7 +23,7 @@ const byId = (/** @type {string} */ id) => document.getElementById(id);
 export function showNumbers(numbers, preset) {
   byId("fps").textContent = measure(numbers.fps);
   byId("clock").textContent = clockNote(numbers, preset);
-  const tiles = numbers.tiles > 1 ? ` in ${count(numbers.tiles)} tiles` : "";
+  const tiles = numbers.tiles > 1 ? `, ${count(numbers.tiles)} tiles` : "";
   const psnr = numbers.psnr ?? null;
   const figures = [
     ...(psnr === null ? [] : [["PSNR to the reference", `${psnr.toFixed(1)} dB`]]),
@@ -35,8 +35,8 @@ export function showNumbers(numbers, preset) {
     ["Block RAMs", count(preset?.bram)],
     ["Flip-flops", count(preset?.ff)],
     ["Multipliers", count(preset?.mult)],
-    ["Picture", `${numbers.width} × ${numbers.height}${tiles}`],
-    ["Time here", `${measure(numbers.host_ms + numbers.golden_ms)} ms`],
+    [`Picture${tiles}`, `${numbers.width} × ${numbers.height}`],
+    ["Time here", milliseconds(numbers.host_ms + numbers.golden_ms)],
   ];
   fill(byId("figures"), figures);
   showLeftOut(numbers);

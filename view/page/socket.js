@@ -7,7 +7,7 @@ const WAITS = [250, 500, 1000, 2000, 4000]; // ms before each new attempt; the l
 /** @typedef {import("./canvas.js").Header} Header */
 /** @typedef {object} Handlers
  * @property {() => void} opened  a connection stands; the server begins a new session
- * @property {(wait: number) => void} closed  it ended; another is tried after that many ms
+ * @property {(attempts: number) => void} closed  it ended, or could not be had that many times
  * @property {(message: any) => void} message  a text message
  * @property {(header: Header, payload: Uint8Array) => void} binary  a picture (kind 1, 2) or file (3)
  */
@@ -32,7 +32,7 @@ export function keepConnected(address, handlers) {
     };
     socket.onclose = () => {
       const wait = WAITS[Math.min(attempts++, WAITS.length - 1)];
-      handlers.closed(wait);
+      handlers.closed(attempts);
       setTimeout(connect, wait);
     };
     socket.onmessage = ({ data }) => {
