@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from .viewer import Viewer
+
 SCREENSHOTS = Path(__file__).parents[2] / "build" / "browser"
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 WIDE = {"viewport": {"width": 1280, "height": 800}}
@@ -75,6 +77,31 @@ def serve():
     yield start
     for server in servers:
         server.close()
+
+
+@pytest.fixture(scope="session")
+def terrain_viewer():
+    """`splatline view` of the built-in terrain."""
+    pytest.importorskip("aiohttp", reason="the extra `view` is not installed")
+    viewer = Viewer()
+    yield viewer
+    assert viewer.interrupt() == 0
+
+
+@pytest.fixture
+def view():
+    """Start `splatline view` with some arguments; it is killed at the end."""
+    pytest.importorskip("aiohttp", reason="the extra `view` is not installed")
+    viewers = []
+
+    def start(*arguments, **options):
+        viewers.append(Viewer(*arguments, **options))
+        return viewers[-1]
+
+    yield start
+    for viewer in viewers:
+        if viewer.process.poll() is None:
+            viewer.kill()
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import base64
 import io
+import json
 
 import numpy as np
 from PIL import Image
@@ -27,6 +28,8 @@ class LivePage:
         self.errors = []
         self.retries = []
         self.patience = PATIENCE
+        self.received = []
+        page.on("websocket", lambda socket: socket.on("framereceived", self._hear))
         page.on("console", self._note)
         page.on("pageerror", lambda error: self.errors.append(f"uncaught: {error}"))
 
@@ -78,6 +81,38 @@ class LivePage:
             self._wire = self.page.context.new_cdp_session(self.page)
         places = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
         self._wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    def told(self, kind):
+        """Return the last message of a type that the server sent."""
+        return next(message for message in reversed(self.received) if message["type"] == kind)
+
+    def settled(self, act=None):
+        """Do something, and wait until the picture that follows is refined and its figures shown.
+
+        Returns the settings that the server sent with it.
+        """
+        before = self._refined()
+        if act is not None:
+            act()
+        for _ in range(self.patience // 10):
+            if self._refined() > before or (act is None and before):
+                last = self.told("numbers")["frame"]
+                self.page.wait_for_selector(f"#stage[data-frame='{last}']", timeout=self.patience)
+                return self.told("settings")
+            self.page.wait_for_timeout(10)
+        raise AssertionError("no refined picture came")
+
+    def _refined(self):
+        """Return how many sets of figures came with the settings after them."""
+        kinds = [message["type"] for message in self.received]
+        done = 0
+        for number, kind in enumerate(kinds):
+            done += kind == "numbers" and "settings" in kinds[number:]
+        return done
+
+    def _hear(self, payload):
+        if isinstance(payload, str):
+            self.received.append(json.loads(payload))
 
     def _note(self, message):
         if message.type not in ("error", "warning"):

@@ -23,20 +23,20 @@ const byId = (/** @type {string} */ id) => document.getElementById(id);
 export function showNumbers(numbers, preset) {
   byId("fps").textContent = measure(numbers.fps);
   byId("clock").textContent = clockNote(numbers, preset);
-  const tiles = numbers.tiles > 1 ? `, ${count(numbers.tiles)} tiles` : "";
+  const tiles = numbers.tiles > 1 ? ` in ${count(numbers.tiles)} tiles` : "";
+  byId("size").textContent = ` · ${numbers.width} × ${numbers.height}${tiles}`;
   const psnr = numbers.psnr ?? null;
   const figures = [
     ...(psnr === null ? [] : [["PSNR to the reference", `${psnr.toFixed(1)} dB`]]),
     ["Code words", count(numbers.codewords)],
     ["Cycles", count(numbers.cycles)],
-    ["Cycles an element", measure(numbers.cycles_per_element)],
+    ["Per element", measure(numbers.cycles_per_element)],
     ["Elements", count(numbers.elements)],
     ["LUTs", count(preset?.lut4)],
     ["Block RAMs", count(preset?.bram)],
     ["Flip-flops", count(preset?.ff)],
     ["Multipliers", count(preset?.mult)],
-    [`Picture${tiles}`, `${numbers.width} × ${numbers.height}`],
-    ["Time here", milliseconds(numbers.host_ms + numbers.golden_ms)],
+    ["Drawn here in", milliseconds(numbers.host_ms + numbers.golden_ms)],
   ];
   fill(byId("figures"), figures);
   showLeftOut(numbers);
