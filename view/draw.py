@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +21,7 @@ from splatline.host.pipeline import make_frames, total_counts
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS
 from splatline.host.visibility.view import View
+from splatline.sim.golden.multisample import average
 from splatline.sim.golden.renderer import render
 
 from .camera import Camera
@@ -73,6 +75,8 @@ class Drawing:
         Statistics of the frames together; see ``make_frames``.
     background
         See :class:`Settings`.
+    golden_seconds
+        Time that the golden renderer took.
     """
 
     view: View
@@ -80,6 +84,7 @@ class Drawing:
     rasters: list[Raster]
     counts: dict[str, Any]
     background: tuple[float, float, float]
+    golden_seconds: float = 0.0
 
     @cached_property
     def rgba(self) -> npt.NDArray[np.uint8]:
@@ -92,12 +97,13 @@ class Drawing:
 
         A grey is the upper byte of the level in the picture of ``splatline render --depth``.
         """
-        raster = self.rasters[0]
-        background = raster.config.background_depth
-        levels = np.rint((background - np.arange(background + 1.0)) * (65535.0 / background))
-        greys = (levels.astype(np.uint16) >> 8).astype(np.uint8)
-        rgba = np.full((*raster.depth.shape, 4), 255, np.uint8)
-        rgba[..., :3] = greys[raster.depth][..., np.newaxis]
+        drawn = average(self.rasters)
+        background = drawn.config.background_depth
+        nearness = background - np.arange(background + 1.0)
+        greys = (np.rint(nearness * (65535.0 / background)).astype(np.uint32) >> 8).astype(np.uint8)
+        depth = drawn.depth
+        rgba = np.full((*depth.shape, 4), 255, np.uint8)
+        rgba[..., :3] = greys[depth][..., np.newaxis]
         return rgba
 
     def depth_at(self, column: int, line: int) -> float | None:
@@ -178,23 +184,26 @@ def _draw(
     if size[0] > config.max_width or size[1] > config.max_height:
         picture = tile_picture(cloud, view, settings.samples, **options)
         check()
-        frames, rasters = _draw_tiles(picture, settings.samples, check)
+        frames, rasters, seconds = _draw_tiles(picture, settings.samples, check)
         counts = {**picture.counts, "samples": settings.samples}
     else:
         frames = make_frames(
             cloud, view, settings.samples, progress=lambda share: check(), **options
         )
+        start = time.perf_counter()
         rasters, counts = [render(frame) for frame in frames], total_counts(frames)
-    return Drawing(view, frames, rasters, counts, settings.background)
+        seconds = time.perf_counter() - start
+    return Drawing(view, frames, rasters, counts, settings.background, seconds)
 
 
 def _draw_tiles(
     picture: TiledPicture, samples: int, check: Callable[[], None]
-) -> tuple[list[Frame], list[Raster]]:
-    """Return the frames of a picture's tiles, and the raster of each sample."""
+) -> tuple[list[Frame], list[Raster], float]:
+    """Return the frames of a picture's tiles, the raster of each sample, and golden's seconds."""
     grid, config = picture.grid, picture.config
     rasters = [Raster.background(grid.width, grid.height, config) for _ in range(samples)]
     frames: list[Frame] = []
+    seconds = 0.0
     for row in picture.rows():
         for tile, own in ((one.tile, one.frames) for one in row):
             check()
@@ -207,7 +216,9 @@ def _draw_tiles(
                 if frame is None:
                     continue
                 frames.append(frame)
+                start = time.perf_counter()
                 drawn = render(frame).without(columns, lines)
+                seconds += time.perf_counter() - start
                 raster.depth[part] = drawn.depth
                 raster.colour[part] = drawn.colour
-    return frames, rasters
+    return frames, rasters, seconds

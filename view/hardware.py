@@ -56,7 +56,7 @@ def picture_numbers(drawing: Drawing) -> dict[str, Any]:
         drawn, by reason, over the samples; ``cycles``: of all frames one after the other, the
         window clear before each; ``cycles_per_element``, ``clock_mhz``: the preset's routed clock,
         and ``fps``: pictures a second at it, each None if there is none; ``tiles``, ``samples``,
-        ``width`` and ``height``.
+        ``width`` and ``height``; ``host_ms`` and ``golden_ms``: what host and golden renderer took.
     """
     counts = drawing.counts
     config = drawing.rasters[0].config
@@ -74,6 +74,8 @@ def picture_numbers(drawing: Drawing) -> dict[str, Any]:
         "fps": 1e6 * clock / cycles if clock and cycles else None,
         "tiles": int(counts.get("tiles", 1)) + int(counts.get("tiles_empty", 0)),
         "samples": int(counts["samples"]),
+        "host_ms": 1e3 * sum(counts["seconds"].values()),
+        "golden_ms": 1e3 * drawing.golden_seconds,
         "width": drawing.view.width,
         "height": drawing.view.height,
     }

@@ -13,34 +13,38 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
-from splatline.contract.presets import PRESETS
-from splatline.host.files.colouring import check_map
 from splatline.host.files.wanted import ColourBy
-from splatline.host.pipeline import check_request
 
 from .camera import Camera
-from .command_line import hex_colour, render_command, shell_text
-from .draw import Drawing, Settings, draw
-from .events import DEFAULT_COLOUR, Event
+from .choices import Choices
+from .command_line import render_command, shell_text
+from .draw import Drawing, draw
+from .events import Event
 from .hardware import picture_numbers
 from .live_cloud import LiveCloud
-from .pace import Pace
+from .pace import Pace, ladder
+from .saved import SavedFile, saved_picture, saved_words
+from .split import Exact, draw_exact, draw_paper
+from .steering import Seen, steer
 from .subject import Subject
 
-__all__ = ["Output", "Picture", "SavedFile", "Session", "Superseded"]
+__all__ = ["Output", "Picture", "Session", "Superseded", "Tell"]
 
 QUIET = 0.15
 """Seconds after the last step of the camera before a picture is refined."""
 
-NEAREST, FARTHEST = 1e-5, 1e3
-"""Distances that the camera keeps to, over that of the first picture."""
+NOTHING, COARSE, FULL, REFINED, COMPARED = range(5)
+"""How fine the last picture is: coarse; of the full size; with all samples; with the reference."""
 
 ANSWERED = ("save", "command")
 """Kinds of events that change no picture."""
 
+Tell = Callable[[str, float | None], None]
+"""Told what is being done, and the share of it that is done; 1 ends it."""
+
 
 class Superseded(Exception):  # noqa: N818  (it is no error)
-    """A picture is not needed any more, since the camera moved on."""
+    """A picture is not needed any more, since something changed."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,7 @@ class Picture:
     rgba
         Shape (height, width, 4), uint8. It may be coarser than the size that was asked for.
     refined
-        Whether it is as fine as it gets, with all samples.
+        Whether it is of the full size and has all samples.
     second
         Whether it is the right picture of a split.
     """
@@ -65,68 +69,68 @@ class Picture:
     second: bool = False
 
 
-@dataclass(frozen=True)
-class SavedFile:
-    """A file for the person: its name, its type, and its bytes."""
-
-    name: str
-    mime: str
-    data: bytes
-
-
 Output = dict[str, Any] | Picture | SavedFile
 """A message of the protocol, a picture, or a file."""
 
 
 class Session:
-    """Camera, settings and size of one view, and what is to be drawn next.
+    """Camera, choices and size of one view, and what is to be drawn next.
 
     Events are queued by one thread and applied by another, all of them before a picture is drawn:
     the latest wins. While the camera moves, pictures are as coarse as :class:`Pace` says. When it
-    rests, one of the full size follows, and then one with all samples of a pixel.
+    rests, one of the full size follows, then one with all samples of a pixel, and then the exact
+    reference if the view is split so.
 
     Parameters
     ----------
     subject
         The cloud.
-    settings
+    choices
         How it is drawn at first.
-    colour
-        What colours its points at first; None: the file's own colours.
+    pace
+        How coarse moving pictures are.
     clock
         Seconds.
+    tell
+        Told how far long work is.
+    between
+        Called now and then within long work; others may draw in it.
     """
 
     def __init__(
         self,
         subject: Subject,
-        settings: Settings | None = None,
-        colour: ColourBy | None = None,
+        choices: Choices | None = None,
         *,
-        pace: Pace | None = None,
+        pace: Callable[[list[float]], Pace] = Pace,
         clock: Callable[[], float] = time.perf_counter,
+        tell: Tell = lambda text, share: None,
+        between: Callable[[], None] = lambda: None,
     ) -> None:
         self.subject = subject
-        self.settings = settings or Settings()
-        self.colour = colour
+        self.choices = choices or Choices()
         self.size = (512, 512)
-        self.show = "picture"
-        self.split: tuple[str, str] | None = None
-        self.pace = pace or Pace()
         self.live: LiveCloud | None = None
-        self._shown_colour = colour
+        self.closed = False
+        self.tell = tell
+        self.between = between
         self._clock = clock
+        self._new_pace = pace
+        self._pace = pace([1.0])
         self._events: deque[Event] = deque()
+        self._colour = self.choices.colour  # of the cloud
         self._camera: Camera | None = None
         self._home: Camera | None = None
         self._moving = False
         self._moved_at = -QUIET
-        self._level = 0  # 1: a coarse picture is shown, 2: one of full size, 3: a refined one
+        self._level = NOTHING
+        self._version = 0
         self._frame = 0
         self._told: dict[str, Any] | None = None
-        self._last: tuple[Drawing, Camera] | None = None
+        self._seen: Seen | None = None
+        self._exact: tuple[int, Exact] | None = None  # with the version that it belongs to
 
-    # -- what the server asks -------------------------------------------------------------------
+    # Whatever a server asks.
 
     def queue(self, event: Event) -> None:
         """Note an event; it is applied by the next :meth:`work`. Any thread may call this."""
@@ -140,41 +144,44 @@ class Session:
     @property
     def needs_cloud(self) -> bool:
         """Whether the cloud must be read, at first or in other colours: see :meth:`take`."""
-        return self.live is None or self.colour != self._shown_colour
+        return self.live is None or self.choices.colour != self._colour
 
     def take(self, live: LiveCloud, colour: ColourBy | None) -> None:
-        """Take the cloud, in some colours; they are ignored if others were asked for since."""
-        if colour != self.colour:
+        """Take the cloud in some colours, unless others were asked for since."""
+        if colour != self.choices.colour:
             return
-        self.live, self._shown_colour, self._level = live, colour, 0
-        if self._camera is None:
-            self._go_home()
+        self.live, self._colour = live, colour
+        if self._home is None:
+            self._fit(live)
+        self._change()
 
     def refuse(self, colour: ColourBy | None) -> None:
         """Keep the colours as they are, since the cloud has no such ones."""
-        if colour == self.colour:
-            self.colour = self._shown_colour
+        if colour == self.choices.colour:
+            self.choices = dataclasses.replace(self.choices, colour=self._colour)
 
     def due(self) -> float | None:
         """Return the seconds until there is something to do; None: only an event brings some."""
         if self._events:
             return 0.0
-        if self.live is None or self._level >= 3:
+        if self.live is None or self._level >= self._last_level:
             return None
-        if self._level == 0:
+        if self._level == NOTHING:
             return 0.0
         if self._moving:
             return None
         return max(self._moved_at + QUIET - self._clock(), 0.0)
 
     def work(self, *, may_draw: bool = True) -> list[Output]:
-        """Apply all events, and draw the next picture if there is one and it may be drawn."""
+        """Apply all events; draw the next picture, if one is due and may be drawn."""
         outputs: list[Output] = []
         while self._events:
             try:
                 outputs += self._apply(self._events.popleft())
             except InputError as error:
                 outputs.append(_trouble(error))
+            except Superseded:
+                pass
         outputs += self._tell_settings()
         if may_draw and self.live is not None:
             try:
@@ -182,17 +189,17 @@ class Session:
             except Superseded:
                 pass
             except InputError as error:
-                self._level = 3
+                self._level = COMPARED
                 outputs.append(_trouble(error))
         return outputs
 
     @property
     def camera(self) -> Camera | None:
-        """The camera, as it is drawn: rounded."""
+        """The camera as it is drawn, rounded; None before the cloud is read."""
         return None if self._camera is None else self._camera.rounded()
 
     def command(self) -> list[str]:
-        """Return the arguments of ``splatline`` that make this picture.
+        """Return the arguments of ``splatline`` that make the refined picture.
 
         Raises
         ------
@@ -201,11 +208,12 @@ class Session:
         """
         if self.camera is None:
             raise InputError("the cloud is not read yet")
-        return render_command(
-            self.subject, self._shown_colour, self.camera, self.size, self.settings
-        )
+        choices = self.choices
+        words = render_command(self.subject, self._colour, self.camera, self.size, choices.settings)
+        depth = ["--depth", f"{self.subject.name}-depth.png"]
+        return [*words, *depth] if choices.show == "depth" else words
 
-    # -- events ---------------------------------------------------------------------------------
+    # Events.
 
     def _apply(self, event: Event) -> list[Output]:
         """Apply an event; return its answers."""
@@ -219,174 +227,161 @@ class Session:
         elif event.kind == "command":
             return [{"type": "command", "text": shell_text(self.command())}]
         elif event.kind == "save":
-            return self._save(values["what"])
+            return [self._save(values["what"])]
         elif self._camera is not None and self._home is not None:
-            self._move(event, self._camera, self._home)
+            camera = steer(event, self._camera, self._home, self.size, self._seen)
+            if camera != self._camera:
+                self._camera, self._moved_at = camera, self._clock()
+                self._change()
         return []
 
-    def _move(self, event: Event, camera: Camera, home: Camera) -> None:
-        """Move the camera."""
-        values, size = event.values, self.size
-        if event.kind == "turn":
-            a_pixel = 180.0 / min(size)
-            camera = camera.turned(-values["dx"] * a_pixel, values["dy"] * a_pixel)
-        elif event.kind == "pan":
-            camera = camera.panned(values["dx"], values["dy"], size)
-        elif event.kind == "zoom":
-            least, most = NEAREST * home.distance, FARTHEST * home.distance
-            wanted = min(max(camera.distance * values["factor"], least), most)
-            camera = camera.zoomed(wanted / camera.distance, (values["x"], values["y"]), size)
-        elif event.kind == "orbit":
-            camera = dataclasses.replace(
-                camera, azimuth=values["azimuth"], elevation=values["elevation"]
-            ).turned(0.0, 0.0)
-        elif event.kind == "look":
-            camera = self._look(values, camera)
-        elif event.kind == "reset":
-            camera = self._go_home()
-        if camera != self._camera:
-            self._camera = _kept_near(camera, home)
-            self._moved_at, self._level = self._clock(), 0
-
-    def _look(self, values: dict[str, float], camera: Camera) -> Camera:
-        """Return the camera that looks at what is shown at a pixel, if it is not background."""
-        if self._last is None:
-            return camera
-        drawing, seen_by = self._last
-        width, height = drawing.view.width, drawing.view.height
-        at = values["x"] * width / self.size[0], values["y"] * height / self.size[1]
-        column, line = int(at[0] // 1), int(at[1] // 1)
-        if not (0 <= column < width and 0 <= line < height):
-            return camera
-        depth = drawing.depth_at(column, line)
-        if depth is None:
-            return camera
-        return camera.looking_at(seen_by.point_at(at, depth, (width, height)))
+    def _set(self, name: str, value: Any) -> None:
+        """Make a choice; other colours are shown when the cloud is read in them."""
+        self.choices = self.choices.changed(name, value)
+        if name in ("preset", "quality"):
+            self._start_pace()
+        if name != "colour":
+            self._change()
 
     def _resize(self, size: tuple[int, int]) -> None:
         """Change the size; a camera that never moved sees the whole cloud again."""
         if size == self.size:
             return
         unmoved = self._camera == self._home
-        self.size, self._level = size, 0
-        self.pace.forget()
+        self.size = size
         if self.live is not None:
-            camera = self._go_home()
-            self._camera = camera if unmoved else self._camera
+            if unmoved:
+                self._camera = None
+            self._fit(self.live)
+            self._change()
 
-    def _go_home(self) -> Camera:
-        """Fit the first camera to the size and return it; take it if there is none."""
-        assert self.live is not None
-        self._home = self.subject.home(self.live, self.size)
+    def _fit(self, live: LiveCloud) -> None:
+        """Fit the first camera to the size, and take it if there is none."""
+        self._home = self.subject.home(live, self.size)
         self._camera = self._camera or self._home
-        return self._home
+        self._start_pace()
 
-    def _set(self, name: str, value: Any) -> None:
-        """Change a setting."""
-        if name in ("show", "split"):
-            setattr(self, name, value)
-        elif name == "colour":
-            check_map(value)
-            self.colour = value
-            return
-        else:
-            self.settings = self._changed(name, value)
-        if name in ("preset", "quality"):
-            self.pace.forget()
-        self._level = 0
+    def _start_pace(self) -> None:
+        """Measure anew how long pictures take."""
+        preset = self.choices.settings.preset
+        self._pace = self._new_pace(ladder(self.size, (preset.max_width, preset.max_height)))
 
-    def _changed(self, name: str, value: Any) -> Settings:
-        """Return the settings with another value."""
-        if name != "preset":
-            settings = dataclasses.replace(self.settings, **{name: value})
-        else:
-            preset = PRESETS[value]
-            paper = preset.plane and self.settings.quality == "paper"
-            quality = "exact" if paper else self.settings.quality
-            settings = dataclasses.replace(self.settings, preset=preset, quality=quality)
-        check_request(settings.samples, settings.preset, settings.quality, "table", settings.skips)
-        return settings
+    def _change(self) -> None:
+        """Note that what is shown is not up to date."""
+        self._version += 1
+        self._level = NOTHING
 
     def _tell_settings(self) -> list[Output]:
-        """Return the settings without the camera, if they changed."""
-        settings = self.settings
-        colour = self.colour
-        values: dict[str, Any] = {
-            "type": "settings",
-            "preset": settings.preset.name,
-            "quality": settings.quality,
-            "samples": settings.samples,
-            "lights": settings.lights,
-            "background": hex_colour(settings.background),
-            "colour": {"by": DEFAULT_COLOUR, "map": None, "range": None}
-            if colour is None
-            else {
-                "by": colour.field,
-                "map": colour.map,
-                "range": None if colour.range is None else list(colour.range),
-            },
-            "show": self.show,
-            "split": None
-            if self.split is None
-            else dict(zip(("left", "right"), self.split, strict=True)),
-        }
+        """Return the settings, if they changed."""
+        values = self.choices.described()
         if values == self._told:
             return []
         self._told = values
-        return [{**values, "camera": self._described_camera()}]
+        camera = self.camera and {
+            **dataclasses.asdict(self.camera),
+            "target": list(self.camera.target),
+        }
+        return [{"type": "settings", **values, "camera": camera}]
 
-    def _described_camera(self) -> dict[str, Any] | None:
-        """Return the camera as plain values."""
-        if self.camera is None:
-            return None
-        return {**dataclasses.asdict(self.camera), "target": list(self.camera.target)}
+    # Pictures.
 
-    # -- pictures -------------------------------------------------------------------------------
+    @property
+    def _last_level(self) -> int:
+        """The level after which there is nothing to draw."""
+        return COMPARED if "reference" in (self.choices.split or ()) else REFINED
 
     def _next_picture(self, live: LiveCloud) -> list[Output]:
         """Draw the next picture that is due."""
+        self._index(live)
         resting = not self._moving and self._clock() >= self._moved_at + QUIET
-        if self._level == 0:
-            return self._draw_quick(live, resting)
-        if self._level < 3 and resting:
-            return self._refine(live)
-        return []
+        if self._level == NOTHING:
+            return self._draw_quickly(live, resting)
+        if not resting or self._level >= self._last_level:
+            return []
+        return self._refine(live) if self._level < REFINED else self._compare(live)
 
-    def _draw_quick(self, live: LiveCloud, resting: bool) -> list[Output]:
+    def _index(self, live: LiveCloud) -> None:
+        """Build the index for the engine; tell if it takes long."""
+        preset = self.choices.settings.preset
+        if not live.has_index(preset):
+            self.tell(f"Indexing {len(live.cloud):,} points", None)
+            live.index(preset)
+            self.tell("", 1.0)
+
+    def _draw_quickly(self, live: LiveCloud, resting: bool) -> list[Output]:
         """Draw a picture of one sample a pixel, as coarse as it must be to be in time."""
-        divisor = self.pace.divisor
-        size = tuple(max(side // divisor, 1) for side in self.size)
+        divisor = self._pace.divisor
+        width, height = (max(round(side / divisor), 1) for side in self.size)
         start = self._clock()
-        drawing = self._drawing(live, (size[0], size[1]), 1)
+        drawing = self._drawing(live, (width, height), 1)
         rgba = self._rgba(drawing)
-        self.pace.took(divisor, self._clock() - start)
-        self._level = 2 if divisor == 1 else 1
-        return [self._picture(rgba, refined=False)]
+        if not resting:
+            self._pace.took(self._clock() - start)
+        self._level = FULL if divisor == 1.0 else COARSE
+        return [self._picture(rgba)]
 
     def _refine(self, live: LiveCloud) -> list[Output]:
         """Draw a picture of the full size; the last one has all samples, and its numbers."""
-        samples = self.settings.samples if self._level == 2 else 1
-        start = self._clock()
-        if self._level == 2 and samples == 1 and self._last is not None:
-            drawing = self._last[0]
+        samples = self.choices.settings.samples if self._level == FULL else 1
+        if self._level == FULL and samples == 1 and self._seen is not None:
+            drawing = self._seen[0]
         else:
+            start = self._clock()
             drawing = self._drawing(live, self.size, samples, self._check)
-        host_ms = 1e3 * (self._clock() - start)
-        last = samples == self.settings.samples
-        self._level = 3 if last else 2
-        outputs: list[Output] = [self._picture(self._rgba(drawing), refined=last)]
-        if not last:
-            return outputs
-        numbers = {
-            "type": "numbers",
-            "frame": self._frame,
-            **picture_numbers(drawing),
-            "host_ms": host_ms,
-            "golden_ms": 0.0,
-            "psnr": None,
-        }
-        self._told = None
-        return [*outputs, numbers, *self._tell_settings()]
+            if samples == 1:
+                self._pace.took_full(self._clock() - start)
+        if samples != self.choices.settings.samples:
+            self._level = FULL
+            return [self._picture(self._rgba(drawing))]
+        outputs = self._pictures(live, drawing)
+        self._level = REFINED
+        return [*outputs, *self._numbers(drawing, None)]
+
+    def _compare(self, live: LiveCloud) -> list[Output]:
+        """Draw the exact reference, and split the picture."""
+        assert self._seen is not None
+        drawing, camera = self._seen
+        if self._exact is None or self._exact[0] != self._version:
+
+            def progress(share: float) -> None:
+                self.tell("Drawing the exact reference", min(share, 0.99))
+                self.between()
+                self._check(version)
+
+            version, settings = self._version, self.choices.settings
+            try:
+                exact = draw_exact(live, camera, self.size, settings, progress)
+            finally:
+                self.tell("", 1.0)
+            self._exact = version, exact
+        outputs = self._pictures(live, drawing, self._exact[1])
+        self._level = COMPARED
+        return [*outputs, *self._numbers(drawing, self._exact[1])]
+
+    def _pictures(
+        self, live: LiveCloud, drawing: Drawing, exact: Exact | None = None
+    ) -> list[Output]:
+        """Return a refined picture, or both sides if the view is split and both are there."""
+        split = self.choices.split
+        if split is None or ("reference" in split and exact is None):
+            return [self._picture(self._rgba(drawing), refined=True)]
+        sides = [self._side(side, live, drawing, exact) for side in split]
+        left = self._picture(sides[0], refined=True)
+        return [left, dataclasses.replace(left, rgba=sides[1], second=True)]
+
+    def _side(
+        self, side: str, live: LiveCloud, drawing: Drawing, exact: Exact | None
+    ) -> npt.NDArray[np.uint8]:
+        """Return the pixels of one side of a split."""
+        if side == "engine":
+            return self._rgba(drawing)
+        if side == "reference":
+            assert exact is not None
+            near, far = drawing.counts["depth_range"]
+            return exact.rgba if self.choices.show == "picture" else exact.depth_rgba((near, far))
+        assert self.camera is not None
+        settings = self.choices.settings
+        return self._rgba(draw_paper(live, self.camera, self.size, settings, self._check))
 
     def _drawing(
         self,
@@ -395,43 +390,57 @@ class Session:
         samples: int,
         check: Callable[[], None] = lambda: None,
     ) -> Drawing:
-        """Draw with the camera and settings as they are."""
+        """Draw with the camera and the choices as they are."""
         camera = self.camera
         assert camera is not None
-        settings = dataclasses.replace(self.settings, samples=samples)
+        settings = dataclasses.replace(self.choices.settings, samples=samples)
         drawing = draw(live, camera, size, settings, check=check)
-        self._last = drawing, camera
+        self._seen = drawing, camera
         return drawing
 
-    def _check(self) -> None:
-        """Raise ``Superseded`` if there is an event that asks for another picture."""
+    def _check(self, version: int | None = None) -> None:
+        """Raise ``Superseded`` if another picture is asked for, or none."""
+        changed = version is not None and version != self._version
+        if changed or self.closed:
+            raise Superseded
         if any(event.kind not in ANSWERED for event in tuple(self._events)):
             raise Superseded
 
     def _rgba(self, drawing: Drawing) -> npt.NDArray[np.uint8]:
         """Return the pixels that are shown of a drawing."""
-        return drawing.rgba if self.show == "picture" else drawing.depth_rgba
+        return drawing.rgba if self.choices.show == "picture" else drawing.depth_rgba
 
-    def _picture(self, rgba: npt.NDArray[np.uint8], *, refined: bool) -> Picture:
+    def _picture(self, rgba: npt.NDArray[np.uint8], *, refined: bool = False) -> Picture:
         """Return a picture with the next number."""
         self._frame += 1
         return Picture(self._frame, rgba, refined)
 
-    def _save(self, what: str) -> list[Output]:
-        """Return the picture, or its code words, as a file."""
-        raise InputError("nothing is saved yet")
+    def _numbers(self, drawing: Drawing, exact: Exact | None) -> list[Output]:
+        """Return the numbers of a refined picture, and the settings with the camera."""
+        numbers = {
+            "type": "numbers",
+            "frame": self._frame,
+            **picture_numbers(drawing),
+            "psnr": None if exact is None else exact.psnr(drawing),
+        }
+        self._told = None
+        return [numbers, *self._tell_settings()]
+
+    def _save(self, what: str) -> SavedFile:
+        """Return the refined picture, or its code words, as a file."""
+        if self.live is None:
+            raise InputError("the cloud is not read yet")
+        if self._level >= REFINED and self._seen is not None:
+            drawing = self._seen[0]
+        else:
+            drawing = self._drawing(self.live, self.size, self.choices.settings.samples)
+            self._level = NOTHING
+        name = self.subject.name
+        if what == "words":
+            return saved_words(drawing, name)
+        return saved_picture(drawing, name, self.choices.show)
 
 
 def _trouble(error: InputError) -> dict[str, Any]:
     """Return an error as a message of one line."""
     return {"type": "error", "text": " ".join(str(error).split())}
-
-
-def _kept_near(camera: Camera, home: Camera) -> Camera:
-    """Return a camera whose target is not lost far from the cloud."""
-    reach = FARTHEST * home.distance
-    target = tuple(
-        min(max(value, middle - reach), middle + reach)
-        for value, middle in zip(camera.target, home.target, strict=True)
-    )
-    return dataclasses.replace(camera, target=target)

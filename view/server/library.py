@@ -6,21 +6,17 @@ import asyncio
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable
 from concurrent.futures import Executor
 
 from splatline.contract.config import EngineConfig
 from splatline.host.files.wanted import ColourBy
 from splatline.view.live_cloud import LiveCloud
-from splatline.view.session import Superseded
+from splatline.view.session import Superseded, Tell
 from splatline.view.subject import Subject
 
 from .turns import Turns
 
-__all__ = ["Library", "Tell"]
-
-Tell = Callable[[str, float | None], None]
-"""Called in the loop's thread with what is done, and the share of it that is done."""
+__all__ = ["EVERY", "Library"]
 
 MOST_KEPT = 3
 """Choices of colours that are kept; tabs hold their own as well."""

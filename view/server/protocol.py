@@ -15,7 +15,7 @@ Client to server (coordinates in pixels of the last ``resize``)::
     {"type":"resize","width":W,"height":H}         size of the canvas in device pixels; 16..4096
     {"type":"turn","dx":px,"dy":px}                drag
     {"type":"pan","dx":px,"dy":px}                 shift-drag, right-drag, two fingers
-    {"type":"zoom","factor":f,"x":px,"y":px}       wheel, pinch: distance times f (0.1..10) about x, y
+    {"type":"zoom","factor":f,"x":px,"y":px}       wheel, pinch: distance times f, 0.1..10
     {"type":"look","x":px,"y":px}                  double click: look at the point there
     {"type":"reset"}                               the first camera
     {"type":"orbit","azimuth":a,"elevation":e}     keys
@@ -26,7 +26,7 @@ Client to server (coordinates in pixels of the last ``resize``)::
     {"type":"command"}                             answered by a command line
 
 Settings: ``preset``, ``quality``, ``lights``: a name of ``hello``. ``samples``: a number of
-``hello``. ``background``: ``"#rrggbb"``. ``colour``: ``{"by":..,"map":..|null,"range":[a,b]|null}``.
+``hello``. ``background``: ``"#rrggbb"``. ``colour``: ``{"by":..,"map":..|null,"range":..|null}``.
 ``show``: ``"picture"`` or ``"depth"``. ``split``: null or ``{"left":X,"right":Y}``, each of
 ``"paper"``, ``"engine"`` and ``"reference"``; only refined frames are split.
 
@@ -63,7 +63,8 @@ import struct
 
 from splatline.contract.errors import InputError
 from splatline.view.events import Event, check_event
-from splatline.view.session import Picture, SavedFile
+from splatline.view.saved import SavedFile
+from splatline.view.session import Picture
 
 from .png import png_bytes
 

@@ -15,7 +15,7 @@ from aiohttp import web
 
 from splatline.contract.errors import InputError
 from splatline.host.files.wanted import ColourBy
-from splatline.view.draw import Settings
+from splatline.view.choices import Choices
 from splatline.view.session import Session
 from splatline.view.subject import Subject
 
@@ -31,8 +31,7 @@ LAST_ANSWERS = 1.0
 
 def serve(
     subject: Subject,
-    settings: Settings,
-    colour: ColourBy | None,
+    choices: Choices,
     *,
     host: str = "127.0.0.1",
     port: int = 0,
@@ -43,7 +42,7 @@ def serve(
 
     Parameters
     ----------
-    subject, settings, colour
+    subject, choices
         The first picture of each tab.
     host, port
         The address; port 0 is a free one.
@@ -57,13 +56,12 @@ def serve(
     InputError
         If the address cannot be served.
     """
-    asyncio.run(_serve(subject, settings, colour, host, port, browser, announce))
+    asyncio.run(_serve(subject, choices, host, port, browser, announce))
 
 
 async def _serve(
     subject: Subject,
-    settings: Settings,
-    colour: ColourBy | None,
+    choices: Choices,
     host: str,
     port: int,
     browser: bool,
@@ -72,11 +70,9 @@ async def _serve(
     """Serve a live view; see :func:`serve`."""
     executor = ThreadPoolExecutor(2 * MOST_TABS, "splatline-view")
     turns = Turns()
-    library = Library(subject, settings.preset, executor, turns)
+    library = Library(subject, choices.settings.preset, executor, turns)
     token = secrets.token_urlsafe()
-    viewer = Viewer(
-        token, host, lambda: Session(subject, settings, colour), library, executor, turns
-    )
+    viewer = Viewer(token, host, lambda: Session(subject, choices), library, executor, turns)
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -94,7 +90,7 @@ async def _serve(
         announce(address)
         if browser:
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-        reading = asyncio.create_task(_read_ahead(library, colour))
+        reading = asyncio.create_task(_read_ahead(library, choices.colour))
         await stopped.wait()
         reading.cancel()
     finally:

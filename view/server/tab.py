@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import time
 from concurrent.futures import Executor
 from typing import Any
 
 from aiohttp import WSMsgType, web
 
 from splatline.contract.errors import InputError
+from splatline.host.files.wanted import ColourBy
 from splatline.view.greeting import greeting
-from splatline.view.session import Output, Picture, SavedFile, Session
+from splatline.view.live_cloud import LiveCloud
+from splatline.view.saved import SavedFile
+from splatline.view.session import Output, Picture, Session
 
-from .library import Library
+from .library import EVERY, Library
 from .protocol import MOST_UNSHOWN, file_bytes, picture_bytes, read_message
 from .turns import Turns
 
@@ -56,8 +60,11 @@ class Tab:
         self._executor = executor
         self._turns = turns
         self._png = png
+        session.tell, session.between = self._tell_from_thread, turns.pass_on
+        self._loop = asyncio.get_running_loop()
         self._wake = asyncio.Event()
         self._sent = self._shown = 0
+        self._told_at = 0.0
         self._loading: asyncio.Task[None] | None = None
         self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
 
@@ -76,6 +83,7 @@ class Tab:
             if not self._socket.closed and not isinstance(error, ConnectionError):
                 raise
         finally:
+            self._session.closed = True
             if self._loading is not None:
                 tasks.add(self._loading)
             for task in tasks:
@@ -103,7 +111,6 @@ class Tab:
 
     async def _draw(self) -> None:
         """Draw what is due, and send it."""
-        loop = asyncio.get_running_loop()
         while True:
             if self._session.needs_cloud and self._loading is None:
                 self._loading = asyncio.create_task(self._load())
@@ -114,7 +121,7 @@ class Tab:
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(self._wake.wait(), delay)
                 continue
-            outputs = await loop.run_in_executor(self._executor, self._work, may_draw)
+            outputs = await self._loop.run_in_executor(self._executor, self._work, may_draw)
             for output in outputs:
                 await self._send(output)
 
@@ -136,25 +143,38 @@ class Tab:
 
     async def _load(self) -> None:
         """Read the cloud, at first or in other colours."""
-        colour = self._session.colour
+        colour = self._session.choices.colour
         try:
             live = await self._library.get(colour, self._tell_progress)
         except InputError as error:
-            self._session.refuse(colour)
             self._send_soon({"type": "error", "text": " ".join(str(error).split())})
             if self._session.live is None:
                 return  # there is nothing to show; the task stays, lest it be read again
+            self._session.refuse(colour)
         else:
-            self._session.take(live, colour)
-            self._send_soon({"type": "progress", "text": "", "share": 1.0})
-            self._send_soon(greeting(self._session))
+            hello = await self._loop.run_in_executor(self._executor, self._take, live, colour)
+            self._send_soon(hello)
+        self._send_soon({"type": "progress", "text": "", "share": 1.0})
         self._loading = None
         self._wake.set()
 
+    def _take(self, live: LiveCloud, colour: ColourBy | None) -> dict[str, Any]:
+        """Give the cloud to the session, in a thread; return what is told of it."""
+        with self._turns.turn():
+            self._session.take(live, colour)
+            return greeting(self._session)
+
     def _tell_progress(self, text: str, share: float | None) -> None:
-        """Tell the client how far the cloud is read."""
-        told = None if share is None else min(share, 0.999)
-        self._send_soon({"type": "progress", "text": text, "share": told})
+        """Tell the client how far long work is; its end is told elsewhere."""
+        self._send_soon({"type": "progress", "text": text, "share": share and min(share, 0.99)})
+
+    def _tell_from_thread(self, text: str, share: float | None) -> None:
+        """Tell the client how far the session's work is, from a thread."""
+        now = time.perf_counter()
+        if share == 1.0 or now - self._told_at >= EVERY:
+            self._told_at = now
+            message = {"type": "progress", "text": text, "share": share}
+            self._loop.call_soon_threadsafe(self._send_soon, message)
 
     def _send_soon(self, message: dict[str, Any]) -> None:
         """Send a message before long."""
