@@ -122,20 +122,19 @@ def render(
     live = prepared.live
     if camera is None:
         options = prepared.camera(orbit=orbit, fov=fov, up=up, zoom=zoom)
-        view = fit_view(live.cloud, size=size, radii=live.discs.radii, **options)
-        return Picture(draw(live, _Fixed(view), size, chosen))
+        return Picture(draw(live, _Fitted(live.discs.radii, options), size, chosen))
     if any(option is not None for option in (orbit, fov, up, zoom)):
         raise InputError("give a camera, or orbit, fov, up and zoom, not both")
     return Picture(draw(live, camera, size, chosen))
 
 
-class _Fixed(Camera):
-    """A camera whose view is known."""
+@dataclasses.dataclass(frozen=True)
+class _Fitted:
+    """A camera that sees the whole of a cloud: options of ``fit_view``."""
 
-    def __init__(self, view: View) -> None:
-        object.__setattr__(self, "_view", view)
+    radii: npt.NDArray[np.float64]
+    options: dict[str, Any]
 
     def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
-        """Return the view."""
-        view: View = self.__dict__["_view"]
-        return view
+        """Return the fitted view."""
+        return fit_view(cloud, size=size, radii=self.radii, **self.options)
