@@ -10,8 +10,9 @@ from splatline.contract.errors import InputError
 from splatline.contract.presets import DEFAULT, REMOVED
 from splatline.contract.variants import CONFIGS
 from splatline.host.encode.quality import DEFAULT_QUALITY
+from splatline.host.pipeline import check_request
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
-from splatline.host.visibility.skips import DEFAULT_SKIPS
+from splatline.host.visibility.skips import DEFAULT_SKIPS, check_skips
 
 from .draw import BACKGROUND, Settings
 
@@ -43,13 +44,13 @@ def settings_of(
     Raises
     ------
     InputError
-        If there is no such engine, or no such lights, or the background is no colour.
+        If an option has no such value, or does not go with another.
     """
     if lights not in LIGHTS:
         raise InputError(f"no lights named {lights!r}; there are: {', '.join(LIGHTS)}")
-    return Settings(
-        _config(preset), quality, samples, frozenset(skips), lights, _background(background)
-    )
+    config, chosen = _config(preset), check_skips(skips)
+    check_request(samples, config, quality, "table", chosen)
+    return Settings(config, quality, samples, chosen, lights, _background(background))
 
 
 def _config(preset: str | EngineConfig) -> EngineConfig:
