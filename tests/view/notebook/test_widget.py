@@ -34,13 +34,14 @@ class Page:
         return self.answers
 
     def rest(self):
-        """Wait until the camera rests, and acknowledge; return the last picture and its header."""
-        time.sleep(0.2)
-        frames = [content["frame"] for content, _ in self.answers if content["type"] == "picture"]
-        self.send({"type": "shown", "frame": max(frames, default=0)})
-        while not (found := self.pictures()) or not found[-1][0]["refined"]:
-            self.send({"type": "shown", "frame": found[-1][0]["frame"] if found else 0})
-        return found[-1]
+        """Acknowledge until the refined picture is there; return its header and its pixels."""
+        for _ in range(20):
+            found = self.pictures()
+            if found and found[-1][0]["refined"]:
+                return found[-1]
+            time.sleep(0.05)
+            self.send({"type": "shown", "frame": self.widget._sent})
+        raise AssertionError("no refined picture")
 
     def pictures(self):
         return [
