@@ -47,8 +47,9 @@ $(READY): pyproject.toml requirements.txt | tools
 	  echo "splatline: Python's shared library is missing, which cocotb needs;" \
 	    "install it: apt-get install libpython$$version" >&2; exit 1; }
 	@echo 'Compiling what draws a picture, once (half a minute) ...'
-	@printf '0 0 0\n1 0 0\n0 1 0\n1 1 0\n' >$(VENV)/first.xyz
-	@$(VENV)/bin/splatline render $(VENV)/first.xyz -o $(VENV)/first.png >/dev/null
+	@printf '%s\n' 2 2 '0 0 0' '1 0 0' '0 1 0' '0 0 1' '1 0 0 0' '0 1 0 0' '0 0 1 0' '0 0 0 1' \
+	  '1 1 1 1' '2 1 1 1' '1 2 1 1' '2 2 1 1' >$(VENV)/first.ptx
+	@$(VENV)/bin/splatline render $(VENV)/first.ptx -o $(VENV)/first.png >/dev/null
 	@touch $@
 	@echo '$(VENV) is ready.'
 

@@ -12,6 +12,7 @@ import click
 from splatline.cli.report.progress import Stages
 from splatline.contract.errors import InputError
 
+from .above import seen_from_above
 from .parameters import MEMORY
 from .request import RenderRequest
 
@@ -127,6 +128,7 @@ def _planned(
         samples=samples,
         splat_size=request.splat_size,
         memory=_memory(request),
+        up=seen_from_above(request, camera, plan.view),
     )
     return plan, drawing
 

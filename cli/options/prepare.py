@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
 
+from .above import is_survey, seen_from_above
 from .large import is_large, prepare_large, prepare_large_tiles
 from .request import RenderRequest
 
@@ -35,9 +36,6 @@ __all__ = [
 ]
 
 _CAMERA = ("orbit", "fov", "up", "zoom")
-
-MAPPED = (".las", ".laz", ".e57", ".ptx")
-"""Formats of surveyors, whose z points up."""
 
 
 @dataclass(frozen=True)
@@ -202,7 +200,7 @@ def _with_camera(
         with stages.stage("read", f"Making the scene {request.scene}"):
             scene = load_scene(request.scene)
         camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
-    elif request.path.suffix.lower() in MAPPED:
+    elif is_survey(request):
         camera["up"] = "z"
     camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
     if request.colour is not None:
@@ -214,6 +212,7 @@ def _view_of(
     request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
 ) -> _View:
     """Read the cloud of a request and fit its view."""
+    from splatline.host.cloud.upward import turn_upward
     from splatline.host.visibility.view import fit_view
 
     if request.path is not None:
@@ -235,6 +234,9 @@ def _view_of(
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = fit_view(cloud, size=request.size, radii=discs.radii, **camera)
+        up = seen_from_above(request, camera, view)
+        if up is not None:
+            cloud = turn_upward(cloud, up)
     return _View(cloud, discs, view, camera, far_away)
 
 

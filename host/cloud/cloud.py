@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,9 @@ from .cells import Cells, build_cells
 from .curve_order import Curve, sort_along_curve
 
 __all__ = ["Cloud"]
+
+CACHED = ("curve", "cells")
+"""What depends on the positions alone."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,8 @@ class Cloud:
         Shape (n, 3), uint8: red, green, blue.
     two_sided
         Shape (n,), bool: the normal was estimated, or is a splat's axis. Its sign means nothing,
-        and is chosen so that it faces the viewer. Such a point never faces away.
+        and is chosen so that it faces the viewer. Such a point never faces away. ``turn_upward``
+        gives a sign to some of them.
     origin
         Shape (3,), float64: the cloud's own centre. Positions are relative to it, so a scan in map
         coordinates (10^7) is drawn as exactly as one at zero.
@@ -71,6 +75,12 @@ class Cloud:
     def __len__(self) -> int:
         """Return the number of points."""
         return len(self.positions)
+
+    def turned(self, normals: npt.NDArray[np.float32], two_sided: npt.NDArray[np.bool_]) -> Cloud:
+        """Return the same points with other normals; their order along the curve is kept."""
+        cloud = replace(self, normals=normals, two_sided=two_sided)
+        cloud.__dict__.update({key: vars(self)[key] for key in CACHED if key in vars(self)})
+        return cloud
 
     @cached_property
     def curve(self) -> Curve:

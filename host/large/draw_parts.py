@@ -16,6 +16,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.presets import DEFAULT
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import Discs, measure_discs
+from splatline.host.cloud.upward import turn_upward
 from splatline.host.encode.join_frames import join_frames
 from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.picture_tiles.frames import tile_picture
@@ -61,6 +62,9 @@ class Drawing:
         Diameter of all discs, in the cloud's unit. None: the discs close the surface.
     memory
         Bytes that may be used for a part.
+    up
+        The direction in which estimated normals point; None: they have no sign. See
+        ``turn_upward``.
     """
 
     config: EngineConfig = DEFAULT
@@ -69,6 +73,7 @@ class Drawing:
     samples: int = 1
     splat_size: float | None = None
     memory: int = 2 << 30
+    up: tuple[float, float, float] | None = None
 
     def in_tiles(self, plan: Plan) -> bool:
         """Return whether a plan's picture is larger than the engine's image."""
@@ -127,6 +132,8 @@ def draw_part(
     cloud = read_part(plan, part, drawing.memory, progress=progress)
     if cloud is None:
         return PartFrames(())
+    if drawing.up is not None:
+        cloud = turn_upward(cloud, drawing.up)
     discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
     frames, counts = _frames(plan, drawing, cloud, discs, told("encode"))
     return PartFrames(
