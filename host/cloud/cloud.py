@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .cells import Cells, build_cells
+from .closing import Closing
 from .curve_order import Curve, sort_along_curve
 
 __all__ = ["Cloud"]
@@ -56,6 +57,9 @@ class Cloud:
     radii
         Shape (n,), float64, above 0: radii of the discs that the file gives, in its own unit. None:
         the points' spacing tells them.
+    closing
+        The closing radii, if they were found with the normals; ``measure_discs`` takes them. They
+        are lost when a part of the cloud is replaced.
     """
 
     positions: npt.NDArray[np.float64]
@@ -71,6 +75,7 @@ class Cloud:
     colour_key: dict[str, Any] = field(default_factory=dict)
     facts: dict[str, str] = field(default_factory=dict)
     radii: npt.NDArray[np.float64] | None = None
+    closing: Closing | None = field(default=None, init=False, repr=False)
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -81,6 +86,10 @@ class Cloud:
         cloud = replace(self, normals=normals, two_sided=two_sided)
         cloud.__dict__.update({key: vars(self)[key] for key in CACHED if key in vars(self)})
         return cloud
+
+    def keep_closing(self, closing: Closing) -> None:
+        """Keep the closing radii of the distinct points, which belong to the normals."""
+        object.__setattr__(self, "closing", closing)
 
     @cached_property
     def curve(self) -> Curve:

@@ -132,9 +132,9 @@ def draw_part(
     cloud = read_part(plan, part, drawing.memory, progress=progress)
     if cloud is None:
         return PartFrames(())
+    discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
     if drawing.up is not None:
         cloud = turn_upward(cloud, drawing.up)
-    discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
     frames, counts = _frames(plan, drawing, cloud, discs, told("encode"))
     return PartFrames(
         frames=tuple(None if frame is None else join_frames([frame]) for frame in frames),
