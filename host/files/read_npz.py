@@ -81,7 +81,7 @@ def read_npz(source: Source) -> Columns:
 
 
 class _Told:
-    """Tells the share of an archive's arrays that is read.
+    """Tells the share of some arrays that is read.
 
     Parameters
     ----------
@@ -185,7 +185,8 @@ def read_npy(source: Source) -> Columns:
     """
     _, kind, widths = npy_shape(source)
     source.stream.seek(0)
-    array = npy.read_array(source.stream, allow_pickle=False)
+    told = _Told(source, source.size)
+    array = npy.read_array(told.of(source.stream), allow_pickle=False)
     if kind.names is None:
         return by_number(array, source.suffix, wanted=source.wanted)
     rows = array.reshape(-1)
