@@ -33,6 +33,7 @@ __all__ = [
     "draw_part",
     "draw_parts",
     "frames_of",
+    "join_frames_of",
     "join_parts",
 ]
 
@@ -169,10 +170,9 @@ def _frames(
 
 def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
     """Return the frames of several parts together; at least one is given."""
-    drawn = [part.frames for part in parts if part.frames]
     first = parts[0]
     return PartFrames(
-        frames=tuple(_joined(frames) for frames in zip(*drawn, strict=True)),
+        frames=join_frames_of([part.frames for part in parts]),
         points=sum(part.points for part in parts),
         dropped=_total(part.dropped for part in parts),
         culled=_total(part.culled for part in parts),
@@ -181,6 +181,12 @@ def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
         used=next((part.used for part in parts if part.used), first.used),
         ignored=next((part.ignored for part in parts if part.used), first.ignored),
     )
+
+
+def join_frames_of(parts: Sequence[tuple[Frame | None, ...]]) -> tuple[Frame | None, ...]:
+    """Return the frames of several parts together; a part without frames shows nothing."""
+    drawn = [frames for frames in parts if frames]
+    return tuple(_joined(frames) for frames in zip(*drawn, strict=True))
 
 
 def _joined(frames: Sequence[Frame | None]) -> Frame | None:
@@ -209,7 +215,7 @@ def draw_parts(plan: Plan, drawing: Drawing, *, progress: Progress | None = None
 
 def check_shown(plan: Plan, joined: PartFrames) -> None:
     """Raise ``InputError`` if nothing is in view."""
-    if not any(frame is not None and frame.counts["elements"] for frame in joined.frames):
+    if not joined.elements:
         raise InputError(
             f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points all lie"
             " outside; change the view"
