@@ -96,7 +96,7 @@ def draw_on_cluster(
             traffic = Traffic(len(tasks), sum(client.gather(sizes)))
     finally:
         client.cancel([*tasks, *sizes])
-    check_shown(plan, joined)
+    check_shown(plan, drawing, joined)
     return joined, traffic
 
 

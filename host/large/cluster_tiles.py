@@ -122,7 +122,7 @@ def draw_tiles_on_cluster(
             if progress is not None:
                 progress("parts", done / len(told))
         whole = join_parts(client.gather(told))
-    check_shown(plan, whole)
+    check_shown(plan, drawing, whole)
     counts = first_counts(plan, drawing, whole)
     return ClusterTiles(
         grid, drawing.config, counts, whole, Traffic(len(parts), 0), rows, client, shared

@@ -125,15 +125,15 @@ def draw_part(
     def told(stage: str) -> Callable[[float], None] | None:
         return None if progress is None else lambda share: progress(stage, share)
 
-    cloud = read_part(plan, part, drawing.memory, progress=progress)
+    cloud, dropped = read_part(plan, part, drawing.memory, progress=progress)
     if cloud is None:
-        return PartFrames(())
+        return PartFrames((), points=sum(dropped.values()), dropped=dropped)
     discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
     frames, counts = _frames(plan, drawing, cloud, discs, told("encode"))
     return PartFrames(
         frames=tuple(None if frame is None else join_frames([frame]) for frame in frames),
-        points=len(cloud) + sum(cloud.dropped.values()),
-        dropped=dict(cloud.dropped),
+        points=len(cloud) + sum(dropped.values()),
+        dropped=dict(dropped),
         culled=_total(count["culled"] for count in counts),
         elements=sum(count["elements"] for count in counts),
         notes=cloud.notes,
@@ -209,16 +209,19 @@ def draw_parts(plan: Plan, drawing: Drawing, *, progress: Progress | None = None
     for number, part in enumerate(plan.parts):
         drawn = draw_part(plan, part, drawing, progress=_within(progress, number, len(plan.parts)))
         joined = join_parts([joined, drawn])
-    check_shown(plan, joined)
+    check_shown(plan, drawing, joined)
     return joined
 
 
-def check_shown(plan: Plan, joined: PartFrames) -> None:
+def check_shown(plan: Plan, drawing: Drawing, joined: PartFrames) -> None:
     """Raise ``InputError`` if nothing is in view."""
     if not joined.elements:
+        culled = {reason: count // drawing.samples for reason, count in joined.culled.items()}
+        left_out = _total([joined.dropped, culled])
+        reasons = ", ".join(f"{count:,} {reason}" for reason, count in left_out.items() if count)
         raise InputError(
-            f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points all lie"
-            " outside; change the view"
+            f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points,"
+            f" {reasons}; change the view"
         )
 
 
