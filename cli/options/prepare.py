@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from splatline.cli.report.progress import Stages
 
@@ -21,10 +23,14 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
     from splatline.host.files.wanted import ColourBy
+    from splatline.host.large.cluster_tiles import ClusterTiles
     from splatline.host.large.joined_tiles import JoinedTiles
     from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
+
+    Picture: TypeAlias = TiledPicture | JoinedTiles | ClusterTiles
+    """A picture in tiles."""
 
 __all__ = [
     "PreparedFrames",
@@ -85,17 +91,19 @@ class PreparedTiles:
     ----------
     picture
         The tiles; their frames are made as they are asked for, or lie in memory.
-    camera, dropped, colour_key, notes, far_away, facts
+    camera, dropped, colour_key, notes, far_away
         See :class:`PreparedFrames`.
+    facts
+        Returns further statistics, once the tiles are drawn.
     """
 
-    picture: TiledPicture | JoinedTiles
+    picture: Picture
     camera: dict[str, Any]
     dropped: dict[str, int]
     colour_key: dict[str, Any]
     notes: list[str]
     far_away: int = 0
-    facts: dict[str, Any] = field(default_factory=dict)
+    facts: Callable[[], dict[str, Any]] = dict
 
 
 @dataclass(frozen=True)
@@ -148,8 +156,12 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     )
 
 
-def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedTiles:
+def prepare_tiles(
+    request: RenderRequest, stages: Stages, samples: int, stack: ExitStack
+) -> PreparedTiles:
     """Read the cloud of a request whose picture is larger than the engine's image.
+
+    What the tiles need, such as a cluster, is closed by ``stack``.
 
     Raises
     ------
@@ -158,7 +170,7 @@ def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> P
     """
     request, camera, scene = _with_camera(request, stages)
     if is_large(request):
-        return prepare_large_tiles(request, camera, stages, samples)
+        return prepare_large_tiles(request, camera, stages, samples, stack)
     prepared = _view_of(request, camera, scene, stages)
     cloud = prepared.cloud
     with stages.stage("", "Projecting"):

@@ -21,7 +21,7 @@ from splatline.host.files.readers import open_cloud_file, parser_errors, read_co
 from splatline.host.files.source import Progress, Source, format_suffix
 from splatline.host.files.wanted import HEIGHT, INTENSITY, RGB, ColourBy, Wanted
 
-__all__ = ["Colouring", "PieceFile", "Sample", "colours_of"]
+__all__ = ["Colouring", "PieceFile", "Sample", "colours_of", "rows_of"]
 
 PIECE = 1 << 20
 """Points of a piece."""
@@ -76,7 +76,7 @@ class Sample:
         The least and the greatest coordinates, shape (3,) each, as the file says; None: it does
         not.
     in_pieces
-        Whether the file can be read in parts. COPC cannot: its nodes overlap.
+        Whether the file can be read from any point to any other. COPC is read by nodes.
     """
 
     columns: Columns
@@ -121,7 +121,7 @@ class PieceFile:
                 columns = read_columns(source)
                 count = len(columns.positions)
                 some = slice(None, None, -(-count // SAMPLE))
-                return Sample(_rows(columns, some), count, None, False)
+                return Sample(rows_of(columns, some), count, None, False)
             with parser_errors(source):
                 header = read_las_header(source)
                 self.octree = read_octree(source, header)
@@ -220,7 +220,7 @@ def _places(count: int) -> tuple[int, int]:
     return places, SAMPLE // places
 
 
-def _rows(columns: Columns, rows: slice) -> Columns:
+def rows_of(columns: Columns, rows: slice | npt.NDArray[np.bool_]) -> Columns:
     """Return some rows of columns."""
     fields = ("positions", "normals", "colours", "values", "radii")
     chosen = {name: getattr(columns, name) for name in fields}

@@ -82,6 +82,37 @@ def test_dask_draws_the_same_picture(run, folder, scan, monkeypatch):
     assert 0 < numbers["dask_bytes"] < 5 * 96 * 96 * 8
 
 
+@pytest.mark.parametrize("samples", [1, 4])
+def test_dask_draws_the_same_tiles(run, folder, scan, monkeypatch, samples):
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    monkeypatch.setattr(plan, "PART_POINTS", 10_000)
+    wide = ["--size", "700x1300", "--memory", "501M", "--samples", samples, "--stats", "a.json"]
+    alone = run("render", scan, *wide, "-o", "one.png", "--depth", "one_depth.png")
+    assert alone.exit_code == 0, alone.stderr
+    numbers = numbers_of(folder)
+    result = run(
+        "render", scan, *wide, "-o", "many.png", "--depth", "many_depth.png", "--dask", "local"
+    )
+    assert result.exit_code == 0, result.stderr
+    for name in ("{}.png", "{}_depth.png"):
+        one, many = (folder / name.format(which) for which in ("one", "many"))
+        assert one.read_bytes() == many.read_bytes()
+    shared = numbers_of(folder)
+    assert shared.pop("dask_tasks") == 3 + 3 * (3 + 1 + 1)
+    assert 0 < shared.pop("dask_bytes") < 3 * samples * 700 * 1300 * 8
+    assert shared.pop("seconds").keys() == numbers.pop("seconds").keys()
+    assert shared == numbers
+
+
+def test_verilog_of_a_cluster_s_tiles_is_simulated_here(run, folder, scan, monkeypatch):
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    options = ["--size", "700x300", "--memory", "501M", "--dask", "local", "--engine", "rtl"]
+    result = run("render", scan, *options, "--stats", "a.json")
+    assert result.exit_code == 0, result.stderr
+    assert numbers_of(folder)["mismatched_pixels"] == 0
+    assert numbers_of(folder)["cycles"] > 0
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
