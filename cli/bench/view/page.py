@@ -38,8 +38,8 @@ def write_page(results: dict[str, Any]) -> str:
         [
             "# The live view",
             "",
-            f"Made by `splatline bench view`: {width} x {height} pixels, one sample a pixel, quality"
-            f" exact; {results['machine']}. Load average at the start:"
+            f"Made by `splatline bench view`: {width} x {height} pixels, one sample a pixel,"
+            f" quality exact; {results['machine']}. Load average at the start:"
             f" {results['load']:.1f}.",
             "",
             "Server and client are processes of their own, with a WebSocket between them, and raw"
