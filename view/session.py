@@ -128,7 +128,7 @@ class Session:
         self._frame = 0
         self._told: dict[str, Any] | None = None
         self._seen: Seen | None = None
-        self._exact: tuple[int, Exact] | None = None  # with the version that it belongs to
+        self._exact: tuple[Any, Exact] | None = None  # with what it was drawn of
 
     # Whatever a server asks.
 
@@ -341,19 +341,21 @@ class Session:
         """Draw the exact reference, and split the picture."""
         assert self._seen is not None
         drawing, camera = self._seen
-        if self._exact is None or self._exact[0] != self._version:
+        settings = self.choices.settings
+        drawn_of = live, camera, self.size, settings.lights, settings.background
+        if self._exact is None or self._exact[0] != drawn_of:
+            version = self._version
 
             def progress(share: float) -> None:
                 self.tell("Drawing the exact reference", min(share, 0.99))
                 self.between()
                 self._check(version)
 
-            version, settings = self._version, self.choices.settings
             try:
                 exact = draw_exact(live, camera, self.size, settings, progress)
             finally:
                 self.tell("", 1.0)
-            self._exact = version, exact
+            self._exact = drawn_of, exact
         outputs = self._pictures(live, drawing, self._exact[1])
         self._level = COMPARED
         return [*outputs, *self._numbers(drawing, self._exact[1])]
