@@ -122,6 +122,7 @@ COMMANDS = {
     "render": "splatline.cli.commands.render:render",
     "synth": "splatline.cli.commands.verilog_synth:synth",
     "verilog": "splatline.cli.commands.verilog_synth:verilog",
+    "view": "splatline.cli.commands.view:view",
 }
 
 

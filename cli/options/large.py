@@ -15,6 +15,7 @@ from splatline.cli.report.progress import Stages
 from splatline.contract.errors import InputError
 
 from .above import seen_from_above
+from .camera import see
 from .parameters import MEMORY
 from .request import RenderRequest
 
@@ -138,14 +139,14 @@ def _planned(
     """Return the plan of a request's cloud, and how its parts are drawn."""
     from splatline.host.large.draw_parts import Drawing
     from splatline.host.large.plan import make_plan
-    from splatline.host.visibility.view import fit_view
+    from splatline.host.shading.light_sets import LIGHTS
 
     _check(request)
     with stages.stage("survey", f"Looking at samples of {_named(request.paths)}"):
         plan = make_plan(
             request.paths,
             request.colour,
-            functools.partial(fit_view, size=request.size, **camera),
+            functools.partial(see, camera=camera, size=request.size),
             1 << request.preset.material_bits,
             bulk=request.fit != "all",
         )
@@ -154,6 +155,7 @@ def _planned(
         quality=request.quality,
         skips=request.skips,
         samples=samples,
+        lighting=LIGHTS[request.lights],
         splat_size=request.splat_size,
         memory=_memory(request),
         up=seen_from_above(request, camera, plan.view),

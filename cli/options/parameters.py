@@ -15,12 +15,14 @@ from splatline.contract.variants import CONFIGS
 __all__ = [
     "COLOUR",
     "DIAMETER",
+    "DISTANCE",
     "MEMORY",
     "ORBIT",
     "PRESET",
     "RANGE",
     "SIZE",
     "SPLAT_SIZE",
+    "TARGET",
     "UP_AXES",
 ]
 
@@ -93,6 +95,38 @@ class _Range(click.ParamType):  # type: ignore[type-arg]
                 ctx,
             )
         return ends[0], ends[1]
+
+
+class _Target(click.ParamType):  # type: ignore[type-arg]
+    """``X,Y,Z``: three coordinates."""
+
+    name = "X,Y,Z"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float, float]:
+        """Return (x, y, z)."""
+        if isinstance(value, tuple):
+            return value
+        numbers = [number for part in value.split(",") if (number := _finite(part)) is not None]
+        if len(numbers) != 3 or value.count(",") != 2:
+            self.fail(f"{value!r} is no point; write X,Y,Z, like 3.5,-2,0", param, ctx)
+        return numbers[0], numbers[1], numbers[2]
+
+
+class _Distance(click.ParamType):  # type: ignore[type-arg]
+    """A finite length above 0."""
+
+    name = "D"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the length."""
+        length = value if isinstance(value, float) else _finite(value)
+        if length is None or length <= 0.0:
+            self.fail(f"{value!r} is no distance; write a number above 0", param, ctx)
+        return length
 
 
 class _SplatSize(click.ParamType):  # type: ignore[type-arg]
@@ -179,6 +213,8 @@ def _finite(text: str) -> float | None:
 
 SIZE = _Size()
 ORBIT = _Orbit()
+TARGET = _Target()
+DISTANCE = _Distance()
 RANGE = _Range()
 SPLAT_SIZE = _SplatSize("auto|WORLD", "the cloud's own unit")
 DIAMETER = _SplatSize("auto|PIXELS", "pixels")

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from splatline.cli.report.progress import Stages
 
-from .above import is_survey, seen_from_above
+from .above import seen_from_above
+from .camera import see, with_camera
 from .large import is_large, prepare_large, prepare_large_tiles
 from .request import RenderRequest
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
+    from splatline.view.subject import Subject
 
     Picture: TypeAlias = TiledPicture | JoinedTiles | ClusterTiles
     """A picture in tiles."""
@@ -39,9 +40,8 @@ __all__ = [
     "prepare",
     "prepare_tiles",
     "read_in_stages",
+    "subject_of",
 ]
-
-_CAMERA = ("orbit", "fov", "up", "zoom")
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,8 @@ class PreparedFrames:
     view
         The camera.
     camera
-        Orbit, field of view, up axis and zoom that were used, for the statistics.
+        Orbit, field of view, up axis and zoom that were used, for the statistics; of a camera that
+        looks at a point also target and distance.
     dropped
         Points left out when the cloud was read, by reason.
     colour_key
@@ -138,7 +139,7 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     InputError
         If a file cannot be read, a value is out of range, or nothing of the cloud is in view.
     """
-    request, camera, scene = _with_camera(request, stages)
+    request, camera, scene = with_camera(request, stages)
     if is_large(request):
         return prepare_large(request, camera, stages, samples)
     prepared = _view_of(request, camera, scene, stages)
@@ -168,19 +169,21 @@ def prepare_tiles(
     InputError
         As :func:`prepare`.
     """
-    request, camera, scene = _with_camera(request, stages)
+    request, camera, scene = with_camera(request, stages)
     if is_large(request):
         return prepare_large_tiles(request, camera, stages, samples, stack)
     prepared = _view_of(request, camera, scene, stages)
     cloud = prepared.cloud
     with stages.stage("", "Projecting"):
         from splatline.host.picture_tiles.frames import tile_picture
+        from splatline.host.shading.light_sets import LIGHTS
 
         picture = tile_picture(
             cloud,
             prepared.view,
             samples,
             **prepared.discs._asdict(),
+            lighting=LIGHTS[request.lights],
             config=request.preset,
             quality=request.quality,
             skips=request.skips,
@@ -195,29 +198,25 @@ def prepare_tiles(
     )
 
 
-def _with_camera(
-    request: RenderRequest, stages: Stages
-) -> tuple[RenderRequest, dict[str, Any], Scene | None]:
-    """Return a request with its up axis, its camera, and its scene if it has one."""
-    from splatline.host.visibility.view import fit_view
+def subject_of(request: RenderRequest) -> Subject:
+    """Return what a live view of a request looks at."""
+    from splatline.view.subject import Subject
 
-    scene = None
-    parameters = inspect.signature(fit_view).parameters
-    camera = {key: parameters[key].default for key in _CAMERA}
-    if request.path is None:
-        from splatline.host.files.colouring import check_map
-        from splatline.host.scenes.scenes import load_scene
-
-        check_map(request.colour)
-        with stages.stage("read", f"Making the scene {request.scene}"):
-            scene = load_scene(request.scene)
-        camera |= {key: getattr(scene, key) for key in _CAMERA if hasattr(scene, key)}
-    elif is_survey(request):
-        camera["up"] = "z"
-    camera |= {key: value for key in _CAMERA if (value := getattr(request, key)) is not None}
-    if request.colour is not None:
-        request = replace(request, colour=replace(request.colour, up=camera["up"]))
-    return request, camera, scene
+    request, camera, _ = with_camera(request, Stages())
+    return Subject(
+        path=request.path,
+        scene=request.scene,
+        name=request.name,
+        format=request.format,
+        sample=request.sample,
+        fit=request.fit,
+        splat_size=request.splat_size,
+        orbit=camera["orbit"],
+        fov=camera["fov"],
+        up=camera["up"],
+        target=request.target,
+        distance=request.distance,
+    )
 
 
 def _view_of(
@@ -225,7 +224,6 @@ def _view_of(
 ) -> _View:
     """Read the cloud of a request and fit its view."""
     from splatline.host.cloud.upward import turn_upward
-    from splatline.host.visibility.view import fit_view
 
     if request.path is not None:
         cloud = read_in_stages(
@@ -245,7 +243,7 @@ def _view_of(
 
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
-        view = fit_view(cloud, size=request.size, radii=discs.radii, **camera)
+        view = see(cloud, camera, request.size, discs.radii)
         up = seen_from_above(request, camera, view)
         if up is not None:
             cloud = turn_upward(cloud, up)
@@ -257,8 +255,10 @@ def _encode(
 ) -> list[Frame]:
     """Return the frames of a cloud in memory."""
     from splatline.host.pipeline import make_frames, total_counts
+    from splatline.host.shading.light_sets import LIGHTS
 
     options: dict[str, Any] = {
+        "lighting": LIGHTS[request.lights],
         "config": request.preset,
         "quality": request.quality,
         "skips": request.skips,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from splatline.contract.config import EngineConfig
 from splatline.host.files.wanted import ColourBy
+from splatline.host.shading.light_sets import DEFAULT_LIGHTS
 
 __all__ = ["RenderRequest"]
 
@@ -33,6 +34,11 @@ class RenderRequest:
         Axis that points up.
     zoom
         Magnification.
+    target, distance
+        The point in the middle of the image, in the file's own coordinates, and its distance from
+        the eye; None: the view fits the cloud.
+    lights
+        Name of a set of lights.
     splat_size
         Diameter of the splats in the cloud's unit; None: from the points' own spacing.
     preset
@@ -59,15 +65,18 @@ class RenderRequest:
 
     paths: tuple[Path, ...]
     scene: str
-    size: tuple[int, int]
     orbit: tuple[float, float] | None
     fov: float | None
     up: str | None
-    zoom: float | None
     splat_size: float | None
     preset: EngineConfig
     quality: str
     skips: frozenset[str]
+    size: tuple[int, int] = (512, 512)
+    zoom: float | None = None
+    target: tuple[float, float, float] | None = None
+    distance: float | None = None
+    lights: str = DEFAULT_LIGHTS
     shapes: str = "table"
     fit: str = "bulk"
     colour: ColourBy | None = None

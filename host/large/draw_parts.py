@@ -21,6 +21,7 @@ from splatline.host.encode.join_frames import join_frames
 from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.picture_tiles.frames import tile_picture
 from splatline.host.pipeline import make_frames
+from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import materials_of
 from splatline.host.visibility.skips import DEFAULT_SKIPS
 
@@ -59,6 +60,8 @@ class Drawing:
         Reasons to leave points out.
     samples
         Samples a pixel.
+    lighting
+        The lights.
     splat_size
         Diameter of all discs, in the cloud's unit. None: the discs close the surface.
     memory
@@ -72,6 +75,7 @@ class Drawing:
     quality: str = DEFAULT_QUALITY
     skips: frozenset[str] = DEFAULT_SKIPS
     samples: int = 1
+    lighting: Lighting = dataclasses.field(default_factory=Lighting)
     splat_size: float | None = None
     memory: int = 2 << 30
     up: tuple[float, float, float] | None = None
@@ -160,6 +164,7 @@ def _frames(
     options: dict[str, Any] = {
         **discs._asdict(),
         "materials": materials_of(cloud, plan.palette),
+        "lighting": drawing.lighting,
         "config": drawing.config,
         "quality": drawing.quality,
         "skips": drawing.skips - {OVERDRAWN},

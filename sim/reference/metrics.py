@@ -11,7 +11,7 @@ from splatline.sim.golden.multisample import Drawn
 
 from .reference import Reference
 
-__all__ = ["compare"]
+__all__ = ["compare", "psnr"]
 
 _Floats = npt.NDArray[np.float64]
 _Mask = npt.NDArray[np.bool_]
@@ -77,8 +77,8 @@ def compare(
     foreground = reference.coverage > SILHOUETTE
     whole = reference.coverage == 1.0
     return {
-        "psnr_db": _psnr(picture, reference.rgb),
-        "psnr_foreground_db": _psnr(picture[foreground], reference.rgb[foreground]),
+        "psnr_db": psnr(picture, reference.rgb),
+        "psnr_foreground_db": psnr(picture[foreground], reference.rgb[foreground]),
         "ssim": _ssim(picture, reference.rgb),
         "hole_fraction": _share(whole & ~drawn, whole),
         "silhouette_iou": _share(drawn & foreground, drawn | foreground),
@@ -86,7 +86,7 @@ def compare(
     }
 
 
-def _psnr(picture: _Floats, exact: _Floats) -> float | None:
+def psnr(picture: _Floats, exact: _Floats) -> float | None:
     """Return the PSNR for a peak of 1; None if there are no pixels or no error."""
     if not picture.size:
         return None

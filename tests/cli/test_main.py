@@ -57,7 +57,7 @@ def test_every_command_shows_examples(run, command):
 
 def test_the_commands_are_those_of_the_manual():
     manual = ["bench", "encode", "info", "netlist", "play", "pnr", "registers", "render", "synth"]
-    assert sorted(COMMANDS) == [*manual, "verilog"]
+    assert sorted(COMMANDS) == [*manual, "verilog", "view"]
 
 
 def test_version_is_the_package_s(run):

@@ -123,3 +123,12 @@ def test_verilog_of_the_pins(run, folder):
     assert result.exit_code == 0, result.stderr
     ports = {port["name"] for port in json.loads((folder / "top.json").read_text())["ports"]}
     assert {"words__payload", "initial__payload", "raster__payload"} <= ports
+
+
+def test_record_keeps_the_clock(run, folder, routing, monkeypatch):
+    monkeypatch.setattr("splatline.flow.timing.clocks.CLOCKS", folder / "clocks.json")
+    assert run("pnr", "--tries", 2, "--record").exit_code == 0
+    recorded = json.loads((folder / "clocks.json").read_text())
+    assert recorded["paper"]["median_mhz"] == pytest.approx(111.0, abs=0.06)
+    assert recorded["paper"]["seeds"] == [1, 2]
+    assert (recorded["paper"]["low_mhz"], recorded["paper"]["high_mhz"]) == (98.7, 123.4)

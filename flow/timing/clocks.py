@@ -1,0 +1,46 @@
+"""The routed clock of each preset, recorded in ``clocks.json``.
+
+``splatline pnr --preset NAME --record`` records one. A clock needs minutes of routing, and depends
+on the seeds and the tools' versions; the file says which.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+__all__ = ["CLOCKS", "read_clocks", "record"]
+
+CLOCKS = Path(__file__).with_name("clocks.json")
+"""Of each preset ``device``, ``seeds``, ``median_mhz``, ``low_mhz``, ``high_mhz`` and ``command``;
+``device`` and clocks are null if the preset fits no ECP5."""
+
+
+def read_clocks() -> dict[str, dict[str, Any]]:
+    """Return the recorded clocks, by preset."""
+    return json.loads(CLOCKS.read_text()) if CLOCKS.exists() else {}
+
+
+def record(result: dict[str, Any]) -> None:
+    """Record the clock of a preset.
+
+    Parameters
+    ----------
+    result
+        As of ``place_and_route``.
+    """
+    rates = result["rates_mhz"]
+    seeds = [int(seed) for seed in rates]
+    clock = {
+        "device": result["device"],
+        "seeds": seeds,
+        "median_mhz": round(result["median_mhz"], 1),
+        "low_mhz": round(min(rates.values()), 1),
+        "high_mhz": round(max(rates.values()), 1),
+        "command": f"splatline pnr --preset {result['preset']} --seed {seeds[0]}"
+        f" --tries {len(seeds)} --record",
+    }
+    clocks = {**read_clocks(), result["preset"]: clock}
+    rows = (f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in sorted(clocks.items()))
+    CLOCKS.write_text("{\n" + ",\n".join(rows) + "\n}\n")

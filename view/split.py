@@ -1,0 +1,91 @@
+"""Pictures beside the engine's: the paper's engine, and the exact reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.presets import PAPER
+from splatline.host.shading.light_sets import LIGHTS
+from splatline.sim.golden.multisample import average
+from splatline.sim.reference import reference
+from splatline.sim.reference.metrics import psnr
+
+from .camera import Camera
+from .draw import Drawing, Settings, draw
+from .live_cloud import LiveCloud
+
+__all__ = ["Exact", "draw_exact", "draw_paper"]
+
+
+@dataclass(frozen=True)
+class Exact:
+    """The exact reference's picture.
+
+    Parameters
+    ----------
+    picture
+        Colours and depths.
+    """
+
+    picture: reference.Reference
+
+    @property
+    def rgba(self) -> npt.NDArray[np.uint8]:
+        """The picture: shape (height, width, 4), uint8."""
+        return _opaque(np.rint(np.clip(self.picture.rgb, 0.0, 1.0) * 255.0).astype(np.uint8))
+
+    def depth_rgba(self, depth_range: tuple[float, float]) -> npt.NDArray[np.uint8]:
+        """Return the depth as greys, near is white, over a range of distances along the view."""
+        near, far = depth_range
+        share = (self.picture.depth - near) / max(far - near, np.finfo(np.float64).tiny)
+        bright = np.where(np.isnan(share), 0.0, 1.0 - np.clip(share, 0.0, 1.0))
+        greys = np.rint(255.0 * bright).astype(np.uint8)
+        return _opaque(np.repeat(greys[..., np.newaxis], 3, axis=2))
+
+    def psnr(self, drawing: Drawing) -> float | None:
+        """Return an engine's peak signal to noise ratio in dB; None: no error."""
+        return psnr(average(drawing.rasters).to_rgb(drawing.background), self.picture.rgb)
+
+
+def draw_exact(
+    live: LiveCloud,
+    camera: Camera,
+    size: tuple[int, int],
+    settings: Settings,
+    progress: Callable[[float], None],
+) -> Exact:
+    """Draw the exact reference of a picture; ``progress`` is told the share that is done."""
+    return Exact(
+        reference.render(
+            live.cloud,
+            camera.view(live.cloud, size),
+            live.discs.radii,
+            LIGHTS[settings.lights],
+            background=settings.background,
+            progress=progress,
+        )
+    )
+
+
+def draw_paper(
+    live: LiveCloud,
+    camera: Camera,
+    size: tuple[int, int],
+    settings: Settings,
+    check: Callable[[], None],
+) -> Drawing:
+    """Draw a picture as the paper's engine does: 9-bit colour, one sample, the paper's shapes."""
+    return draw(
+        live, camera, size, replace(settings, preset=PAPER, quality="paper", samples=1), check=check
+    )
+
+
+def _opaque(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return a picture with an alpha of 255."""
+    rgba = np.full((*rgb.shape[:2], 4), 255, np.uint8)
+    rgba[..., :3] = rgb
+    return rgba
