@@ -85,7 +85,7 @@ def terrain_viewer():
     pytest.importorskip("aiohttp", reason="the extra `view` is not installed")
     viewer = Viewer()
     yield viewer
-    assert viewer.interrupt() == 0
+    viewer.kill()
 
 
 @pytest.fixture

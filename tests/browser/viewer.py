@@ -2,7 +2,6 @@
 
 import os
 import re
-import signal
 import subprocess
 import sys
 
@@ -37,14 +36,6 @@ class Viewer:
     def kill(self):
         """Kill it, so that it cannot say goodbye."""
         self.process.kill()
-        self._wait()
 
-    def interrupt(self):
-        """Press Ctrl-C; return the exit code."""
-        self.process.send_signal(signal.SIGINT)
-        return self._wait()
-
-    def _wait(self):
-        code = self.process.wait(20)
+        self.process.wait(20)
         self.process.stdout.close()
-        return code
