@@ -5,41 +5,17 @@ import shlex
 import subprocess
 import sys
 import zipfile
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from splatline.contract.presets import PRESETS
-from splatline.host.scenes.scenes import load_scene
-from splatline.view.camera import Camera
-from splatline.view.draw import Settings, draw
-from splatline.view.live_cloud import live_cloud
+from .golden_terrain import golden
 
 SMALL = {"viewport": {"width": 840, "height": 500}}  # a canvas of 512 x 500: no tiles
 MIDDLE = (256, 250)
 SPLATLINE = [sys.executable, "-c", "from splatline.cli.main import main; main()"]
-
-
-@cache
-def terrain():
-    return live_cloud(load_scene("terrain").cloud)
-
-
-def golden(settings, size):
-    """Return what golden draws with the camera and settings of a message, as a drawing."""
-    camera = Camera(**{**settings["camera"], "target": tuple(settings["camera"]["target"])})
-    background = tuple(byte / 255 for byte in bytes.fromhex(settings["background"][1:]))
-    drawn_with = Settings(
-        preset=PRESETS[settings["preset"]],
-        quality=settings["quality"],
-        samples=settings["samples"],
-        lights=settings["lights"],
-        background=background,
-    )
-    return draw(terrain(), camera, size, drawn_with)
 
 
 def run(command, folder):

@@ -56,6 +56,7 @@ export function attachCanvas(element, send, options = {}) {
     else if (!gestures.key(event)) {
       const message = keyMessage(event.key, state.show);
       if (!message) return;
+      state.show = message.name === "show" ? message.value : state.show;
       send(message);
     }
     event.preventDefault();

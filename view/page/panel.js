@@ -2,6 +2,7 @@
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 
+const PATIENCE = 3000; // ms for which a control shows what was asked for before it is told
 const SIDES = [
   ["paper", "Paper's engine"], ["engine", "Chosen engine"], ["reference", "Exact reference"],
 ];
@@ -11,12 +12,16 @@ const FIRST_SPLIT = { left: "paper", right: "reference" };
 /**
  * Bind the panel's controls.
  *
- * @param {(message: object) => void} send
- * @returns {{offer: (hello: any) => void, show: (settings: any) => void}}  `offer` fills the
- *   controls; `show` sets them to what holds at the server
+ * @param {(message: object) => boolean} send  says whether the message was sent
+ * @returns {{offer: (hello: any) => void, show: (settings: any) => void, refuse: () => void}}
+ *   `offer` fills the controls; `show` sets them to what holds at the server; `refuse` says that
+ *   what was asked for may not come
  */
 export function bindPanel(send) {
-  const set = (/** @type {string} */ name, value) => send({ type: "set", name, value });
+  const asked = new Asked();
+  const set = (/** @type {string} */ name, value) => {
+    if (send({ type: "set", name, value })) asked.add(name, value);
+  };
   const changed = (/** @type {string} */ id, then) => byId(id).addEventListener("change", then);
   /** @type {any} */
   let offered = { presets: [] };
@@ -45,14 +50,41 @@ export function bindPanel(send) {
       fill("side-right", SIDES);
       byId("samples").replaceChildren(...hello.samples.map(radio));
     },
-    show(settings) {
+    show(told) {
+      const settings = asked.over(told);
       showChoices(settings);
       showColour(settings.colour);
       byId("preset-title").textContent = titleOf(offered.presets, settings.preset);
       byId("quality").title = titleOf(offered.qualities ?? [], settings.quality);
       byId("lights").title = titleOf(offered.lights ?? [], settings.lights);
     },
+    refuse: () => asked.forget(),
   };
+}
+
+/** What was asked for and is not yet told: older settings on their way do not undo it. */
+class Asked {
+  /** @type {Map<string, {value: any, until: number}>} */
+  #values = new Map();
+
+  add(/** @type {string} */ name, value) {
+    this.#values.set(name, { value, until: performance.now() + PATIENCE });
+  }
+
+  forget() {
+    this.#values.clear();
+  }
+
+  /** Return settings with the values that were asked for since. */
+  over(/** @type {any} */ told) {
+    const settings = { ...told };
+    for (const [name, { value, until }] of this.#values) {
+      const arrived = JSON.stringify(told[name]) === JSON.stringify(value);
+      if (arrived || performance.now() > until) this.#values.delete(name);
+      else settings[name] = value;
+    }
+    return settings;
+  }
 }
 
 /** The name of a side of the split view. */
