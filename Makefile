@@ -96,6 +96,8 @@ formal: setup
 lint: setup
 	@mkdir -p build/types/splatline
 	@for part in contract rtl flow host sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
+	@ln -sfn ../../../api/__init__.py build/types/splatline/__init__.py
+	@ln -sfn ../../../api/py.typed build/types/splatline/py.typed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	MYPYPATH=build/types $(VENV)/bin/mypy

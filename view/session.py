@@ -302,10 +302,10 @@ class Session:
 
     def _index(self, live: LiveCloud) -> None:
         """Build the index for the engine; tell if it takes long."""
-        preset = self.choices.settings.preset
-        if not live.has_index(preset):
+        wanted = self.choices.settings.preset, None if self.camera is None else self.camera.upward
+        if not live.has_index(*wanted):
             self.tell(f"Indexing {len(live.cloud):,} points", None)
-            live.index(preset)
+            live.index(*wanted)
             self.tell("", 1.0)
 
     def _draw_quickly(self, live: LiveCloud, resting: bool) -> list[Output]:

@@ -9,15 +9,7 @@ from .request import RenderRequest
 if TYPE_CHECKING:
     from splatline.host.visibility.view import View
 
-__all__ = ["is_survey", "seen_from_above"]
-
-SURVEYS = (".las", ".laz", ".e57", ".ptx")
-"""Formats of surveyors, whose z points up."""
-
-
-def is_survey(request: RenderRequest) -> bool:
-    """Return whether a request's file has a surveyor's format."""
-    return request.path is not None and request.path.suffix.lower() in SURVEYS
+__all__ = ["seen_from_above"]
 
 
 def seen_from_above(
@@ -27,8 +19,8 @@ def seen_from_above(
 
     From below, the ground shows its back; None then, and for all other clouds.
     """
+    from splatline.host.files.source import usual_up
     from splatline.host.visibility.view import UP_AXES
 
-    up = UP_AXES[camera["up"]]
-    downward = -sum(a * b for a, b in zip(view.axes[2], up, strict=True))
-    return up if is_survey(request) and downward >= 0.0 else None
+    survey = request.path is not None and usual_up(request.path, request.format) == "z"
+    return UP_AXES[camera["up"]] if survey and view.looks_down(camera["up"]) else None

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
 
-from .above import is_survey
 from .request import RenderRequest
 
 if TYPE_CHECKING:
@@ -45,8 +44,10 @@ def with_camera(
         with stages.stage("read", f"Making the scene {request.scene}"):
             scene = load_scene(request.scene)
         camera |= {key: getattr(scene, key) for key in FITTED if hasattr(scene, key)}
-    elif is_survey(request):
-        camera["up"] = "z"
+    else:
+        from splatline.host.files.source import usual_up
+
+        camera["up"] = usual_up(request.path, request.format)
     asked = (*FITTED, *AIMED)
     camera |= {key: value for key in asked if (value := getattr(request, key)) is not None}
     if request.colour is not None:

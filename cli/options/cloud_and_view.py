@@ -21,7 +21,7 @@ from .large import LARGE_OPTIONS
 from .parameters import DISTANCE, ORBIT, PRESET, SIZE, SPLAT_SIZE, TARGET, UP_AXES
 from .request import RenderRequest
 
-__all__ = ["live_options", "request_options"]
+__all__ = ["film_options", "live_options", "request_options"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -149,8 +149,13 @@ _VIEW_OPTIONS = (
 )
 """The argument CLOUD and the options of the view, last one first."""
 
-_STILL = {"zoom", "shapes", "size"}
+_OF_VIEW = {"zoom", "size"}
 """Options that a live view has no use for: it has a size and a distance of its own."""
+
+_OF_WORDS = {"shapes"}
+"""Options that change the code words alone, not the picture."""
+
+_OF_TARGET = {"target", "distance"}
 
 
 def request_options(command: _Command) -> _Command:
@@ -160,10 +165,18 @@ def request_options(command: _Command) -> _Command:
 
 def live_options(command: _Command) -> _Command:
     """Add what a live view takes of these options; the command gets one ``request``."""
-    options = [
-        option for option in (*_ENCODING_OPTIONS, *_VIEW_OPTIONS) if not _STILL & _names_of(option)
-    ]
-    return _with_options(command, options)
+    return _with_options(command, _options_without(_OF_VIEW | _OF_WORDS))
+
+
+def film_options(command: _Command) -> _Command:
+    """Add what a film takes of these options; the command gets one ``request``."""
+    return _with_options(command, _options_without(_OF_TARGET | _OF_WORDS))
+
+
+def _options_without(names: set[str]) -> list[Callable[[Any], Any]]:
+    """Return the options of encoding and view, without some."""
+    every = (*_ENCODING_OPTIONS, *_VIEW_OPTIONS)
+    return [option for option in every if not names & _names_of(option)]
 
 
 def _names_of(option: Callable[[_Command], _Command]) -> set[str]:
@@ -187,7 +200,7 @@ def _with_options(command: _Command, own: Sequence[Callable[[_Command], _Command
         of_files = [name for name in ("format", "sample", "memory", "dask") if options.get(name)]
         if of_files and not clouds:
             raise click.UsageError(f"--{of_files[0]} needs a CLOUD")
-        if (options["target"] is None) != (options["distance"] is None):
+        if (options.get("target") is None) != (options.get("distance") is None):
             raise click.UsageError("--target and --distance go together: give both or neither")
         if both := skip & keep:
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")

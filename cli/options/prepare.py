@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
+    from splatline.view.live_cloud import LiveCloud
     from splatline.view.subject import Subject
 
     Picture: TypeAlias = TiledPicture | JoinedTiles | ClusterTiles
@@ -38,6 +39,7 @@ __all__ = [
     "PreparedTiles",
     "measure_in_stages",
     "prepare",
+    "prepare_live",
     "prepare_tiles",
     "read_in_stages",
     "subject_of",
@@ -219,23 +221,49 @@ def subject_of(request: RenderRequest) -> Subject:
     )
 
 
+def prepare_live(request: RenderRequest, stages: Stages) -> tuple[LiveCloud, dict[str, Any]]:
+    """Return the cloud of a request, ready to be drawn again and again, and its camera's values.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or a value is out of range.
+    """
+    from splatline.view.live_cloud import live_cloud
+
+    request, camera, scene = with_camera(request, stages)
+    cloud = _cloud_of(request, scene, stages)
+    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
+        live = live_cloud(
+            cloud,
+            fit=request.fit,
+            splat_size=request.splat_size,
+            progress=lambda text, part: share(part or 0.0),
+        )
+    return live, camera
+
+
+def _cloud_of(request: RenderRequest, scene: Scene | None, stages: Stages) -> Cloud:
+    """Return the cloud of a request in memory, in the colours that are asked for."""
+    if request.path is not None:
+        return read_in_stages(
+            request.path, stages, request.colour, format=request.format, sample=request.sample
+        )
+    assert scene is not None
+    if request.colour is None:
+        return scene.cloud
+    from splatline.host.files.colouring import colour_scene
+
+    return colour_scene(scene.cloud, request.colour)
+
+
 def _view_of(
     request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
 ) -> _View:
     """Read the cloud of a request and fit its view."""
     from splatline.host.cloud.upward import turn_upward
 
-    if request.path is not None:
-        cloud = read_in_stages(
-            request.path, stages, request.colour, format=request.format, sample=request.sample
-        )
-    else:
-        assert scene is not None
-        cloud = scene.cloud
-        if request.colour is not None:
-            from splatline.host.files.colouring import colour_scene
-
-            cloud = colour_scene(cloud, request.colour)
+    cloud = _cloud_of(request, scene, stages)
     far_away = 0
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):

@@ -57,6 +57,8 @@ class Cloud:
     radii
         Shape (n,), float64, above 0: radii of the discs that the file gives, in its own unit. None:
         the points' spacing tells them.
+    up
+        The axis that points up by the habit of the file's format.
     closing
         The closing radii, if they were found with the normals; ``measure_discs`` takes them. They
         are lost when a part of the cloud is replaced.
@@ -75,7 +77,13 @@ class Cloud:
     colour_key: dict[str, Any] = field(default_factory=dict)
     facts: dict[str, str] = field(default_factory=dict)
     radii: npt.NDArray[np.float64] | None = None
+    up: str = "y"
     closing: Closing | None = field(default=None, init=False, repr=False)
+
+    @property
+    def survey(self) -> bool:
+        """Whether the file has a surveyor's format: the ground and what stands on it, z up."""
+        return self.up == "z"
 
     def __len__(self) -> int:
         """Return the number of points."""

@@ -33,6 +33,7 @@ def assemble_cloud(
     *,
     origin: npt.NDArray[np.float64] | None = None,
     estimate: bool = True,
+    up: str = "y",
     progress: Callable[[float], None] | None = None,
 ) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
@@ -53,6 +54,8 @@ def assemble_cloud(
         Another centre: shape (3,).
     estimate
         Whether missing normals are estimated; if not, they are 0.
+    up
+        The axis that points up.
     progress
         Called now and then with the share of the normals that are estimated, first with 0; not
         called if none is missing.
@@ -101,6 +104,7 @@ def assemble_cloud(
         colour_key=coloured.key,
         facts=columns.facts,
         radii=None if columns.radii is None else _rows(columns.radii, kept).astype(np.float64),
+        up=up,
     )
     if estimate and missing.any():
         if progress is not None:

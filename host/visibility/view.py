@@ -13,7 +13,7 @@ from splatline.host.cloud.cloud import Cloud
 
 from .fit_eye import fit_eye
 
-__all__ = ["LARGEST", "View", "check_camera", "fit_view", "orbit_axes"]
+__all__ = ["LARGEST", "UP_AXES", "View", "check_camera", "fit_view", "orbit_axes"]
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
@@ -64,6 +64,10 @@ class View:
     def middle(self) -> tuple[float, float]:
         """Column and line at which the view's axis meets the image."""
         return 0.5 * self.width + self.shift[0], 0.5 * self.height + self.shift[1]
+
+    def looks_down(self, up: str) -> bool:
+        """Return whether the view's axis points down, or is level; ``up`` is one of ``UP_AXES``."""
+        return float(self.axes[2] @ np.asarray(UP_AXES[up])) <= 0.0
 
 
 def fit_view(

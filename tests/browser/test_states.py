@@ -78,10 +78,14 @@ def test_figures_in_hardware(serve, open_page):
         "234",
     ]
     assert page.text("#notes") == "normals were estimated"
-    server.say({**NUMBERS, "fps": None, "clock_mhz": None, "cycles_per_element": None, "psnr": 38.25})
+    server.say(
+        {**NUMBERS, "fps": None, "clock_mhz": None, "cycles_per_element": None, "psnr": 38.25}
+    )
     page.page.wait_for_selector("#clock:text('rgb24 has no routed clock')")
     assert page.text("#fps") == "–"
-    assert page.page.locator("#figures > div").first.inner_text() == "PSNR to the reference\n38.3 dB"
+    assert (
+        page.page.locator("#figures > div").first.inner_text() == "PSNR to the reference\n38.3 dB"
+    )
 
 
 def test_nothing_in_view_is_said_until_something_is(serve, open_page):
@@ -145,7 +149,7 @@ def test_map_and_range_belong_to_colours_by_a_field(serve, open_page):
 def test_controls_show_what_holds_when_colours_are_offered_anew(serve, open_page):
     server = serve(greeting=({**SETTINGS, "preset": "paper", "samples": 4}, HELLO))
     page = open_page(server.address)
-    page.page.wait_for_selector("#preset-title:text(\"the paper's\")")
+    page.page.wait_for_selector('#preset-title:text("the paper\'s")')
     assert page.page.input_value("#preset") == "paper"
     assert page.page.is_checked("#samples [value='4']")
 

@@ -98,7 +98,7 @@ class Library:
         with self._turns.turn():
             live = self._subject.read(colour, progress)
             progress(f"Indexing {len(live.cloud):,} points", None)
-            live.index(self._config)
+            live.index(self._config, self._subject.upward)
         return live
 
     def _tell(self, colour: ColourBy | None, text: str, share: float | None) -> None:
