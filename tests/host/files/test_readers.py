@@ -311,7 +311,8 @@ def test_the_share_of_a_compressed_pcd_that_is_read_rises_to_all(tmp_path, monke
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
-def test_the_share_of_an_array_that_is_read_rises_to_all(tmp_path, order):
+def test_the_share_of_an_array_that_is_read_rises_to_all(tmp_path, monkeypatch, order):
+    monkeypatch.setattr(source, "LARGE_PIECE", 10_000)
     positions = np.random.default_rng(3).normal(size=(50_000, 3))
     np.save(tmp_path / "a.npy", np.asarray(positions, order=order))
     told = []
