@@ -13,6 +13,7 @@ from click.core import ParameterSource
 
 from splatline.contract.presets import DEFAULT
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
+from splatline.host.files.wanted import UNDRAWN
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
 from .colour_by import colour_by, colour_options
@@ -30,9 +31,11 @@ DEFAULT_SCENE = "terrain"
 _ENCODING_OPTIONS = (
     click.option(
         "--keep",
-        type=click.Choice(sorted(DEFAULT_SKIPS)),
+        type=click.Choice([*sorted(DEFAULT_SKIPS), *UNDRAWN]),
         multiple=True,
-        help="Do not leave out these points (may be given several times).",
+        help="Do not leave out these points (may be given several times). "
+        + "; ".join(f"{name}: {what}" for name, what in UNDRAWN.items())
+        + "; the others: see --skip.",
     ),
     click.option(
         "--skip",
@@ -152,6 +155,7 @@ def request_options(command: _Command) -> _Command:
             clouds,
             scene or DEFAULT_SCENE,
             skips=(DEFAULT_SKIPS | skip) - keep,
+            keep=frozenset(keep & UNDRAWN.keys()),
             colour=colour_by(*by_colour),
             **{name: options.pop(name) for name in names},
         )

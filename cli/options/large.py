@@ -147,6 +147,7 @@ def _planned(
             functools.partial(fit_view, size=request.size, **camera),
             1 << request.preset.material_bits,
             bulk=request.fit != "all",
+            keep=request.keep,
         )
     drawing = Drawing(
         config=request.preset,

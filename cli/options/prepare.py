@@ -230,7 +230,12 @@ def _view_of(
 
     if request.path is not None:
         cloud = read_in_stages(
-            request.path, stages, request.colour, format=request.format, sample=request.sample
+            request.path,
+            stages,
+            request.colour,
+            format=request.format,
+            sample=request.sample,
+            keep=request.keep,
         )
     else:
         assert scene is not None
@@ -289,13 +294,16 @@ def read_in_stages(
     *,
     format: str | None = None,
     sample: int | None = None,
+    keep: frozenset[str] = frozenset(),
 ) -> Cloud:
     """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, colour=colour, format=format, sample=sample, progress=tell)
+        return read_cloud(
+            path, colour=colour, format=format, sample=sample, keep=keep, progress=tell
+        )
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:
