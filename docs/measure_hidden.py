@@ -1,8 +1,9 @@
 """Measure how many nodes of a COPC file are hidden behind others, at most.
 
 Run as ``.venv/bin/python docs/measure_hidden.py [COPC]``. It looks at a scan of the terrain, which
-it makes if there is none, and at ten walls behind one another, from some elevations. All points that a view reads are the occluders, in blocks of 2 x 2 pixels, as if they
-were known before a node is read, and each filled its block. So what is saved is a bound from above.
+it makes if there is none, and at ten walls behind one another, from some elevations. All points
+that a view reads are the occluders, in blocks of 2 x 2 pixels, as if they were known before a node
+is read, and each filled its block. So what is saved is a bound from above.
 """
 
 from __future__ import annotations
