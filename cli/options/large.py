@@ -149,6 +149,7 @@ def _planned(
             functools.partial(see, camera=camera, size=request.size),
             1 << request.preset.material_bits,
             bulk=request.fit != "all",
+            keep=request.keep,
         )
     drawing = Drawing(
         config=request.preset,

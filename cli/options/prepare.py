@@ -247,7 +247,12 @@ def _cloud_of(request: RenderRequest, scene: Scene | None, stages: Stages) -> Cl
     """Return the cloud of a request in memory, in the colours that are asked for."""
     if request.path is not None:
         return read_in_stages(
-            request.path, stages, request.colour, format=request.format, sample=request.sample
+            request.path,
+            stages,
+            request.colour,
+            format=request.format,
+            sample=request.sample,
+            keep=request.keep,
         )
     assert scene is not None
     if request.colour is None:
@@ -319,13 +324,16 @@ def read_in_stages(
     *,
     format: str | None = None,
     sample: int | None = None,
+    keep: frozenset[str] = frozenset(),
 ) -> Cloud:
     """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, colour=colour, format=format, sample=sample, progress=tell)
+        return read_cloud(
+            path, colour=colour, format=format, sample=sample, keep=keep, progress=tell
+        )
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:

@@ -94,6 +94,8 @@ class PieceFile:
         The file.
     by
         What colours a point; None: the file's colours, else its intensity, else one colour.
+    keep
+        See ``read_cloud``.
 
     Attributes
     ----------
@@ -101,8 +103,9 @@ class PieceFile:
         The octree of a COPC file, once a sample is taken.
     """
 
-    def __init__(self, path: Path, by: ColourBy | None) -> None:
+    def __init__(self, path: Path, by: ColourBy | None, keep: frozenset[str] = frozenset()) -> None:
         self.path = path
+        self._keep = keep
         self._by = by
         self.octree: Octree | None = None
         self._colours = True
@@ -116,7 +119,7 @@ class PieceFile:
         InputError
             If the file cannot be read.
         """
-        with open_cloud_file(self.path, Wanted(self._by)) as source:
+        with open_cloud_file(self.path, Wanted(self._by, keep=self._keep)) as source:
             if not self._in_pieces:
                 columns = read_columns(source)
                 count = len(columns.positions)
@@ -164,7 +167,7 @@ class PieceFile:
         InputError
             If the file is damaged.
         """
-        with open_cloud_file(self.path, Wanted(self._by), progress) as source:
+        with open_cloud_file(self.path, Wanted(self._by, keep=self._keep), progress) as source:
             if not self._in_pieces:
                 yield read_columns(source)
                 return

@@ -105,6 +105,7 @@ def make_plan(
     most_materials: int,
     *,
     bulk: bool = True,
+    keep: frozenset[str] = frozenset(),
 ) -> Plan:
     """Look at a sample of each file, and settle what all parts share.
 
@@ -120,13 +121,15 @@ def make_plan(
         Most colours of the palette.
     bulk
         Whether points far from the rest play no part.
+    keep
+        Points that are drawn though they usually are not; see ``read_cloud``.
 
     Raises
     ------
     InputError
         If a file cannot be read, or no point of the samples has a finite position.
     """
-    files = tuple(PieceFile(path, by) for path in paths)
+    files = tuple(PieceFile(path, by, keep) for path in paths)
     samples = [file.sample() for file in files]
     colourings = tuple(
         file.colouring(sample.columns) for file, sample in zip(files, samples, strict=True)

@@ -55,6 +55,18 @@ def test_a_picture_larger_than_the_engine_s_is_drawn_in_tiles_of_parts(run, fold
     assert np.abs(tiles - whole).mean() < 6  # wide2048 has coarser intensities
 
 
+@pytest.mark.parametrize("memory", [[], ["--memory", "501M"]], ids=["whole", "parts"])
+def test_noise_is_drawn_if_it_is_kept(run, folder, memory):
+    positions, colours = hills(20_000, 5)
+    classes = np.where(np.arange(20_000) < 600, 7, 2)
+    write_las(folder / "a.laz", positions, colours, classification=classes)
+    small = ["a.laz", "--size", "96x96", "--stats", "a.json", *memory]
+    for keep, noise in (((), 600), (("--keep", "noise"), None)):
+        result = run("render", *small, *keep)
+        assert result.exit_code == 0, result.stderr
+        assert numbers_of(folder)["dropped"].get("noise") == noise
+
+
 def test_many_files_are_one_cloud(run, folder, scan, cloud):
     positions, colours = hills(30_000, 6)
     write_las(folder / "other.las", positions + np.array([100, 0, 0]), colours)
