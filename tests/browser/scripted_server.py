@@ -11,6 +11,7 @@ import numpy as np
 from aiohttp import WSMsgType, web
 
 PAGE = Path(__file__).parents[2] / "view" / "page"
+PATIENCE = 20.0  # seconds
 MAGIC = 0x4C505330
 TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 POLICY = "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:"
@@ -184,9 +185,9 @@ def noise(width, height, seed=0):
     return pixels
 
 
-def until(page, condition, seconds=5.0):
+def until(page, condition):
     """Wait until a condition holds, while the page goes on; return its value."""
-    end = time.monotonic() + seconds
+    end = time.monotonic() + PATIENCE
     while not (value := condition()):
         assert time.monotonic() < end, "the condition did not come true"
         page.wait_for_timeout(10)
