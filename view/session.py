@@ -159,10 +159,11 @@ class Session:
         """Keep the colours as they are, since the cloud has no such ones."""
         if colour == self.choices.colour:
             self.choices = dataclasses.replace(self.choices, colour=self._colour)
+            self._told = None
 
     def due(self) -> float | None:
         """Return the seconds until there is something to do; None: only an event brings some."""
-        if self._events:
+        if self._events or self._told is None:
             return 0.0
         if self.live is None or self._level >= self._last_level:
             return None

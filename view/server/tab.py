@@ -78,10 +78,8 @@ class Tab:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:
                 task.result()
-        except (ConnectionError, RuntimeError) as error:
-            # A tab may be closed while something is sent to it.
-            if not self._socket.closed and not isinstance(error, ConnectionError):
-                raise
+        except ConnectionError:
+            pass  # the tab was closed while something was sent to it
         finally:
             self._session.closed = True
             if self._loading is not None:
