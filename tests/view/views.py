@@ -4,7 +4,7 @@ import numpy as np
 
 from splatline.view.events import check_event
 from splatline.view.live_cloud import live_cloud
-from splatline.view.session import Picture
+from splatline.view.outputs import Picture
 from splatline.view.subject import Subject
 from tests.support.clouds import sphere
 

@@ -13,7 +13,7 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.host.files.wanted import ColourBy
 from splatline.view.live_cloud import LiveCloud
-from splatline.view.session import Superseded, Tell
+from splatline.view.outputs import Superseded, Tell
 from splatline.view.subject import Subject
 
 from .turns import Turns

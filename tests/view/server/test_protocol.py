@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from splatline.view.saved import SavedFile
+from splatline.view.outputs import Picture, SavedFile
 from splatline.view.server.png import png_bytes
 from splatline.view.server.protocol import file_bytes, picture_bytes
-from splatline.view.session import Picture
 
 RGBA = np.random.default_rng(1).integers(0, 256, (5, 7, 4), np.uint8)
 
