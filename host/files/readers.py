@@ -97,6 +97,7 @@ def read_cloud(
     colour: str | ColourBy | None = None,
     format: str | None = None,
     sample: int | None = None,
+    estimate: bool = True,
     progress: Callable[[str, float], None] | None = None,
 ) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
@@ -119,6 +120,8 @@ def read_cloud(
         One of these formats, whatever the name is.
     sample
         Number of points that are spread evenly over the faces of a mesh; None: its vertices.
+    estimate
+        Whether missing normals are estimated; if not, they are 0.
     progress
         Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
         A cloud whose normals are all there has no stage ``normals``.
@@ -140,7 +143,7 @@ def read_cloud(
         columns = read_columns(source)
         if read is not None:
             read(1.0)
-        return assemble_cloud(columns, cloud_name(place), progress=normals)
+        return assemble_cloud(columns, cloud_name(place), estimate=estimate, progress=normals)
 
 
 @contextmanager
