@@ -103,8 +103,11 @@ class LivePage:
             act()
         for _ in range(self.patience // 20):
             shown = self.page.get_attribute("#stage", "data-frame")
-            if self._refined() > before and shown == str(self.told("numbers")["frame"]):
-                return self.told("settings")
+            if self._refined() > before:
+                numbers = self.told("numbers")
+                whole = (numbers["width"], numbers["height"]) == self.canvas_size()
+                if whole and shown == str(numbers["frame"]):
+                    return self.told("settings")
             self.page.wait_for_timeout(20)
         last = [message["type"] for message in self.received[-8:]]
         raise AssertionError(f"no refined picture came; frame {shown} is shown, and last came {last}")
