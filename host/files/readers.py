@@ -98,6 +98,7 @@ def read_cloud(
     format: str | None = None,
     sample: int | None = None,
     keep: frozenset[str] = frozenset(),
+    estimate: bool = True,
     progress: Callable[[str, float], None] | None = None,
 ) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
@@ -123,6 +124,8 @@ def read_cloud(
         Number of points that are spread evenly over the faces of a mesh; None: its vertices.
     keep
         Points that are drawn though they usually are not: see ``wanted.UNDRAWN``.
+    estimate
+        Whether missing normals are estimated; if not, they are 0.
     progress
         Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
         A cloud whose normals are all there has no stage ``normals``.
@@ -145,7 +148,9 @@ def read_cloud(
         columns = read_columns(source)
         if read is not None:
             read(1.0)
-        return assemble_cloud(columns, cloud_name(place), up=up, progress=normals)
+        return assemble_cloud(
+            columns, cloud_name(place), up=up, estimate=estimate, progress=normals
+        )
 
 
 @contextmanager

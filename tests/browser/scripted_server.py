@@ -11,6 +11,7 @@ import numpy as np
 from aiohttp import WSMsgType, web
 
 PAGE = Path(__file__).parents[2] / "view" / "page"
+PATIENCE = 20.0  # seconds
 MAGIC = 0x4C505330
 TYPES = {
     ".html": "text/html",
@@ -189,9 +190,9 @@ def noise(width, height, seed=0):
     return pixels
 
 
-def until(page, condition, seconds=5.0):
+def until(page, condition):
     """Wait until a condition holds, while the page goes on; return its value."""
-    end = time.monotonic() + seconds
+    end = time.monotonic() + PATIENCE
     while not (value := condition()):
         assert time.monotonic() < end, "the condition did not come true"
         page.wait_for_timeout(10)

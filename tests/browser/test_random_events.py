@@ -75,7 +75,7 @@ def test_200_random_events_and_a_killed_server_leave_no_error(view, open_page, s
 
     # The first settings again: only what golden draws can be compared.
     page.page.set_viewport_size(SMALL["viewport"])
-    page.settled(lambda: page.page.keyboard.press("r"))
+    page.settled(lambda: page.page.click("#reset"))
     if page.told("settings")["split"]:
         page.settled(lambda: page.page.uncheck("#compare"))
     if page.told("settings")["show"] == "depth":

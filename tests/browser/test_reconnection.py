@@ -17,7 +17,7 @@ def test_the_page_connects_again_and_restores_its_settings(serve, open_page, scr
     assert page.pixels()[..., :3].std() > 50  # the last picture stands
 
     again = serve(server.port)
-    until(page.page, lambda: again.of_type("orbit"), 20)
+    until(page.page, lambda: again.of_type("orbit"))
     page.page.wait_for_selector("#link", state="hidden")
     assert again.of_type("resize")[0] == {"type": "resize", "width": 952, "height": 800}
     restored = {message["name"]: message["value"] for message in again.of_type("set")}

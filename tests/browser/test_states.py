@@ -142,8 +142,30 @@ def test_map_and_range_belong_to_colours_by_a_field(serve, open_page):
     until(page.page, lambda: server.of_type("set"))
     value = {"by": "height", "map": "turbo", "range": [1.5, 20]}
     assert server.of_type("set")[-1]["value"] == value
+    server.say({**coloured, "colour": value})
     server.say(SETTINGS)
     page.page.wait_for_selector("#range-row", state="hidden")
+
+
+def test_settings_on_their_way_do_not_undo_what_was_asked_for(serve, open_page):
+    server = serve()
+    page = open_page(server.address)
+    page.page.select_option("#quality", "fast")
+    until(page.page, lambda: server.of_type("set"))
+    server.say({**SETTINGS, "lights": "front"})  # sent before the server read the message
+    until(page.page, lambda: page.page.input_value("#lights") == "front")
+    assert page.page.input_value("#quality") == "fast"
+    server.say({"type": "error", "text": "no such quality"})  # nor does it come
+    page.page.wait_for_selector("#toast:not([hidden])")
+    assert page.page.input_value("#quality") == "exact"
+
+
+def test_what_is_asked_for_and_never_told_is_given_up(serve, open_page):
+    server = serve()
+    page = open_page(server.address)
+    page.page.select_option("#quality", "fast")
+    page.page.wait_for_timeout(3300)
+    assert page.page.input_value("#quality") == "exact"
 
 
 def test_controls_show_what_holds_when_colours_are_offered_anew(serve, open_page):
@@ -217,11 +239,19 @@ def test_nothing_reaches_out_of_the_window(serve, open_page, width):
 
 
 def fits(page):
-    """Return whether the page is no wider and no higher than the window."""
-    return page.page.evaluate(
-        "(({scrollWidth, scrollHeight}) => scrollWidth <= innerWidth && scrollHeight <= innerHeight)"
-        "(document.documentElement)"
+    """Return whether the page scrolls in no direction and cuts no text off."""
+    cut = page.page.evaluate(
+        """() => {
+            const root = document.documentElement;
+            const whole = root.scrollWidth <= innerWidth && root.scrollHeight <= innerHeight;
+            const texts = document.querySelectorAll("button, .panel *");
+            const cut = [...texts].filter((one) => one.scrollWidth > one.clientWidth + 1
+                && one.clientWidth && getComputedStyle(one).overflow !== "clip");
+            return [...(whole ? [] : [root]), ...cut].map((one) => one.outerHTML.slice(0, 200));
+        }"""
     )
+    print(*cut, sep="\n")
+    return cut == []
 
 
 def test_everything_has_a_name_for_a_screen_reader(serve, open_page):

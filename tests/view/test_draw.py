@@ -9,8 +9,8 @@ from splatline.contract.presets import PRESETS
 from splatline.plots.figure import depth_levels, rgb_levels
 from splatline.sim.golden.multisample import average
 from splatline.view.draw import Settings, draw
+from splatline.view.outputs import Superseded
 from splatline.view.pixels import rgba_bytes
-from splatline.view.session import Superseded
 from tests.view.views import ball
 
 SIZE = (96, 80)

@@ -174,14 +174,14 @@ def test_refining_ends_when_something_happens(session, clock, live, monkeypatch)
     [quick] = pictures(session.work())
     checks = 0
 
-    def check(version=None):
+    def check():
         nonlocal checks
         checks += 1
         if checks == 3:
             session.queue(event("turn", dx=1, dy=0))
-        return Session._check(session, version)
+        return Session._check(session)
 
-    monkeypatch.setattr(session, "_check", check)
+    monkeypatch.setattr(session._easel, "_check", check)
     assert not pictures(session.work())
     assert checks == 3
     [moved] = pictures(session.work())
@@ -213,7 +213,7 @@ def test_a_double_click_looks_at_the_point_there(session):
     session.work()
     assert np.linalg.norm(session.camera.target) == pytest.approx(1.0, abs=0.05)
     # The point stands in the middle now.
-    depth = session._seen[0].depth_at(48, 40)
+    depth = session._easel.seen[0].depth_at(48, 40)
     assert depth == pytest.approx(session.camera.distance, rel=0.02)
 
 
@@ -273,7 +273,7 @@ def test_an_error_of_drawing_is_told_once(session, monkeypatch):
     def fail(*_, **__):
         raise InputError("too\nbad")
 
-    monkeypatch.setattr("splatline.view.session.draw", fail)
+    monkeypatch.setattr("splatline.view.easel.draw", fail)
     session.queue(event("turn", dx=1, dy=0))
     [error] = texts(session.work(), "error")
     assert error["text"] == "too bad"
@@ -298,8 +298,7 @@ def test_a_split_view_has_both_pictures_of_one_number(session, live):
 @pytest.mark.parametrize("show", ["picture", "depth"])
 def test_the_reference_comes_after_the_engine_s_picture(session, show, clock):
     told, between = [], []
-    session.tell = lambda text, share: told.append((text, share))
-    session.between = lambda: between.append(None)
+    session.call(lambda text, share: told.append((text, share)), lambda: between.append(None))
     session.queue(set_to("show", show))
     session.queue(set_to("split", {"left": "reference", "right": "engine"}))
     found = []
@@ -328,7 +327,7 @@ def test_the_reference_comes_after_the_engine_s_picture(session, show, clock):
 
 def test_the_reference_is_given_up_when_the_camera_moves(session):
     session.queue(set_to("split", {"left": "engine", "right": "reference"}))
-    session.between = lambda: session.queue(event("turn", dx=1, dy=0))
+    session.call(lambda text, share: None, lambda: session.queue(event("turn", dx=1, dy=0)))
     found = []
     for _ in range(3):
         found += pictures(session.work())
@@ -342,7 +341,7 @@ def test_a_closed_session_ends_its_work(session):
     def close():
         session.closed = True
 
-    session.between = close
+    session.call(lambda text, share: None, close)
     found = []
     for _ in range(4):
         found += pictures(session.work())

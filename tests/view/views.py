@@ -4,7 +4,7 @@ import numpy as np
 
 from splatline.view.events import check_event
 from splatline.view.live_cloud import live_cloud
-from splatline.view.session import Picture
+from splatline.view.outputs import Picture
 from splatline.view.subject import Subject
 from tests.support.clouds import sphere
 
@@ -44,7 +44,7 @@ def write_ball(path, points=1500, size=1.0, middle=(0.0, 0.0, 0.0)):
 class _Ball(Subject):
     """A sphere that needs no file."""
 
-    def read(self, colour, progress=lambda text, share: None):
+    def read(self, colour, progress=lambda text, share: None, base=None):
         return live_cloud(sphere(2000), progress=progress)
 
 

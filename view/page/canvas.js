@@ -311,7 +311,7 @@ function keyMessage(/** @type {string} */ key, /** @type {string} */ shown) {
 
 /** Whether keys belong to a field that is being edited. */
 function isTyping(target) {
-  return target instanceof HTMLElement && target.closest("input:not([type=range], [type=radio]), select, textarea") !== null;
+  return target instanceof HTMLElement && target.closest("input:not([type=range], [type=radio], [type=checkbox]), select, textarea") !== null;
 }
 
 /** Width and height in device pixels, within the protocol's bounds. */

@@ -39,7 +39,6 @@ const received = {
     byId("cloud").textContent = message.name;
     byId("facts").textContent = `${count(message.points)} points`;
     panel.offer(message);
-    if (settings) panel.show(settings);
     showNotes(message.notes);
     hideCard("error");
     if (before && same) restore(before);
@@ -64,7 +63,6 @@ const received = {
   error({ text }) {
     hideCard("loading");
     panel.refuse();
-    if (settings) panel.show(settings);
     if (hello) showError(text);
     else showFailure(text);
   },
@@ -81,7 +79,6 @@ const link = keepConnected(socketAddress(), {
   closed(attempts) {
     before ??= settings;
     panel.refuse();
-    if (settings) panel.show(settings);
     hideCard("loading");
     showLink(attempts < 4 ? "The connection is lost. Trying again …" : "The server does not answer. Still trying …");
   },
