@@ -68,7 +68,7 @@ def test_figures_in_hardware(serve, open_page):
         ["Multipliers", "4"],
         ["Drawn here in", "12 ms"],
     ]
-    assert page.text("#clock") == "rgb24 at 137 MHz on ECP5-25F"
+    assert page.text("#clock") == "rgb24 at 137 MHz on LFE5U-25F"
     assert page.text("#left-out-total") == "1,234 of 151,234 points left out"
     page.page.click("#left-out summary")
     assert page.text("#left-out-list").split("\n") == [
@@ -90,6 +90,7 @@ def test_nothing_in_view_is_said_until_something_is(serve, open_page):
     until(page.page, lambda: server.of_type("resize"))
     server.say({**NUMBERS, "elements": 0, "left_out": {}, "cycles_per_element": None})
     page.page.wait_for_selector("#centre[data-state='empty']")
+    assert page.text("#fps") == "–"
     page.page.click("#centre-reset")
     until(page.page, lambda: server.of_type("reset"))
     server.say(NUMBERS)
