@@ -25,8 +25,9 @@ from .steering import Seen
 
 __all__ = ["Easel", "Sight"]
 
-NOTHING, COARSE, FULL, REFINED, COMPARED = range(5)
-"""How fine the last picture is: coarse; of the full size; with all samples; with the reference."""
+NOTHING, COARSE, FULL, REFINED, COUNTED, COMPARED = range(6)
+"""How far a sight is drawn: coarse; in full size; with all samples; its numbers counted; with the
+exact reference."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,7 @@ class Easel:
         self._check = check
         self._level = NOTHING
         self._frame = 0
+        self._numbers: dict[str, Any] = {}
         self._exact: tuple[Any, Exact] | None = None  # with what it was drawn of
 
     def change(self) -> None:
@@ -92,11 +94,11 @@ class Easel:
 
     def is_done(self, choices: Choices) -> bool:
         """Whether there is no finer picture to draw."""
-        last = COMPARED if "reference" in (choices.split or ()) else REFINED
+        last = COMPARED if "reference" in (choices.split or ()) else COUNTED
         return self._level >= last
 
     def draw(self, sight: Sight, *, resting: bool) -> list[Output]:
-        """Return the next picture that is due, with its numbers if it is a refined one.
+        """Return the next picture that is due, or the numbers of the last one.
 
         Raises
         ------
@@ -110,7 +112,9 @@ class Easel:
             return self._draw_quickly(sight, resting)
         if not resting or self.is_done(sight.choices):
             return []
-        return self._refine(sight) if self._level < REFINED else self._compare(sight)
+        if self._level < REFINED:
+            return self._refine(sight)
+        return self._count() if self._level == REFINED else self._compare(sight)
 
     def drawing(self, sight: Sight) -> Drawing:
         """Return the refined drawing."""
@@ -140,7 +144,7 @@ class Easel:
         return [picture]
 
     def _refine(self, sight: Sight) -> list[Output]:
-        """Draw a picture of the full size; the last one has all samples, and its numbers."""
+        """Draw a picture of the full size; the last one has all samples."""
         wanted = sight.choices.settings.samples
         samples = wanted if self._level == FULL else 1
         if self._level == FULL and samples == 1 and self.seen is not None:
@@ -156,6 +160,17 @@ class Easel:
         outputs = self._pictures(sight, drawing, None)
         self._level = REFINED
         return outputs
+
+    def _count(self) -> list[Output]:
+        """Count what the picture takes in hardware."""
+        assert self.seen is not None
+        self._numbers = picture_numbers(self.seen[0], self._pause)
+        self._level = COUNTED
+        return [self._told_numbers(None)]
+
+    def _told_numbers(self, psnr: float | None) -> Output:
+        """Return the numbers as a message about the last picture."""
+        return {"type": "numbers", "frame": self._frame, **self._numbers, "psnr": psnr}
 
     def _compare(self, sight: Sight) -> list[Output]:
         """Draw the exact reference, unless it is drawn, and split the picture."""
@@ -173,23 +188,20 @@ class Easel:
             finally:
                 self.tell("", 1.0)
             self._exact = drawn_of, exact
-        outputs = self._pictures(sight, self.seen[0], self._exact[1])
+        drawing, exact = self.seen[0], self._exact[1]
+        outputs = self._pictures(sight, drawing, exact)
         self._level = COMPARED
-        return outputs
+        return [*outputs, self._told_numbers(exact.psnr(drawing))]
 
     def _pictures(self, sight: Sight, drawing: Drawing, exact: Exact | None) -> list[Output]:
-        """Return a refined picture with its numbers, or both sides of a split if they are there."""
+        """Return a refined picture, or both sides of a split if they are there."""
         split = sight.choices.split
         if split is None or ("reference" in split and exact is None):
-            shown: list[Output] = [self._picture(drawing, sight.choices, refined=True)]
-        else:
-            first, second = (self._side(side, sight, drawing, exact) for side in split)
-            self._frame += 1
-            left = Picture(self._frame, first, refined=True)
-            shown = [left, dataclasses.replace(left, rgba=second, second=True)]
-        psnr = None if exact is None else exact.psnr(drawing)
-        numbers = picture_numbers(drawing)
-        return [*shown, {"type": "numbers", "frame": self._frame, **numbers, "psnr": psnr}]
+            return [self._picture(drawing, sight.choices, refined=True)]
+        first, second = (self._side(side, sight, drawing, exact) for side in split)
+        self._frame += 1
+        left = Picture(self._frame, first, refined=True)
+        return [left, dataclasses.replace(left, rgba=second, second=True)]
 
     def _side(
         self, side: str, sight: Sight, drawing: Drawing, exact: Exact | None

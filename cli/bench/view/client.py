@@ -15,7 +15,7 @@ from splatline.view.server.protocol import HEADER, PICTURE, REFINED
 
 __all__ = ["Arrivals", "Page", "open_page"]
 
-PATIENCE = 300.0
+PATIENCE = 60.0
 """Seconds after which a server that sends nothing has failed."""
 
 EVENT_PERIOD = 1.0 / 125.0
@@ -56,12 +56,13 @@ class Page:
         arrivals = Arrivals()
         await self._send("moving", value=True)
         end = time.perf_counter() + seconds
-        mouse = asyncio.create_task(self._mouse(end))
+        mouse = asyncio.create_task(self._mouse())
         while time.perf_counter() < end:
             header = await self._picture()
             arrivals.times.append(time.perf_counter())
             arrivals.widths.append(header[3])
-        await mouse
+        mouse.cancel()
+        await asyncio.gather(mouse, return_exceptions=True)
         await self._send("moving", value=False)
         await self._until_refined()
         return arrivals
@@ -84,9 +85,9 @@ class Page:
         await self._until_refined()
         return arrivals
 
-    async def _mouse(self, end: float) -> None:
-        """Send positions of a mouse until an end."""
-        while time.perf_counter() < end:
+    async def _mouse(self) -> None:
+        """Send positions of a mouse until it is cancelled."""
+        while True:
             await self._send("turn", dx=STEP, dy=0)
             await asyncio.sleep(EVENT_PERIOD)
 
