@@ -13,7 +13,12 @@ from aiohttp import WSMsgType, web
 PAGE = Path(__file__).parents[2] / "view" / "page"
 PATIENCE = 20.0  # seconds
 MAGIC = 0x4C505330
-TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+TYPES = {
+    ".html": "text/html",
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".svg": "image/svg+xml",
+}
 POLICY = "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:"
 
 SETTINGS = {

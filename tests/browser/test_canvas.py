@@ -106,7 +106,10 @@ def test_the_second_picture_of_a_split_begins_at_the_seam(serve, open_page):
     middle = width // 2
     expected = np.concatenate([left[:, :middle], right[:, middle:]], axis=1)
     np.testing.assert_array_equal(page.pixels(), expected)
-    assert page.page.locator(".seam-side").all_inner_texts() == ["Paper's engine", "Exact reference"]
+    assert page.page.locator(".seam-side").all_inner_texts() == [
+        "Paper's engine",
+        "Exact reference",
+    ]
 
     page.drag((middle, 400), (238, 500))  # the seam follows the hand
     np.testing.assert_array_equal(page.pixels()[:, 238:], right[:, 238:])

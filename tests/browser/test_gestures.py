@@ -30,7 +30,12 @@ def total(messages, *names):
 
 @pytest.mark.parametrize(
     ("button", "key", "kind"),
-    [("left", None, "turn"), ("left", "Shift", "pan"), ("right", None, "pan"), ("middle", None, "pan")],
+    [
+        ("left", None, "turn"),
+        ("left", "Shift", "pan"),
+        ("right", None, "pan"),
+        ("middle", None, "pan"),
+    ],
 )
 def test_a_drag_turns_or_pans_by_its_length(serve, open_page, button, key, kind):
     server = serve()

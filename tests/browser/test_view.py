@@ -146,9 +146,7 @@ def test_the_copied_command_draws_the_picture(terrain_viewer, open_page, tmp_pat
     assert page.page.evaluate("navigator.clipboard.readText()") == command
     run(command, tmp_path)
     (made,) = Path(tmp_path).glob("*.png")
-    np.testing.assert_array_equal(
-        np.asarray(Image.open(made).convert("RGBA")), page.pixels()
-    )
+    np.testing.assert_array_equal(np.asarray(Image.open(made).convert("RGBA")), page.pixels())
 
 
 def test_two_tabs_have_cameras_of_their_own(terrain_viewer, open_page):
