@@ -11,6 +11,7 @@ import webbrowser
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import numba
 from aiohttp import web
 
 from splatline.contract.errors import InputError
@@ -56,6 +57,8 @@ def serve(
     InputError
         If the address cannot be served.
     """
+    # TBB waits at the process's end, for minutes, for the threads that drew.
+    numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
     asyncio.run(_serve(subject, choices, host, port, browser, announce))
 
 
