@@ -1,4 +1,4 @@
-"""A real browser: Debian's Chromium, driven by Playwright. Tests are skipped where one is missing."""
+"""A real browser: Debian's Chromium, driven by Playwright. Without one, tests are skipped."""
 
 import os
 import shutil
@@ -83,11 +83,11 @@ def serve():
 
 @pytest.fixture(scope="session")
 def terrain_viewer():
-    """`splatline view` of the built-in terrain."""
+    """`splatline view` of the built-in terrain; after all tests, Ctrl-C ends it."""
     pytest.importorskip("aiohttp", reason="the extra `view` is not installed")
     viewer = Viewer()
     yield viewer
-    viewer.kill()
+    assert viewer.interrupt() == 0
 
 
 @pytest.fixture

@@ -77,8 +77,7 @@ class LivePage:
         with self.page.expect_download(timeout=self.patience) as waiting:
             self.page.click(click)
         download = waiting.value
-        with open(download.path(), "rb") as file:
-            return download.suggested_filename, file.read()
+        return download.suggested_filename, download.path().read_bytes()
 
     def touch(self, kind, *points):
         """Send a touch event: kind is touchStart, touchMove or touchEnd; points are (x, y)."""
@@ -110,7 +109,9 @@ class LivePage:
                     return self.told("settings")
             self.page.wait_for_timeout(20)
         last = [message["type"] for message in self.received[-8:]]
-        raise AssertionError(f"no refined picture came; frame {shown} is shown, and last came {last}")
+        raise AssertionError(
+            f"no refined picture came; frame {shown} is shown, and last came {last}"
+        )
 
     def _refined(self):
         """Return how many sets of figures came with the settings after them."""

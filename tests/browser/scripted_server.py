@@ -43,7 +43,7 @@ HELLO = {
         {"name": "paper", "title": "the paper's", "lut4": 1, "ff": 2, "bram": 3, "mult": 0}
         | {"clock_mhz": 100.0, "device": "ECP5-25F"},
         {"name": "rgb24", "title": "24-bit colour", "lut4": 1801, "ff": 902, "bram": 9, "mult": 4}
-        | {"clock_mhz": 137.0, "device": "ECP5-25F"},
+        | {"clock_mhz": 137.0, "device": "LFE5U-25F-6BG381"},
     ],
     "qualities": [{"name": name, "title": name} for name in ("paper", "fast", "exact")],
     "lights": [{"name": name, "title": name} for name in ("studio", "front")],

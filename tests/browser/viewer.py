@@ -2,6 +2,7 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 
@@ -36,6 +37,17 @@ class Viewer:
     def kill(self):
         """Kill it, so that it cannot say goodbye."""
         self.process.kill()
+        self._wait()
 
-        self.process.wait(20)
-        self.process.stdout.close()
+    def interrupt(self):
+        """Press Ctrl-C; return the exit code."""
+        self.process.send_signal(signal.SIGINT)
+        return self._wait()
+
+    def _wait(self):
+        try:
+            return self.process.wait(20)
+        finally:
+            self.process.kill()
+            self.process.stdout.close()
+            self.process.wait()

@@ -37,7 +37,7 @@ export function attachCanvas(element, send, options = {}) {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", options.label ?? "Point cloud. Arrow keys turn it, + and - zoom.");
-  canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;cursor:grab";
+  canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;user-select:none;cursor:grab";
   element.append(canvas);
 
   const picture = new Picture(canvas);
