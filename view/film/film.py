@@ -238,6 +238,6 @@ def _told(
 ) -> Iterator[_Pixels]:
     """Yield frames, and tell the share of them that are done."""
     for number, frame in enumerate(frames, 1):
-        yield frame
         if progress is not None:
             progress(number / count)
+        yield frame
