@@ -1,5 +1,6 @@
 """How Sphinx builds the manual: ``make docs``, into ``build/site``."""
 
+import inspect
 import re
 import sys
 from importlib import metadata
@@ -9,6 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # for source_pages
 
 project = "Splatline"
 author = "the Splatline authors"
+copyright = f"2026, {author}"
 version = release = metadata.version("splatline")
 
 extensions = [
@@ -21,6 +23,7 @@ extensions = [
 ]
 root_doc = "index"
 exclude_patterns = ["**/*.py"]
+highlight_language = "text"  # of a block that names none: commands and what they print
 pygments_style = "tango"
 pygments_dark_style = "monokai"
 
@@ -34,11 +37,11 @@ myst_heading_anchors = 4  # links to headings, by GitHub's rule, are checked
 myst_enable_extensions = ["colon_fence"]
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "signature"
-autodoc_typehints_format = "short"
+autodoc_typehints = "none"  # docstrings give shapes and types of arrays, which types do not
 python_maximum_signature_line_length = 88
 napoleon_google_docstring = False
-napoleon_use_ivar = True
+napoleon_custom_sections = [("Members", "params_style")]  # the ports of a component
+napoleon_attr_annotations = False
 
 # `make docs-links` asks for every address outside; it needs a network, so CI leaves it out.
 linkcheck_timeout = 20
@@ -65,6 +68,16 @@ def read_source(app, docname, source):
         source[0] = text.replace("](../docs/", "](")
 
 
+def sign_component(app, what, name, obj, options, signature, returns):
+    """Return the signature of a component's own ``__init__``; Amaranth hides it."""
+    if what == "class" and (signature or "").startswith("(*args"):
+        own = inspect.signature(obj.__init__)
+        bare = [each.replace(annotation=each.empty) for each in own.parameters.values()]
+        return str(own.replace(parameters=bare[1:], return_annotation=own.empty)), returns
+    return None
+
+
 def setup(app):
     """Connect what is above."""
     app.connect("source-read", read_source)
+    app.connect("autodoc-process-signature", sign_component)
