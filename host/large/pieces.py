@@ -194,11 +194,9 @@ class PieceFile:
         else:
             assert sample.values is not None
             values = sample.values.astype(np.float64)
-        if by.kind != HEIGHT or by.range is not None:
-            key = colour_values(values, by).key
-        else:  # without strays
-            ends = robust_range(values[np.isfinite(values)])
-            key = {"by": HEIGHT, "range": ends, "up": by.up}
+        if by.kind == HEIGHT and by.range is None:  # of the bulk: without strays
+            by = dataclasses.replace(by, range=robust_range(values[np.isfinite(values)]))
+        key = colour_values(values, by).key
         ends = key.get("range")
         fixed = by if not ends else dataclasses.replace(by, range=tuple(ends))
         return Colouring(fixed, None, normals, key)

@@ -67,6 +67,14 @@ def test_noise_is_drawn_if_it_is_kept(run, folder, memory):
         assert numbers_of(folder)["dropped"].get("noise") == noise
 
 
+def test_a_cloud_in_parts_is_coloured_by_height(run, folder, scan):
+    small = ["--size", "96x96", "--stats", "a.json", "--memory", "501M"]
+    result = run("render", scan, *small, "--colour", "height", "--map", "turbo")
+    assert result.exit_code == 0, result.stderr
+    assert "height along z" in result.stdout
+    assert numbers_of(folder)["colour"]["map"] == "turbo"
+
+
 def test_many_files_are_one_cloud(run, folder, scan, cloud):
     positions, colours = hills(30_000, 6)
     write_las(folder / "other.las", positions + np.array([100, 0, 0]), colours)
