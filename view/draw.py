@@ -173,7 +173,7 @@ def _draw(
     """Draw a picture with the skips as they are; see :func:`draw`."""
     config = settings.preset
     view = camera.view(live.cloud, size)
-    cloud = live.index(config)
+    cloud = live.index(config, camera.upward)
     options: dict[str, Any] = {
         "lighting": LIGHTS[settings.lights],
         "config": config,
@@ -182,8 +182,9 @@ def _draw(
         "may_be_empty": True,
     }
     if size[0] > config.max_width or size[1] > config.max_height:
-        picture = tile_picture(cloud, view, settings.samples, **options)
-        check()
+        picture = tile_picture(
+            cloud, view, settings.samples, progress=lambda share: check(), **options
+        )
         frames, rasters, seconds = _draw_tiles(picture, settings.samples, check)
         counts = {**picture.counts, "samples": settings.samples}
     else:

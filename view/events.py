@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PRESETS
@@ -46,7 +46,8 @@ class Event:
     values: dict[str, Any]
 
 
-class _Number(NamedTuple):
+@dataclass(frozen=True)
+class _Number:
     """A finite number between two others; ``whole`` if it is an integer."""
 
     least: float
@@ -69,7 +70,8 @@ class _Number(NamedTuple):
         return int(number)
 
 
-class _OneOf(NamedTuple):
+@dataclass(frozen=True)
+class _OneOf:
     """One of some words."""
 
     words: tuple[str, ...]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from splatline.contract.presets import PRESETS
@@ -46,8 +47,16 @@ def preset_facts() -> list[dict[str, Any]]:
     return facts
 
 
-def picture_numbers(drawing: Drawing) -> dict[str, Any]:
+def picture_numbers(drawing: Drawing, check: Callable[[], None] = lambda: None) -> dict[str, Any]:
     """Return what an engine needs for a picture, over all its samples and tiles.
+
+    Parameters
+    ----------
+    drawing
+        The picture.
+    check
+        Called before each frame's cycles are counted, which takes as long as drawing it twice. It
+        may raise an exception, which ends the counting.
 
     Returns
     -------
@@ -60,7 +69,10 @@ def picture_numbers(drawing: Drawing) -> dict[str, Any]:
     """
     counts = drawing.counts
     config = drawing.rasters[0].config
-    cycles = sum(count_cycles(frame, after_reset=False) for frame in drawing.frames)
+    cycles = 0
+    for frame in drawing.frames:
+        check()
+        cycles += count_cycles(frame, after_reset=False)
     elements = int(counts["elements"])
     clock = read_clocks().get(config.name, {}).get("median_mhz")
     return {

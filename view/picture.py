@@ -18,7 +18,7 @@ from splatline.host.files.wanted import ColourBy
 from splatline.host.visibility.view import View, fit_view
 from splatline.plots.figure import png_bytes
 
-from .camera import Camera
+from .camera import Camera, upward_of
 from .draw import Drawing, draw
 from .prepared import Drawable, prepare
 from .settings_of import settings_of
@@ -134,6 +134,11 @@ class _Fitted:
 
     radii: npt.NDArray[np.float64]
     options: dict[str, Any]
+
+    @property
+    def upward(self) -> str | None:
+        """The axis up if the view looks down or is level; else None."""
+        return upward_of(self.options["orbit"], self.options["up"])
 
     def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
         """Return the fitted view."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import tempfile
 import zipfile
-from dataclasses import dataclass
 from pathlib import Path
 
 from splatline.host.frame_file import save_frame, sidecar_path
@@ -13,17 +12,9 @@ from splatline.plots.figure import depth_levels
 from splatline.sim.golden.multisample import average
 
 from .draw import Drawing
+from .outputs import SavedFile
 
-__all__ = ["SavedFile", "saved_picture", "saved_words"]
-
-
-@dataclass(frozen=True)
-class SavedFile:
-    """A file for the person: its name, its type, and its bytes."""
-
-    name: str
-    mime: str
-    data: bytes
+__all__ = ["saved_picture", "saved_words"]
 
 
 def saved_picture(drawing: Drawing, name: str, show: str) -> SavedFile:

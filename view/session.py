@@ -6,11 +6,7 @@ import dataclasses
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 from splatline.host.files.wanted import ColourBy
@@ -18,59 +14,22 @@ from splatline.host.files.wanted import ColourBy
 from .camera import Camera
 from .choices import Choices
 from .command_line import render_command, shell_text
-from .draw import Drawing, draw
+from .easel import Easel, Sight
 from .events import Event
-from .hardware import picture_numbers
 from .live_cloud import LiveCloud
-from .pace import Pace, ladder
-from .saved import SavedFile, saved_picture, saved_words
-from .split import Exact, draw_exact, draw_paper
-from .steering import Seen, steer
+from .outputs import Output, SavedFile, Superseded, Tell
+from .pace import Pace
+from .saved import saved_picture, saved_words
+from .steering import steer
 from .subject import Subject
 
-__all__ = ["Output", "Picture", "Session", "Superseded", "Tell"]
+__all__ = ["Session"]
 
 QUIET = 0.15
 """Seconds after the last step of the camera before a picture is refined."""
 
-NOTHING, COARSE, FULL, REFINED, COMPARED = range(5)
-"""How fine the last picture is: coarse; of the full size; with all samples; with the reference."""
-
 ANSWERED = ("save", "command")
 """Kinds of events that change no picture."""
-
-Tell = Callable[[str, float | None], None]
-"""Told what is being done, and the share of it that is done; 1 ends it."""
-
-
-class Superseded(Exception):  # noqa: N818  (it is no error)
-    """A picture is not needed any more, since something changed."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture to be shown.
-
-    Parameters
-    ----------
-    frame
-        Its number: 1, 2, ...; both pictures of a split have one number.
-    rgba
-        Shape (height, width, 4), uint8. It may be coarser than the size that was asked for.
-    refined
-        Whether it is of the full size and has all samples.
-    second
-        Whether it is the right picture of a split.
-    """
-
-    frame: int
-    rgba: npt.NDArray[np.uint8]
-    refined: bool
-    second: bool = False
-
-
-Output = dict[str, Any] | Picture | SavedFile
-"""A message of the protocol, a picture, or a file."""
 
 
 class Session:
@@ -112,23 +71,20 @@ class Session:
         self.size = (512, 512)
         self.live: LiveCloud | None = None
         self.closed = False
-        self.tell = tell
-        self.between = between
         self._clock = clock
-        self._new_pace = pace
-        self._pace = pace([1.0])
+        self._easel = Easel(pace, clock, self._check, tell, between)
         self._events: deque[Event] = deque()
         self._colour = self.choices.colour  # of the cloud
         self._camera: Camera | None = None
         self._home: Camera | None = None
         self._moving = False
         self._moved_at = -QUIET
-        self._level = NOTHING
-        self._version = 0
-        self._frame = 0
+        self._drawn: Sight | None = None  # while it is drawn
         self._told: dict[str, Any] | None = None
-        self._seen: Seen | None = None
-        self._exact: tuple[int, Exact] | None = None  # with the version that it belongs to
+
+    def call(self, tell: Tell, between: Callable[[], None]) -> None:
+        """Call these within long work; see the class."""
+        self._easel.tell, self._easel.between = tell, between
 
     # Whatever a server asks.
 
@@ -153,24 +109,23 @@ class Session:
         self.live, self._colour = live, colour
         if self._home is None:
             self._fit(live)
-        self._change()
+        self._easel.change()
 
     def refuse(self, colour: ColourBy | None) -> None:
         """Keep the colours as they are, since the cloud has no such ones."""
         if colour == self.choices.colour:
             self.choices = dataclasses.replace(self.choices, colour=self._colour)
+            self._told = None
 
     def due(self) -> float | None:
         """Return the seconds until there is something to do; None: only an event brings some."""
-        if self._events:
+        if self._events or self._told is None:
             return 0.0
-        if self.live is None or self._level >= self._last_level:
+        if self.live is None or self._easel.is_done(self.choices):
             return None
-        if self._level == NOTHING:
+        if self._easel.is_blank:
             return 0.0
-        if self._moving:
-            return None
-        return max(self._moved_at + QUIET - self._clock(), 0.0)
+        return None if self._moving else max(self._moved_at + QUIET - self._clock(), 0.0)
 
     def work(self, *, may_draw: bool = True) -> list[Output]:
         """Apply all events; draw the next picture, if one is due and may be drawn."""
@@ -180,18 +135,41 @@ class Session:
                 outputs += self._apply(self._events.popleft())
             except InputError as error:
                 outputs.append(_trouble(error))
-            except Superseded:
-                pass
         outputs += self._tell_settings()
-        if may_draw and self.live is not None:
-            try:
-                outputs += self._next_picture(self.live)
-            except Superseded:
-                pass
-            except InputError as error:
-                self._level = COMPARED
-                outputs.append(_trouble(error))
+        if may_draw:
+            outputs += self._draw()
         return outputs
+
+    def _draw(self) -> list[Output]:
+        """Draw the next picture that is due; a refined one is followed by the settings."""
+        self._drawn = sight = self._sight
+        if sight is None:
+            return []
+        resting = not self._moving and self._clock() >= self._moved_at + QUIET
+        try:
+            outputs = self._easel.draw(sight, resting=resting)
+        except Superseded:
+            return []
+        except InputError as error:
+            self._easel.give_up()
+            return [_trouble(error)]
+        if any(isinstance(output, dict) for output in outputs):
+            self._told = None
+        return [*outputs, *self._tell_settings()]
+
+    @property
+    def _sight(self) -> Sight | None:
+        """What is to be drawn; None before the cloud is read."""
+        if self.live is None or self.camera is None:
+            return None
+        return Sight(self.live, self.camera, self.choices, self.size)
+
+    def _check(self) -> None:
+        """Raise ``Superseded`` if another picture is asked for, or none."""
+        if self.closed or self._drawn != self._sight:
+            raise Superseded
+        if any(event.kind not in ANSWERED for event in tuple(self._events)):
+            raise Superseded
 
     @property
     def camera(self) -> Camera | None:
@@ -229,19 +207,19 @@ class Session:
         elif event.kind == "save":
             return [self._save(values["what"])]
         elif self._camera is not None and self._home is not None:
-            camera = steer(event, self._camera, self._home, self.size, self._seen)
+            camera = steer(event, self._camera, self._home, self.size, self._easel.seen)
             if camera != self._camera:
                 self._camera, self._moved_at = camera, self._clock()
-                self._change()
+                self._easel.change()
         return []
 
     def _set(self, name: str, value: Any) -> None:
         """Make a choice; other colours are shown when the cloud is read in them."""
         self.choices = self.choices.changed(name, value)
         if name in ("preset", "quality"):
-            self._start_pace()
+            self._easel.start_pace(self.size, self.choices.settings.preset)
         if name != "colour":
-            self._change()
+            self._easel.change()
 
     def _resize(self, size: tuple[int, int]) -> None:
         """Change the size; a camera that never moved sees the whole cloud again."""
@@ -253,23 +231,13 @@ class Session:
             if unmoved:
                 self._camera = None
             self._fit(self.live)
-            self._change()
+            self._easel.change()
 
     def _fit(self, live: LiveCloud) -> None:
         """Fit the first camera to the size, and take it if there is none."""
         self._home = self.subject.home(live, self.size)
         self._camera = self._camera or self._home
-        self._start_pace()
-
-    def _start_pace(self) -> None:
-        """Measure anew how long pictures take."""
-        preset = self.choices.settings.preset
-        self._pace = self._new_pace(ladder(self.size, (preset.max_width, preset.max_height)))
-
-    def _change(self) -> None:
-        """Note that what is shown is not up to date."""
-        self._version += 1
-        self._level = NOTHING
+        self._easel.start_pace(self.size, self.choices.settings.preset)
 
     def _tell_settings(self) -> list[Output]:
         """Return the settings, if they changed."""
@@ -283,159 +251,12 @@ class Session:
         }
         return [{"type": "settings", **values, "camera": camera}]
 
-    # Pictures.
-
-    @property
-    def _last_level(self) -> int:
-        """The level after which there is nothing to draw."""
-        return COMPARED if "reference" in (self.choices.split or ()) else REFINED
-
-    def _next_picture(self, live: LiveCloud) -> list[Output]:
-        """Draw the next picture that is due."""
-        self._index(live)
-        resting = not self._moving and self._clock() >= self._moved_at + QUIET
-        if self._level == NOTHING:
-            return self._draw_quickly(live, resting)
-        if not resting or self._level >= self._last_level:
-            return []
-        return self._refine(live) if self._level < REFINED else self._compare(live)
-
-    def _index(self, live: LiveCloud) -> None:
-        """Build the index for the engine; tell if it takes long."""
-        preset = self.choices.settings.preset
-        if not live.has_index(preset):
-            self.tell(f"Indexing {len(live.cloud):,} points", None)
-            live.index(preset)
-            self.tell("", 1.0)
-
-    def _draw_quickly(self, live: LiveCloud, resting: bool) -> list[Output]:
-        """Draw a picture of one sample a pixel, as coarse as it must be to be in time."""
-        divisor = self._pace.divisor
-        width, height = (max(round(side / divisor), 1) for side in self.size)
-        start = self._clock()
-        drawing = self._drawing(live, (width, height), 1)
-        rgba = self._rgba(drawing)
-        if not resting:
-            self._pace.took(self._clock() - start)
-        self._level = FULL if divisor == 1.0 else COARSE
-        return [self._picture(rgba)]
-
-    def _refine(self, live: LiveCloud) -> list[Output]:
-        """Draw a picture of the full size; the last one has all samples, and its numbers."""
-        samples = self.choices.settings.samples if self._level == FULL else 1
-        if self._level == FULL and samples == 1 and self._seen is not None:
-            drawing = self._seen[0]
-        else:
-            start = self._clock()
-            drawing = self._drawing(live, self.size, samples, self._check)
-            if samples == 1:
-                self._pace.took_full(self._clock() - start)
-        if samples != self.choices.settings.samples:
-            self._level = FULL
-            return [self._picture(self._rgba(drawing))]
-        outputs = self._pictures(live, drawing)
-        self._level = REFINED
-        return [*outputs, *self._numbers(drawing, None)]
-
-    def _compare(self, live: LiveCloud) -> list[Output]:
-        """Draw the exact reference, and split the picture."""
-        assert self._seen is not None
-        drawing, camera = self._seen
-        if self._exact is None or self._exact[0] != self._version:
-
-            def progress(share: float) -> None:
-                self.tell("Drawing the exact reference", min(share, 0.99))
-                self.between()
-                self._check(version)
-
-            version, settings = self._version, self.choices.settings
-            try:
-                exact = draw_exact(live, camera, self.size, settings, progress)
-            finally:
-                self.tell("", 1.0)
-            self._exact = version, exact
-        outputs = self._pictures(live, drawing, self._exact[1])
-        self._level = COMPARED
-        return [*outputs, *self._numbers(drawing, self._exact[1])]
-
-    def _pictures(
-        self, live: LiveCloud, drawing: Drawing, exact: Exact | None = None
-    ) -> list[Output]:
-        """Return a refined picture, or both sides if the view is split and both are there."""
-        split = self.choices.split
-        if split is None or ("reference" in split and exact is None):
-            return [self._picture(self._rgba(drawing), refined=True)]
-        sides = [self._side(side, live, drawing, exact) for side in split]
-        left = self._picture(sides[0], refined=True)
-        return [left, dataclasses.replace(left, rgba=sides[1], second=True)]
-
-    def _side(
-        self, side: str, live: LiveCloud, drawing: Drawing, exact: Exact | None
-    ) -> npt.NDArray[np.uint8]:
-        """Return the pixels of one side of a split."""
-        if side == "engine":
-            return self._rgba(drawing)
-        if side == "reference":
-            assert exact is not None
-            near, far = drawing.counts["depth_range"]
-            return exact.rgba if self.choices.show == "picture" else exact.depth_rgba((near, far))
-        assert self.camera is not None
-        settings = self.choices.settings
-        return self._rgba(draw_paper(live, self.camera, self.size, settings, self._check))
-
-    def _drawing(
-        self,
-        live: LiveCloud,
-        size: tuple[int, int],
-        samples: int,
-        check: Callable[[], None] = lambda: None,
-    ) -> Drawing:
-        """Draw with the camera and the choices as they are."""
-        camera = self.camera
-        assert camera is not None
-        settings = dataclasses.replace(self.choices.settings, samples=samples)
-        drawing = draw(live, camera, size, settings, check=check)
-        self._seen = drawing, camera
-        return drawing
-
-    def _check(self, version: int | None = None) -> None:
-        """Raise ``Superseded`` if another picture is asked for, or none."""
-        changed = version is not None and version != self._version
-        if changed or self.closed:
-            raise Superseded
-        if any(event.kind not in ANSWERED for event in tuple(self._events)):
-            raise Superseded
-
-    def _rgba(self, drawing: Drawing) -> npt.NDArray[np.uint8]:
-        """Return the pixels that are shown of a drawing."""
-        return drawing.rgba if self.choices.show == "picture" else drawing.depth_rgba
-
-    def _picture(self, rgba: npt.NDArray[np.uint8], *, refined: bool = False) -> Picture:
-        """Return a picture with the next number."""
-        self._frame += 1
-        return Picture(self._frame, rgba, refined)
-
-    def _numbers(self, drawing: Drawing, exact: Exact | None) -> list[Output]:
-        """Return the numbers of a refined picture, and the settings with the camera."""
-        numbers = {
-            "type": "numbers",
-            "frame": self._frame,
-            **picture_numbers(drawing),
-            "psnr": None if exact is None else exact.psnr(drawing),
-        }
-        self._told = None
-        return [numbers, *self._tell_settings()]
-
     def _save(self, what: str) -> SavedFile:
         """Return the refined picture, or its code words, as a file."""
-        if self.live is None:
+        sight = self._sight
+        if sight is None:
             raise InputError("the cloud is not read yet")
-        if self._level >= REFINED and self._seen is not None:
-            drawing = self._seen[0]
-        else:
-            drawing = self._drawing(self.live, self.size, self.choices.settings.samples)
-            self._level = NOTHING
-        name = self.subject.name
+        drawing, name = self._easel.drawing(sight), self.subject.name
         if what == "words":
             return saved_words(drawing, name)
         return saved_picture(drawing, name, self.choices.show)

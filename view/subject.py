@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from splatline.contract.errors import InputError
+from splatline.host.cloud.cloud import Cloud
 from splatline.host.files.colouring import check_map, colour_scene
 from splatline.host.files.listing import HEADERS, taken_for
 from splatline.host.files.readers import open_cloud_file, read_cloud
 from splatline.host.files.wanted import CLASSIFICATION, HEIGHT, INTENSITY, ColourBy
 from splatline.host.scenes.scenes import load_scene
 
-from .camera import Camera, fit_camera
+from .camera import Camera, fit_camera, upward_of
 from .events import DEFAULT_COLOUR
 from .live_cloud import LiveCloud, Progress, live_cloud
 
@@ -59,10 +60,27 @@ class Subject:
     target: tuple[float, float, float] | None = None
     distance: float | None = None
 
+    @property
+    def upward(self) -> str | None:
+        """The axis up if the first picture looks down or is level; else None."""
+        return upward_of(self.orbit, self.up)
+
     def read(
-        self, colour: ColourBy | None, progress: Progress = lambda text, share: None
+        self,
+        colour: ColourBy | None,
+        progress: Progress = lambda text, share: None,
+        base: LiveCloud | None = None,
     ) -> LiveCloud:
         """Return the cloud in some colours, ready to be drawn.
+
+        Parameters
+        ----------
+        colour
+            What colours the points; None: the file's own colours. Its ``up`` is the subject's.
+        progress
+            Told what is being done.
+        base
+            The cloud in other colours: everything else is taken from it, which is the same.
 
         Raises
         ------
@@ -73,22 +91,31 @@ class Subject:
         if colour is not None:
             colour = dataclasses.replace(colour, up=self.up)
         if self.path is None:
-            progress(f"Making the scene {self.scene}", 0.0)
+            progress(f"Making the scene {self.scene}", None)
             cloud = load_scene(self.scene).cloud
             cloud = cloud if colour is None else colour_scene(cloud, colour)
+        elif base is not None:
+            return base.recoloured(self._read(self.path, colour, progress, estimate=False))
         else:
-            doing = {
-                "read": f"Reading {self.path.name}",
-                "normals": f"Estimating the normals of {self.path.name}",
-            }
-            cloud = read_cloud(
-                self.path,
-                colour=colour,
-                format=self.format,
-                sample=self.sample,
-                progress=lambda stage, share: progress(doing[stage], share),
-            )
+            cloud = self._read(self.path, colour, progress, estimate=True)
         return live_cloud(cloud, fit=self.fit, splat_size=self.splat_size, progress=progress)
+
+    def _read(
+        self, path: Path, colour: ColourBy | None, progress: Progress, *, estimate: bool
+    ) -> Cloud:
+        """Read the file; without ``estimate`` missing normals are 0."""
+        doing = {
+            "read": f"Reading {path.name}",
+            "normals": f"Estimating the normals of {path.name}",
+        }
+        return read_cloud(
+            path,
+            colour=colour,
+            format=self.format,
+            sample=self.sample,
+            estimate=estimate,
+            progress=lambda stage, share: progress(doing[stage], share),
+        )
 
     def home(self, live: LiveCloud, size: tuple[int, int]) -> Camera:
         """Return the camera of the first picture, on an image of a size in pixels."""

@@ -13,6 +13,7 @@ from splatline.cli.bench.host.measure import host
 from splatline.cli.bench.large.command import large
 from splatline.cli.bench.stability.measure import stability
 from splatline.cli.bench.surface.command import surface
+from splatline.cli.bench.view.command import view
 from splatline.cli.options.outputs import check_folder
 from splatline.cli.options.parameters import ORBIT, SIZE
 from splatline.cli.report.progress import Counter
@@ -43,6 +44,7 @@ def bench() -> None:
       splatline bench large                     100 million points, COPC and Dask
       splatline bench stability                 the stress suite
       splatline bench surface                   holes and errors against the true surface
+      splatline bench view                      frames a second and latency of the live view
     """  # noqa: D301  (click reads the backspace as "do not wrap")
 
 
@@ -130,5 +132,5 @@ def accuracy(
     click.echo(f"{len(results['runs'])} runs; written: {', '.join(map(str, files))}")
 
 
-for _command in (chain, configurations, engine, host, large, stability, surface):
+for _command in (chain, configurations, engine, host, large, stability, surface, view):
     bench.add_command(_command)

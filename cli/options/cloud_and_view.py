@@ -13,6 +13,7 @@ from click.core import ParameterSource
 
 from splatline.contract.presets import DEFAULT
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
+from splatline.host.files.wanted import UNDRAWN
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
@@ -37,9 +38,11 @@ _ENCODING_OPTIONS = (
     ),
     click.option(
         "--keep",
-        type=click.Choice(sorted(DEFAULT_SKIPS)),
+        type=click.Choice([*sorted(DEFAULT_SKIPS), *UNDRAWN]),
         multiple=True,
-        help="Do not leave out these points (may be given several times).",
+        help="Do not leave out these points (may be given several times). "
+        + "; ".join(f"{name}: {what}" for name, what in UNDRAWN.items())
+        + "; the others: see --skip.",
     ),
     click.option(
         "--skip",
@@ -212,6 +215,7 @@ def _with_options(command: _Command, own: Sequence[Callable[[_Command], _Command
             clouds,
             scene or DEFAULT_SCENE,
             skips=(DEFAULT_SKIPS | skip) - keep,
+            keep=frozenset(keep & UNDRAWN.keys()),
             colour=colour_by(*by_colour),
             **{name: options.pop(name) for name in names},
         )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from splatline.cli.report.progress import Stages
 
+from .above import seen_from_above
 from .camera import see, with_camera
 from .large import is_large, prepare_large, prepare_large_tiles
 from .request import RenderRequest
@@ -20,12 +23,16 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
     from splatline.host.files.wanted import ColourBy
+    from splatline.host.large.cluster_tiles import ClusterTiles
     from splatline.host.large.joined_tiles import JoinedTiles
     from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
     from splatline.view.live_cloud import LiveCloud
     from splatline.view.subject import Subject
+
+    Picture: TypeAlias = TiledPicture | JoinedTiles | ClusterTiles
+    """A picture in tiles."""
 
 __all__ = [
     "PreparedFrames",
@@ -87,17 +94,19 @@ class PreparedTiles:
     ----------
     picture
         The tiles; their frames are made as they are asked for, or lie in memory.
-    camera, dropped, colour_key, notes, far_away, facts
+    camera, dropped, colour_key, notes, far_away
         See :class:`PreparedFrames`.
+    facts
+        Returns further statistics, once the tiles are drawn.
     """
 
-    picture: TiledPicture | JoinedTiles
+    picture: Picture
     camera: dict[str, Any]
     dropped: dict[str, int]
     colour_key: dict[str, Any]
     notes: list[str]
     far_away: int = 0
-    facts: dict[str, Any] = field(default_factory=dict)
+    facts: Callable[[], dict[str, Any]] = dict
 
 
 @dataclass(frozen=True)
@@ -150,8 +159,12 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     )
 
 
-def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedTiles:
+def prepare_tiles(
+    request: RenderRequest, stages: Stages, samples: int, stack: ExitStack
+) -> PreparedTiles:
     """Read the cloud of a request whose picture is larger than the engine's image.
+
+    What the tiles need, such as a cluster, is closed by ``stack``.
 
     Raises
     ------
@@ -160,7 +173,7 @@ def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> P
     """
     request, camera, scene = with_camera(request, stages)
     if is_large(request):
-        return prepare_large_tiles(request, camera, stages, samples)
+        return prepare_large_tiles(request, camera, stages, samples, stack)
     prepared = _view_of(request, camera, scene, stages)
     cloud = prepared.cloud
     with stages.stage("", "Projecting"):
@@ -234,7 +247,12 @@ def _cloud_of(request: RenderRequest, scene: Scene | None, stages: Stages) -> Cl
     """Return the cloud of a request in memory, in the colours that are asked for."""
     if request.path is not None:
         return read_in_stages(
-            request.path, stages, request.colour, format=request.format, sample=request.sample
+            request.path,
+            stages,
+            request.colour,
+            format=request.format,
+            sample=request.sample,
+            keep=request.keep,
         )
     assert scene is not None
     if request.colour is None:
@@ -248,6 +266,8 @@ def _view_of(
     request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
 ) -> _View:
     """Read the cloud of a request and fit its view."""
+    from splatline.host.cloud.upward import turn_upward
+
     cloud = _cloud_of(request, scene, stages)
     far_away = 0
     if request.fit != "all":
@@ -257,6 +277,9 @@ def _view_of(
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = see(cloud, camera, request.size, discs.radii)
+        up = seen_from_above(request, camera, view)
+        if up is not None:
+            cloud = turn_upward(cloud, up)
     return _View(cloud, discs, view, camera, far_away)
 
 
@@ -301,13 +324,16 @@ def read_in_stages(
     *,
     format: str | None = None,
     sample: int | None = None,
+    keep: frozenset[str] = frozenset(),
 ) -> Cloud:
     """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, colour=colour, format=format, sample=sample, progress=tell)
+        return read_cloud(
+            path, colour=colour, format=format, sample=sample, keep=keep, progress=tell
+        )
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:

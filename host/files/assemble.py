@@ -11,7 +11,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.bulk import bounds, far_points, lost_points
 from splatline.host.cloud.cloud import Cloud
-from splatline.host.cloud.normals import estimate_normals
+from splatline.host.cloud.normals import estimate_normals, estimate_surface
 
 from .colouring import Coloured, colour_values, heights
 from .colours import NEUTRAL, colours_to_bytes
@@ -109,9 +109,12 @@ def assemble_cloud(
     if estimate and missing.any():
         if progress is not None:
             progress(0.0)
-        normals[missing] = estimate_normals(
-            positions, missing, cells=cloud.cells, progress=progress
-        )
+        if missing.all() and usual.all() and cloud.radii is None:
+            estimate_surface(cloud, progress=progress)
+        else:
+            normals[missing] = estimate_normals(
+                positions, missing, cells=cloud.cells, progress=progress
+            )
     return cloud
 
 

@@ -97,6 +97,8 @@ def read_cloud(
     colour: str | ColourBy | None = None,
     format: str | None = None,
     sample: int | None = None,
+    keep: frozenset[str] = frozenset(),
+    estimate: bool = True,
     progress: Callable[[str, float], None] | None = None,
 ) -> Cloud:
     """Read a cloud from a file; the name's suffix tells the format.
@@ -120,6 +122,10 @@ def read_cloud(
         One of these formats, whatever the name is.
     sample
         Number of points that are spread evenly over the faces of a mesh; None: its vertices.
+    keep
+        Points that are drawn though they usually are not: see ``wanted.UNDRAWN``.
+    estimate
+        Whether missing normals are estimated; if not, they are 0.
     progress
         Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
         A cloud whose normals are all there has no stage ``normals``.
@@ -138,11 +144,13 @@ def read_cloud(
     read, normals = (
         None if progress is None else partial(progress, stage) for stage in ("read", "normals")
     )
-    with open_cloud_file(place, Wanted(by, sample=sample), read, format) as source:
+    with open_cloud_file(place, Wanted(by, sample=sample, keep=keep), read, format) as source:
         columns = read_columns(source)
         if read is not None:
             read(1.0)
-        return assemble_cloud(columns, cloud_name(place), up=up, progress=normals)
+        return assemble_cloud(
+            columns, cloud_name(place), up=up, estimate=estimate, progress=normals
+        )
 
 
 @contextmanager

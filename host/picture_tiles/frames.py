@@ -7,9 +7,9 @@ draw; see :mod:`splatline.host.encode.tile`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +37,8 @@ from .bins import Bin, bins_of_row
 from .grid import Grid
 
 __all__ = ["TileFrames", "TiledPicture", "tile_picture", "words_of_others"]
+
+Shown = TypeVar("Shown")
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,10 @@ class TiledPicture:
     _quality: str
     _useful: frozenset[str]
     _samples: list[_Sample] = field(repr=False)
+
+    def map_rows(self, show: Callable[[list[TileFrames]], Shown]) -> Iterator[Shown]:
+        """Yield what ``show`` returns of each row of tiles, from the top down; once alone."""
+        return map(show, self.rows())
 
     def rows(self) -> Iterator[list[TileFrames]]:
         """Yield the tiles row by row, each from left to right; once alone."""
@@ -176,6 +182,7 @@ class TiledPicture:
         samples: int,
         lighting: Lighting,
         depth_range: tuple[float, float] | None,
+        progress: Callable[[float], None],
     ) -> tuple[float, float] | None:
         """Project every sample; return the depth range, or None if nothing is drawn.
 
@@ -189,6 +196,7 @@ class TiledPicture:
             tables = material_tables(index.materials, lighting, self.config, rounding)
             sample = _Sample(shifted, splats, tables, np.zeros(len(splats.data), np.uint8))
             self._samples.append(sample)
+            progress(len(self._samples) / samples)
             if not drawn and self._draws_something(sample):
                 drawn, limits = True, limits or splats.depth_range
         return limits if drawn else None
@@ -221,6 +229,7 @@ def tile_picture(
     shapes: str = "table",
     frame_size: tuple[int, int] | None = None,
     may_be_empty: bool = False,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> TiledPicture:
     """Project, cull and shade a cloud for a picture of any size, which is drawn in tiles.
 
@@ -234,6 +243,8 @@ def tile_picture(
         See :meth:`splatline.host.picture_tiles.grid.Grid.of`.
     may_be_empty
         Whether a picture that shows nothing is no error, as that of a part of a cloud.
+    progress
+        Called with the share of the samples that are projected.
 
     Raises
     ------
@@ -253,7 +264,8 @@ def tile_picture(
     for kept in dict.fromkeys((chosen, chosen - {"no_pixel"})):
         counts = _first_counts(index, config, quality, kept)
         picture = TiledPicture(grid, config, counts, quality, useful_skips(kept, quality), [])
-        limits = picture.project(index, view, samples, lighting or Lighting(), depth_range)
+        lights = lighting or Lighting()
+        limits = picture.project(index, view, samples, lights, depth_range, progress)
         if limits is not None or may_be_empty:
             clock.lap("project")
             counts["depth_range"], counts["seconds"] = list(limits or (0.0, 0.0)), laps

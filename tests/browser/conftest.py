@@ -1,4 +1,4 @@
-"""A real browser: Debian's Chromium, driven by Playwright. Tests are skipped where one is missing."""
+"""A real browser: Debian's Chromium, driven by Playwright. Without one, tests are skipped."""
 
 import os
 import shutil
@@ -9,7 +9,9 @@ import pytest
 from .viewer import Viewer
 
 SCREENSHOTS = Path(__file__).parents[2] / "build" / "browser"
-CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+CHROMIUM = (
+    os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+)
 WIDE = {"viewport": {"width": 1280, "height": 800}}
 NARROW = {
     "viewport": {"width": 390, "height": 844},
@@ -81,7 +83,7 @@ def serve():
 
 @pytest.fixture(scope="session")
 def terrain_viewer():
-    """`splatline view` of the built-in terrain."""
+    """`splatline view` of the built-in terrain; after all tests, Ctrl-C ends it."""
     pytest.importorskip("aiohttp", reason="the extra `view` is not installed")
     viewer = Viewer()
     yield viewer

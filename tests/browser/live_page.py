@@ -37,6 +37,11 @@ class LivePage:
         self.page.goto(address)
         self.page.wait_for_selector("#picture canvas", timeout=self.patience)
 
+    def impatient(self, patience):
+        """Wait for so many ms at most from now on."""
+        self.patience = patience
+        self.page.set_default_timeout(patience)
+
     def stage(self, **wanted):
         """Wait until the stage's notes of the last picture have some values."""
         tests = "".join(f"[data-{name}='{value}']" for name, value in wanted.items())
@@ -72,8 +77,7 @@ class LivePage:
         with self.page.expect_download(timeout=self.patience) as waiting:
             self.page.click(click)
         download = waiting.value
-        with open(download.path(), "rb") as file:
-            return download.suggested_filename, file.read()
+        return download.suggested_filename, download.path().read_bytes()
 
     def touch(self, kind, *points):
         """Send a touch event: kind is touchStart, touchMove or touchEnd; points are (x, y)."""
@@ -91,16 +95,23 @@ class LivePage:
 
         Returns the settings that the server sent with it.
         """
-        before = self._refined()
+        before = 0
         if act is not None:
+            self.settled()
+            before = self._refined()
             act()
-        for _ in range(self.patience // 10):
-            if self._refined() > before or (act is None and before):
-                last = self.told("numbers")["frame"]
-                self.page.wait_for_selector(f"#stage[data-frame='{last}']", timeout=self.patience)
-                return self.told("settings")
-            self.page.wait_for_timeout(10)
-        raise AssertionError("no refined picture came")
+        for _ in range(self.patience // 20):
+            shown = self.page.get_attribute("#stage", "data-frame")
+            if self._refined() > before:
+                numbers = self.told("numbers")
+                whole = (numbers["width"], numbers["height"]) == self.canvas_size()
+                if whole and shown == str(numbers["frame"]):
+                    return self.told("settings")
+            self.page.wait_for_timeout(20)
+        last = [message["type"] for message in self.received[-8:]]
+        raise AssertionError(
+            f"no refined picture came; frame {shown} is shown, and last came {last}"
+        )
 
     def _refined(self):
         """Return how many sets of figures came with the settings after them."""

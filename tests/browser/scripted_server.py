@@ -11,8 +11,14 @@ import numpy as np
 from aiohttp import WSMsgType, web
 
 PAGE = Path(__file__).parents[2] / "view" / "page"
+PATIENCE = 20.0  # seconds
 MAGIC = 0x4C505330
-TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+TYPES = {
+    ".html": "text/html",
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".svg": "image/svg+xml",
+}
 POLICY = "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:"
 
 SETTINGS = {
@@ -37,7 +43,7 @@ HELLO = {
         {"name": "paper", "title": "the paper's", "lut4": 1, "ff": 2, "bram": 3, "mult": 0}
         | {"clock_mhz": 100.0, "device": "ECP5-25F"},
         {"name": "rgb24", "title": "24-bit colour", "lut4": 1801, "ff": 902, "bram": 9, "mult": 4}
-        | {"clock_mhz": 137.0, "device": "ECP5-25F"},
+        | {"clock_mhz": 137.0, "device": "LFE5U-25F-6BG381"},
     ],
     "qualities": [{"name": name, "title": name} for name in ("paper", "fast", "exact")],
     "lights": [{"name": name, "title": name} for name in ("studio", "front")],
@@ -184,9 +190,9 @@ def noise(width, height, seed=0):
     return pixels
 
 
-def until(page, condition, seconds=5.0):
+def until(page, condition):
     """Wait until a condition holds, while the page goes on; return its value."""
-    end = time.monotonic() + seconds
+    end = time.monotonic() + PATIENCE
     while not (value := condition()):
         assert time.monotonic() < end, "the condition did not come true"
         page.wait_for_timeout(10)

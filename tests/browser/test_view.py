@@ -4,40 +4,18 @@ import io
 import shlex
 import subprocess
 import sys
-from functools import cache
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from splatline.contract.presets import PRESETS
-from splatline.host.scenes.scenes import load_scene
-from splatline.view.camera import Camera
-from splatline.view.draw import Settings, draw
-from splatline.view.live_cloud import live_cloud
+from .golden_terrain import golden
 
-MIDDLE = (476, 400)
+SMALL = {"viewport": {"width": 840, "height": 500}}  # a canvas of 512 x 500: no tiles
+MIDDLE = (256, 250)
 SPLATLINE = [sys.executable, "-c", "from splatline.cli.main import main; main()"]
-
-
-@cache
-def terrain():
-    return live_cloud(load_scene("terrain").cloud)
-
-
-def golden(settings, size):
-    """Return what golden draws with the camera and settings of a message, as a drawing."""
-    camera = Camera(**{**settings["camera"], "target": tuple(settings["camera"]["target"])})
-    background = tuple(byte / 255 for byte in bytes.fromhex(settings["background"][1:]))
-    drawn_with = Settings(
-        preset=PRESETS[settings["preset"]],
-        quality=settings["quality"],
-        samples=settings["samples"],
-        lights=settings["lights"],
-        background=background,
-    )
-    return draw(terrain(), camera, size, drawn_with)
 
 
 def run(command, folder):
@@ -59,15 +37,15 @@ def test_the_canvas_shows_goldens_pixels(terrain_viewer, open_page, screenshot):
 @pytest.mark.parametrize(
     "gesture",
     [
-        pytest.param(lambda page: page.drag(MIDDLE, (560, 300)), id="drag"),
-        pytest.param(lambda page: page.drag(MIDDLE, (400, 500), button="right"), id="pan"),
+        pytest.param(lambda page: page.drag(MIDDLE, (300, 200)), id="drag"),
+        pytest.param(lambda page: page.drag(MIDDLE, (180, 300), button="right"), id="pan"),
         pytest.param(lambda page: page.page.mouse.wheel(0, -300), id="zoom"),
-        pytest.param(lambda page: page.page.mouse.dblclick(300, 500), id="look"),
+        pytest.param(lambda page: page.page.mouse.dblclick(200, 300), id="look"),
         pytest.param(lambda page: page.page.keyboard.press("5"), id="top"),
     ],
 )
 def test_after_a_gesture_the_canvas_shows_goldens_pixels(terrain_viewer, open_page, gesture):
-    page = open_page(terrain_viewer.address)
+    page = open_page(terrain_viewer.address, SMALL)
     before = page.settled()
     page.page.mouse.move(*MIDDLE)
     after = page.settled(lambda: gesture(page))
@@ -77,7 +55,7 @@ def test_after_a_gesture_the_canvas_shows_goldens_pixels(terrain_viewer, open_pa
 
 
 def test_settings_are_those_of_the_picture(terrain_viewer, open_page, screenshot):
-    page = open_page(terrain_viewer.address)
+    page = open_page(terrain_viewer.address, SMALL)
     page.settled()
     page.settled(lambda: page.page.select_option("#preset", "plane"))
     page.settled(lambda: page.page.select_option("#quality", "fast"))
@@ -96,7 +74,7 @@ def test_settings_are_those_of_the_picture(terrain_viewer, open_page, screenshot
 
 
 def test_colour_by_a_field(terrain_viewer, open_page, screenshot):
-    page = open_page(terrain_viewer.address)
+    page = open_page(terrain_viewer.address, SMALL)
     page.settled()
     before = page.pixels()
     settings = page.settled(lambda: page.page.select_option("#colour-by", "height"))
@@ -108,7 +86,7 @@ def test_colour_by_a_field(terrain_viewer, open_page, screenshot):
 
 
 def test_depth_and_back(terrain_viewer, open_page, screenshot):
-    page = open_page(terrain_viewer.address)
+    page = open_page(terrain_viewer.address, SMALL)
     page.settled()
     before = page.pixels()
     page.settled(lambda: page.page.keyboard.press("d"))
@@ -123,13 +101,14 @@ def test_depth_and_back(terrain_viewer, open_page, screenshot):
 def test_the_split_shows_the_papers_engine_beside_the_reference(
     terrain_viewer, open_page, screenshot
 ):
-    page = open_page(terrain_viewer.address)
+    page = open_page(terrain_viewer.address, SMALL)
     page.settled()
     settings = page.settled(lambda: page.page.check("#compare"))
     assert settings["split"] == {"left": "paper", "right": "reference"}
     page.stage(kind=2)
     half = page.canvas_size()[0] // 2
-    paper = golden({**settings, "preset": "paper"}, page.canvas_size()).rgba
+    as_paper = {**settings, "preset": "paper", "quality": "paper"}
+    paper = golden(as_paper, page.canvas_size()).rgba
     np.testing.assert_array_equal(page.pixels()[:, :half], paper[:, :half])
     assert (page.pixels()[:, half:] != paper[:, half:]).any()
     assert "dB" in page.text("#figures")
@@ -137,8 +116,8 @@ def test_the_split_shows_the_papers_engine_beside_the_reference(
 
 
 def test_the_saved_png_is_the_picture(terrain_viewer, open_page):
-    page = open_page(terrain_viewer.address)
-    settings = page.settled(lambda: page.drag(MIDDLE, (520, 380)))
+    page = open_page(terrain_viewer.address, SMALL)
+    settings = page.settled(lambda: page.drag(MIDDLE, (300, 230)))
     name, data = page.downloaded("#save-png")
     assert name == "terrain.png"
     saved = np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
@@ -146,20 +125,20 @@ def test_the_saved_png_is_the_picture(terrain_viewer, open_page):
 
 
 def test_play_draws_the_saved_code_words(terrain_viewer, open_page, tmp_path):
-    page = open_page(terrain_viewer.address, {"viewport": {"width": 840, "height": 500}})
+    page = open_page(terrain_viewer.address, SMALL)
     page.settled()
     name, data = page.downloaded("#save-words")
-    (tmp_path / name).write_bytes(data)
-    run(f"splatline play {name} -o played.png", tmp_path)
+    assert name == "terrain-words.zip"
+    zipfile.ZipFile(io.BytesIO(data)).extractall(tmp_path)
+    run("splatline play terrain.frame -o played.png", tmp_path)
     played = np.asarray(Image.open(tmp_path / "played.png").convert("RGBA"))
     np.testing.assert_array_equal(played, page.pixels())
 
 
 def test_the_copied_command_draws_the_picture(terrain_viewer, open_page, tmp_path):
-    page = open_page(
-        terrain_viewer.address, permissions=["clipboard-read", "clipboard-write"]
-    )
-    page.settled(lambda: page.drag(MIDDLE, (400, 350)))
+    allowed = ["clipboard-read", "clipboard-write"]
+    page = open_page(terrain_viewer.address, SMALL, permissions=allowed)
+    page.settled(lambda: page.drag(MIDDLE, (200, 220)))
     page.page.click("#copy")
     page.page.wait_for_selector("#command:not([hidden])")
     command = page.text("#command")
@@ -167,13 +146,11 @@ def test_the_copied_command_draws_the_picture(terrain_viewer, open_page, tmp_pat
     assert page.page.evaluate("navigator.clipboard.readText()") == command
     run(command, tmp_path)
     (made,) = Path(tmp_path).glob("*.png")
-    np.testing.assert_array_equal(
-        np.asarray(Image.open(made).convert("RGBA")), page.pixels()
-    )
+    np.testing.assert_array_equal(np.asarray(Image.open(made).convert("RGBA")), page.pixels())
 
 
 def test_two_tabs_have_cameras_of_their_own(terrain_viewer, open_page):
-    one, other = (open_page(terrain_viewer.address) for _ in range(2))
+    one, other = (open_page(terrain_viewer.address, SMALL) for _ in range(2))
     first = other.settled()
     one.settled()
     turned = one.settled(lambda: one.page.keyboard.press("1"))
@@ -193,11 +170,11 @@ def test_a_bad_file_is_one_line(view, open_page, tmp_path, screenshot):
 
 
 def test_nothing_in_view_is_said_with_the_way_back(terrain_viewer, open_page, screenshot):
-    page = open_page(terrain_viewer.address)
+    page = open_page(terrain_viewer.address, SMALL)
     page.settled()
     page.page.mouse.move(*MIDDLE)
     for _ in range(2):
-        page.settled(lambda: page.drag((10, 400), (940, 400), button="right"))
+        page.settled(lambda: page.drag((10, 250), (500, 250), button="right"))
     page.page.wait_for_selector("#centre[data-state='empty']")
     screenshot(page, "nothing_in_view")
     page.settled(lambda: page.page.click("#centre-reset"))

@@ -45,6 +45,9 @@ class Viewer:
         return self._wait()
 
     def _wait(self):
-        code = self.process.wait(20)
-        self.process.stdout.close()
-        return code
+        try:
+            return self.process.wait(20)
+        finally:
+            self.process.kill()
+            self.process.stdout.close()
+            self.process.wait()

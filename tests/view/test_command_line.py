@@ -14,21 +14,14 @@ from splatline.view.choices import Choices
 from splatline.view.draw import Settings
 from splatline.view.session import Session
 from splatline.view.subject import Subject
-from tests.view.views import event, last_picture
+from tests.view.views import event, last_picture, write_ball
 
 
 @pytest.fixture
 def far_scan(tmp_path):
-    """A sphere of 1,500 points with normals, at coordinates of a national grid."""
-    random = np.random.default_rng(7)
-    normals = random.normal(size=(1500, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    places = 12.5 * normals + (512_345.25, 5_403_210.5, 271.125)
-    path = tmp_path / "a ball.csv"
-    columns = np.hstack([places, normals, np.round(127.5 * (normals + 1.0)), normals[:, :1]])
-    head = "x,y,z,nx,ny,nz,red,green,blue,warmth"
-    np.savetxt(path, columns, fmt="%.6f", delimiter=",", header=head, comments="")
-    return path
+    """A sphere at coordinates of a national grid."""
+    middle = (512_345.25, 5_403_210.5, 271.125)
+    return write_ball(tmp_path / "a ball.csv", size=12.5, middle=middle)
 
 
 MOVES = [

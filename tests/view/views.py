@@ -1,9 +1,14 @@
 """What tests of the live view share."""
 
-from splatline.view.events import check_event
-from splatline.view.session import Picture
+import numpy as np
 
-__all__ = ["event", "last_picture"]
+from splatline.view.events import check_event
+from splatline.view.live_cloud import live_cloud
+from splatline.view.outputs import Picture
+from splatline.view.subject import Subject
+from tests.support.clouds import sphere
+
+__all__ = ["ball", "event", "last_picture", "pictures", "write_ball"]
 
 
 def event(kind, **values):
@@ -22,3 +27,27 @@ def last_picture(session):
     while session.due() == 0.0:
         shown += pictures(session.work())
     return shown[-1]
+
+
+def write_ball(path, points=1500, size=1.0, middle=(0.0, 0.0, 0.0)):
+    """Write a sphere with normals, coloured by place, and a column ``warmth``."""
+    random = np.random.default_rng(7)
+    normals = random.normal(size=(points, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    colours = np.round(127.5 * (normals + 1.0))
+    columns = np.hstack([size * normals + middle, normals, colours, normals[:, :1]])
+    head = "x,y,z,nx,ny,nz,red,green,blue,warmth"
+    np.savetxt(path, columns, fmt="%.6f", delimiter=",", header=head, comments="")
+    return path
+
+
+class _Ball(Subject):
+    """A sphere that needs no file."""
+
+    def read(self, colour, progress=lambda text, share: None, base=None):
+        return live_cloud(sphere(2000), progress=progress)
+
+
+def ball(**options):
+    """Return a sphere of radius 1 as a subject."""
+    return _Ball(name="ball", **options)

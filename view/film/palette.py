@@ -55,9 +55,7 @@ class Palette(NamedTuple):
     nearest: npt.NDArray[np.uint8]
 
 
-def find_palette(
-    frames: list[npt.NDArray[np.uint8]], background: tuple[int, int, int]
-) -> Palette:
+def find_palette(frames: list[npt.NDArray[np.uint8]], background: tuple[int, int, int]) -> Palette:
     """Return the colours that fit some frames of a film best.
 
     Parameters

@@ -84,7 +84,9 @@ def fit_turntable(
     distance = max(need.distance(rise, tilt) for need in needs)
     reach = float((ring.radii * math.cos(tilt) + heights * math.sin(tilt)).max())
     nearest = reach - rise * math.sin(tilt)
-    distance = max(distance, nearest + ROOM * abs(nearest), 1e-9 * (1.0 + float(np.abs(high).max())))
+    distance = max(
+        distance, nearest + ROOM * abs(nearest), 1e-9 * (1.0 + float(np.abs(high).max()))
+    )
     target = middle + rise * upward + cloud.origin
     camera = Camera(tuple(map(float, target)), distance, orbit[0], math.degrees(tilt), up, fov)
     narrowed = math.degrees(2.0 * math.atan(half / zoom))

@@ -58,7 +58,9 @@ def show(
         If the file is bad, or an option has no such value.
     """
     if not all(SMALLEST <= side <= LARGEST for side in size):
-        raise InputError(f"the sides of the view must be {SMALLEST} to {LARGEST} pixels, not {size}")
+        raise InputError(
+            f"the sides of the view must be {SMALLEST} to {LARGEST} pixels, not {size}"
+        )
     if importlib.util.find_spec("anywidget") is None:
         hint = install_hint("notebook")
         print(f"splatline: a view that turns needs anywidget: {hint}", file=sys.stderr)

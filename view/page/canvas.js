@@ -37,7 +37,7 @@ export function attachCanvas(element, send, options = {}) {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", options.label ?? "Point cloud. Arrow keys turn it, + and - zoom.");
-  canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;cursor:grab";
+  canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;user-select:none;cursor:grab";
   element.append(canvas);
 
   const picture = new Picture(canvas);
@@ -56,6 +56,7 @@ export function attachCanvas(element, send, options = {}) {
     else if (!gestures.key(event)) {
       const message = keyMessage(event.key, state.show);
       if (!message) return;
+      state.show = message.name === "show" ? message.value : state.show;
       send(message);
     }
     event.preventDefault();
@@ -310,7 +311,7 @@ function keyMessage(/** @type {string} */ key, /** @type {string} */ shown) {
 
 /** Whether keys belong to a field that is being edited. */
 function isTyping(target) {
-  return target instanceof HTMLElement && target.closest("input:not([type=range], [type=radio]), select, textarea") !== null;
+  return target instanceof HTMLElement && target.closest("input:not([type=range], [type=radio], [type=checkbox]), select, textarea") !== null;
 }
 
 /** Width and height in device pixels, within the protocol's bounds. */

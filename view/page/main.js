@@ -20,7 +20,7 @@ let settings = null; // what held last
 /** @type {any} */
 let before = null; // what held when the connection was lost
 
-const send = (/** @type {object} */ message) => void link.send(message);
+const send = (/** @type {object} */ message) => link.send(message);
 const help = () => byId("help").open || byId("help").showModal();
 const canvas = attachCanvas(byId("picture"), send, { keys: document, help });
 const panel = bindPanel(send);
@@ -39,7 +39,6 @@ const received = {
     byId("cloud").textContent = message.name;
     byId("facts").textContent = `${count(message.points)} points`;
     panel.offer(message);
-    if (settings) panel.show(settings);
     showNotes(message.notes);
     hideCard("error");
     if (before && same) restore(before);
@@ -63,6 +62,7 @@ const received = {
   },
   error({ text }) {
     hideCard("loading");
+    panel.refuse();
     if (hello) showError(text);
     else showFailure(text);
   },
@@ -78,6 +78,7 @@ const link = keepConnected(socketAddress(), {
   },
   closed(attempts) {
     before ??= settings;
+    panel.refuse();
     hideCard("loading");
     showLink(attempts < 4 ? "The connection is lost. Trying again …" : "The server does not answer. Still trying …");
   },

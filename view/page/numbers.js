@@ -21,7 +21,7 @@ const byId = (/** @type {string} */ id) => document.getElementById(id);
  * @param {any} preset  the engine that drew it, as of `hello`
  */
 export function showNumbers(numbers, preset) {
-  byId("fps").textContent = measure(numbers.fps);
+  byId("fps").textContent = measure(numbers.elements ? numbers.fps : null);
   byId("clock").textContent = clockNote(numbers, preset);
   const tiles = numbers.tiles > 1 ? ` in ${count(numbers.tiles)} tiles` : "";
   byId("size").textContent = ` · ${numbers.width} × ${numbers.height}${tiles}`;
@@ -49,9 +49,12 @@ export function showNotes(/** @type {string[]} */ notes) {
 
 function clockNote(numbers, preset) {
   if (numbers.clock_mhz === null) return `${preset?.name ?? "This engine"} has no routed clock`;
-  const device = preset?.device ? ` on ${preset.device}` : "";
+  const device = preset?.device ? ` on ${shortDevice(preset.device)}` : "";
   return `${preset?.name ?? ""} at ${measure(numbers.clock_mhz)} MHz${device}`;
 }
+
+/** A device without its speed grade and package: LFE5U-25F of LFE5U-25F-6BG381. */
+const shortDevice = (/** @type {string} */ device) => device.replace(/^(LFE5U\w*-\d+F).*/, "$1");
 
 function showLeftOut(numbers) {
   const reasons = Object.entries(numbers.left_out ?? {}).filter(([, points]) => points > 0);

@@ -2,6 +2,7 @@
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 
+const PATIENCE = 3000; // ms for which a control shows what was asked for before it is told
 const SIDES = [
   ["paper", "Paper's engine"], ["engine", "Chosen engine"], ["reference", "Exact reference"],
 ];
@@ -11,15 +12,33 @@ const FIRST_SPLIT = { left: "paper", right: "reference" };
 /**
  * Bind the panel's controls.
  *
- * @param {(message: object) => void} send
- * @returns {{offer: (hello: any) => void, show: (settings: any) => void}}  `offer` fills the
- *   controls; `show` sets them to what holds at the server
+ * @param {(message: object) => boolean} send  says whether the message was sent
+ * @returns {{offer: (hello: any) => void, show: (settings: any) => void, refuse: () => void}}
+ *   `offer` fills the controls; `show` sets them to what holds at the server; `refuse` says that
+ *   what was asked for may not come
  */
 export function bindPanel(send) {
-  const set = (/** @type {string} */ name, value) => send({ type: "set", name, value });
+  const asked = new Asked();
+  const set = (/** @type {string} */ name, value) => {
+    if (send({ type: "set", name, value })) asked.add(name, value);
+    clearTimeout(waiting);
+    waiting = setTimeout(() => last && show(last), PATIENCE);
+  };
   const changed = (/** @type {string} */ id, then) => byId(id).addEventListener("change", then);
   /** @type {any} */
-  let offered = { presets: [] };
+  let offered = { presets: [], qualities: [], lights: [] };
+  /** @type {any} */
+  let last = null; // the settings that were told last
+  let waiting = 0;
+  const show = (/** @type {any} */ told) => {
+    last = told;
+    const settings = asked.over(told);
+    showChoices(settings);
+    showColour(settings.colour);
+    byId("preset-title").textContent = titleOf(offered.presets, settings.preset);
+    byId("quality").title = titleOf(offered.qualities, settings.quality);
+    byId("lights").title = titleOf(offered.lights, settings.lights);
+  };
   for (const name of ["preset", "quality", "lights"]) {
     changed(name, (event) => set(name, event.target.value));
   }
@@ -44,15 +63,39 @@ export function bindPanel(send) {
       fill("side-left", SIDES);
       fill("side-right", SIDES);
       byId("samples").replaceChildren(...hello.samples.map(radio));
+      if (last) show(last);
     },
-    show(settings) {
-      showChoices(settings);
-      showColour(settings.colour);
-      byId("preset-title").textContent = titleOf(offered.presets, settings.preset);
-      byId("quality").title = titleOf(offered.qualities ?? [], settings.quality);
-      byId("lights").title = titleOf(offered.lights ?? [], settings.lights);
+    show,
+    refuse() {
+      asked.forget();
+      if (last) show(last);
     },
   };
+}
+
+/** What was asked for and is not yet told: older settings on their way do not undo it. */
+class Asked {
+  /** @type {Map<string, {value: any, until: number}>} */
+  #values = new Map();
+
+  add(/** @type {string} */ name, value) {
+    this.#values.set(name, { value, until: performance.now() + PATIENCE });
+  }
+
+  forget() {
+    this.#values.clear();
+  }
+
+  /** Return settings with the values that were asked for since. */
+  over(/** @type {any} */ told) {
+    const settings = { ...told };
+    for (const [name, { value, until }] of this.#values) {
+      const arrived = JSON.stringify(told[name]) === JSON.stringify(value);
+      if (arrived || performance.now() >= until) this.#values.delete(name);
+      else settings[name] = value;
+    }
+    return settings;
+  }
 }
 
 /** The name of a side of the split view. */
@@ -61,7 +104,8 @@ export function sideName(/** @type {string} */ side) {
 }
 
 function showChoices(settings) {
-  for (const name of ["preset", "quality", "lights", "background"]) byId(name).value = settings[name];
+  for (const name of ["preset", "quality", "lights"]) choose(name, settings[name]);
+  byId("background").value = settings.background;
   byId("background-text").textContent = settings.background;
   for (const input of byId("samples").querySelectorAll("input")) {
     input.checked = Number(input.value) === settings.samples;
@@ -75,8 +119,8 @@ function showChoices(settings) {
 }
 
 function showColour({ by, map, range }) {
-  byId("colour-by").value = by;
-  byId("colour-map").value = map ?? "";
+  choose("colour-by", by);
+  choose("colour-map", map ?? "");
   const mapped = !UNMAPPED.includes(by);
   byId("map-row").hidden = !mapped;
   byId("range-row").hidden = !mapped;
@@ -101,6 +145,12 @@ const titleOf = (/** @type {any[]} */ offers, /** @type {string} */ name) =>
 
 function fill(/** @type {string} */ id, /** @type {string[][]} */ options) {
   byId(id).replaceChildren(...options.map(([value, text]) => new Option(text, value)));
+}
+
+/** Choose a value, which the command line may have set to one that is not offered. */
+function choose(/** @type {string} */ id, /** @type {string} */ value) {
+  byId(id).value = value;
+  if (byId(id).value !== value) byId(id).add(new Option(value, value, false, true));
 }
 
 function radio(/** @type {number} */ value) {

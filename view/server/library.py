@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import threading
 import time
 from collections import OrderedDict
 from concurrent.futures import Executor
 
 from splatline.contract.config import EngineConfig
+from splatline.contract.errors import InputError
 from splatline.host.files.wanted import ColourBy
 from splatline.view.live_cloud import LiveCloud
-from splatline.view.session import Superseded, Tell
+from splatline.view.outputs import Superseded, Tell
 from splatline.view.subject import Subject
 
 from .turns import Turns
@@ -47,6 +49,7 @@ class Library:
         self._turns = turns
         self._tasks: OrderedDict[ColourBy | None, asyncio.Future[LiveCloud]] = OrderedDict()
         self._listeners: dict[ColourBy | None, set[Tell]] = {}
+        self._base: LiveCloud | None = None
         self._stopped = threading.Event()
 
     async def get(self, colour: ColourBy | None, tell: Tell) -> LiveCloud:
@@ -95,10 +98,18 @@ class Library:
                 told[0] = text, now
                 loop.call_soon_threadsafe(self._tell, colour, text, share)
 
-        with self._turns.turn():
-            live = self._subject.read(colour, progress)
-            progress(f"Indexing {len(live.cloud):,} points", None)
-            live.index(self._config)
+        try:
+            with self._turns.turn():
+                live = self._subject.read(colour, progress, self._base)
+                progress(f"Indexing {len(live.cloud):,} points", None)
+                live.index(self._config, self._subject.upward)
+        except (InputError, Superseded):
+            raise
+        except Exception as error:  # the page must hear of it, whatever it is
+            logging.getLogger(__name__).exception("reading %s", self._subject.name)
+            reason = str(error) or type(error).__name__
+            raise InputError(f"{self._subject.name} cannot be read: {reason}") from error
+        self._base = self._base or live
         return live
 
     def _tell(self, colour: ColourBy | None, text: str, share: float | None) -> None:

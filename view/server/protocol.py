@@ -63,8 +63,7 @@ import struct
 
 from splatline.contract.errors import InputError
 from splatline.view.events import Event, check_event
-from splatline.view.saved import SavedFile
-from splatline.view.session import Picture
+from splatline.view.outputs import Picture, SavedFile
 
 from .png import png_bytes
 

@@ -8,9 +8,10 @@ import secrets
 import signal
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import numba
 from aiohttp import web
 
 from splatline.contract.errors import InputError
@@ -23,7 +24,7 @@ from .app import MOST_TABS, Viewer
 from .library import Library
 from .turns import Turns
 
-__all__ = ["serve"]
+__all__ = ["running", "serve"]
 
 LAST_ANSWERS = 1.0
 """Seconds that open connections have when the server ends."""
@@ -56,6 +57,9 @@ def serve(
     InputError
         If the address cannot be served.
     """
+    # Read when a loop first runs in parallel. On a machine with other work OpenMP draws in two
+    # thirds of TBB's time, and ends in a tenth of it (decision 0084).
+    numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
     asyncio.run(_serve(subject, choices, host, port, browser, announce))
 
 
@@ -68,35 +72,50 @@ async def _serve(
     announce: Callable[[str], None],
 ) -> None:
     """Serve a live view; see :func:`serve`."""
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stopped.set)
+    async with running(subject, choices, host=host, port=port) as address:
+        announce(address)
+        if browser:
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        await stopped.wait()
+
+
+@contextlib.asynccontextmanager
+async def running(
+    subject: Subject, choices: Choices, *, host: str = "127.0.0.1", port: int = 0
+) -> AsyncIterator[str]:
+    """Serve a live view within the block; yields the address with its token.
+
+    Raises
+    ------
+    InputError
+        If the address cannot be served.
+    """
     executor = ThreadPoolExecutor(2 * MOST_TABS, "splatline-view")
     turns = Turns()
     library = Library(subject, choices.settings.preset, executor, turns)
     token = secrets.token_urlsafe()
     viewer = Viewer(token, host, lambda: Session(subject, choices), library, executor, turns)
-    stopped = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, stopped.set)
     runner = web.AppRunner(viewer.application(), access_log=None, shutdown_timeout=LAST_ANSWERS)
     await runner.setup()
+    reading = None
     try:
-        site = web.TCPSite(runner, host, port)
         try:
-            await site.start()
+            await web.TCPSite(runner, host, port).start()
         except (OSError, OverflowError) as error:
             reason = getattr(error, "strerror", None) or error
             raise InputError(f"{host}:{port} cannot be served: {reason}") from None
-        address = _address(host, runner.addresses[0][1], token)
-        announce(address)
-        if browser:
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
         reading = asyncio.create_task(_read_ahead(library, choices.colour))
-        await stopped.wait()
-        reading.cancel()
+        yield _address(host, runner.addresses[0][1], token)
     finally:
         library.stop()
+        if reading is not None:
+            reading.cancel()
         await runner.cleanup()
-        executor.shutdown(wait=True, cancel_futures=True)
+        await asyncio.to_thread(executor.shutdown, cancel_futures=True)
 
 
 async def _read_ahead(library: Library, colour: ColourBy | None) -> None:

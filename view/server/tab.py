@@ -14,8 +14,8 @@ from splatline.contract.errors import InputError
 from splatline.host.files.wanted import ColourBy
 from splatline.view.greeting import greeting
 from splatline.view.live_cloud import LiveCloud
-from splatline.view.saved import SavedFile
-from splatline.view.session import Output, Picture, Session
+from splatline.view.outputs import Output, Picture, SavedFile
+from splatline.view.session import Session
 
 from .library import EVERY, Library
 from .protocol import MOST_UNSHOWN, file_bytes, picture_bytes, read_message
@@ -60,7 +60,7 @@ class Tab:
         self._executor = executor
         self._turns = turns
         self._png = png
-        session.tell, session.between = self._tell_from_thread, turns.pass_on
+        session.call(self._tell_from_thread, turns.pass_on)
         self._loop = asyncio.get_running_loop()
         self._wake = asyncio.Event()
         self._sent = self._shown = 0
@@ -78,10 +78,8 @@ class Tab:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:
                 task.result()
-        except (ConnectionError, RuntimeError) as error:
-            # A tab may be closed while something is sent to it.
-            if not self._socket.closed and not isinstance(error, ConnectionError):
-                raise
+        except ConnectionError:
+            pass  # the tab was closed while something was sent to it
         finally:
             self._session.closed = True
             if self._loading is not None:

@@ -1,0 +1,1 @@
+"""``splatline bench view``: frames a second and latency of the live view, over a real WebSocket."""
