@@ -13,11 +13,11 @@ import traitlets
 from splatline.contract.errors import InputError
 from splatline.view.draw import draw
 from splatline.view.events import check_event
+from splatline.view.outputs import Output, SavedFile
+from splatline.view.outputs import Picture as Frame
 from splatline.view.picture import Picture
-from splatline.view.saved import SavedFile
 from splatline.view.server.png import png_bytes
-from splatline.view.session import Output, Session
-from splatline.view.session import Picture as Frame
+from splatline.view.session import Session
 
 __all__ = ["CloudView"]
 
