@@ -88,6 +88,9 @@ class CloudView(anywidget.AnyWidget):
         assert live is not None
         return Picture(draw(live, self.camera, self._size, settings))
 
+    def __repr__(self) -> str:
+        return f"<CloudView {self.width}x{self.height} of {self._session.subject.name}>"
+
     def _repr_mimebundle_(self, **options: Any) -> Any:
         """Return the widget, and its picture for where no kernel runs."""
         bundle = super()._repr_mimebundle_(**options)
