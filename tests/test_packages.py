@@ -4,7 +4,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+SETTINGS = PROJECT["tool"]["setuptools"]
 ROOMS = {folder: name for name, folder in SETTINGS["package-dir"].items()}
 
 
@@ -24,10 +25,10 @@ def test_every_folder_with_modules_is_in_the_wheel():
 
 
 def test_every_file_of_data_is_in_the_wheel():
-    kinds = {".json", ".v", ".c", ".lpf", ".ucf", ".js", ".css", ".html", ".svg", ".typed"}
+    kinds = {".json", ".v", ".c", ".lpf", ".ucf", ".js", ".css", ".html", ".svg"}
     for folder, room in ROOMS.items():
         for file in (ROOT / folder).rglob("*"):
-            if "__pycache__" in file.parts or file.suffix not in kinds and file.name != "py.typed":
+            if file.suffix not in kinds and file.name != "py.typed":
                 continue
             name = ".".join([room, *file.parent.relative_to(ROOT / folder).parts])
             patterns = SETTINGS["package-data"].get(name, [])

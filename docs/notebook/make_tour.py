@@ -23,12 +23,12 @@ CELLS = (
     '`picture.save("scan.png")` writes it. `picture.rgb` is an array.',
     "picture.rgb.shape, picture.rgb.dtype",
     "## What is drawn, and what is not\n\n"
-    "The host leaves out points that could not be seen. Each other point is one or more code words.",
+    "The host leaves out points that could not be seen. Each other one becomes code words.",
     "counts = picture.counts\n"
-    'print(f"{counts[\'points\']:,} points, {counts[\'elements\']:,} drawn")\n'
+    "print(f\"{counts['points']:,} points, {counts['elements']:,} drawn\")\n"
     'for reason, points in counts["culled"].items():\n'
     '    print(f"{points:,} left out: {reason}")\n'
-    'print(f"{counts[\'codewords\']:,} code words")',
+    "print(f\"{counts['codewords']:,} code words\")",
     "## What costs what\n\n"
     "More samples are more frames. Each preset is an engine: its LUTs, its block RAMs, its cycles.",
     "from splatline.view.hardware import picture_numbers\n\n"
