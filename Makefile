@@ -17,7 +17,8 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render bench test test-browser fuzz formal lint verilog synth clean distclean tools
+.PHONY: help setup render bench test test-browser fuzz formal lint types docs docs-links \
+  verilog synth clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -30,6 +31,7 @@ help:
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
+	@echo 'make docs       the manual -> build/site/ (docs-links: asks for the addresses in it too)'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
 	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'
 	@echo 'make clean      remove build/ and caches; distclean: .venv as well'
@@ -48,8 +50,9 @@ $(READY): pyproject.toml requirements.txt | tools
 	  echo "splatline: Python's shared library is missing, which cocotb needs;" \
 	    "install it: apt-get install libpython$$version" >&2; exit 1; }
 	@echo 'Compiling what draws a picture, once (half a minute) ...'
-	@printf '0 0 0\n1 0 0\n0 1 0\n1 1 0\n' >$(VENV)/first.xyz
-	@$(VENV)/bin/splatline render $(VENV)/first.xyz -o $(VENV)/first.png >/dev/null
+	@printf '%s\n' 2 2 '0 0 0' '1 0 0' '0 1 0' '0 0 1' '1 0 0 0' '0 1 0 0' '0 0 1 0' '0 0 0 1' \
+	  '1 1 1 1' '2 1 1 1' '1 2 1 1' '2 2 1 1' >$(VENV)/first.ptx
+	@$(VENV)/bin/splatline render $(VENV)/first.ptx -o $(VENV)/first.png >/dev/null
 	@touch $@
 	@echo '$(VENV) is ready.'
 
@@ -102,12 +105,25 @@ formal: setup
 # mypy does not follow the import hook of an editable install whose packages live outside a folder
 # named splatline, so it gets that folder, made of links.
 lint: setup
-	@mkdir -p build/types/splatline
-	@for part in contract rtl flow host sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
+	@$(MAKE) --no-print-directory types
+
+types: setup
+	@mkdir -p build/types/splatline
+	@for part in contract rtl flow host sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
+	@ln -sfn ../../../api/__init__.py build/types/splatline/__init__.py
+	@ln -sfn ../../../api/py.typed build/types/splatline/py.typed
 	MYPYPATH=build/types $(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports
+
+# Strict: a dead link or a name that is gone is an error.
+docs: setup
+	@$(VENV)/bin/python -m sphinx -b html -W --keep-going -q -j auto docs build/site
+	@echo 'The manual is in build/site/index.html.'
+
+docs-links: setup
+	@$(VENV)/bin/python -m sphinx -b linkcheck -q -j auto docs build/links
 
 verilog: setup
 	@mkdir -p build

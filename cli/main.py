@@ -114,6 +114,7 @@ def _file_trouble(error: OSError) -> str:
 COMMANDS = {
     "bench": "splatline.cli.bench.command:bench",
     "encode": "splatline.cli.commands.encode_play:encode",
+    "film": "splatline.cli.commands.film:film",
     "info": "splatline.cli.commands.info:info",
     "netlist": "splatline.cli.commands.pnr:netlist",
     "play": "splatline.cli.commands.encode_play:play",
@@ -143,6 +144,7 @@ def main() -> None:
     Examples:
       splatline render                          the built-in scene, drawn by the golden renderer
       splatline render scan.ply -o scan.png     a scan
+      splatline film scan.ply -o scan.mp4       the scan turns
       splatline render --engine rtl             the same by the Verilog, checked pixel for pixel
       splatline verilog -o engine.v             the hardware
     """  # noqa: D301  (click reads the backspace as "do not wrap")

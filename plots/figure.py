@@ -19,6 +19,7 @@ __all__ = [
     "GAIN",
     "depth_levels",
     "picture_set",
+    "png_bytes",
     "rgb_levels",
     "save_depth",
     "save_rgb",
@@ -165,13 +166,18 @@ def picture_set(
     return [folder / name for name in (*pictures, "depth.png", "figure.png")]
 
 
-def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
-    """Write pixels as a PNG, atomically."""
+def png_bytes(pixels: npt.NDArray[Any]) -> bytes:
+    """Return pixels as a PNG: shape (height, width) or (height, width, 3 or 4), uint8 or uint16."""
     from PIL import Image
 
     data = io.BytesIO()
     Image.fromarray(pixels).save(data, "PNG")
-    atomic_write(path, data.getvalue())
+    return data.getvalue()
+
+
+def _save(path: str | Path, pixels: npt.NDArray[Any]) -> None:
+    """Write pixels as a PNG, atomically."""
+    atomic_write(path, png_bytes(pixels))
 
 
 def _false_colours(raster: Drawn, background: tuple[float, float, float]) -> _Floats:

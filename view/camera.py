@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -14,13 +14,29 @@ from splatline.host.cloud.cloud import Cloud
 from splatline.host.visibility.look_at import look_at
 from splatline.host.visibility.view import View, fit_view, orbit_axes
 
-__all__ = ["Camera", "fit_camera"]
+__all__ = ["Camera", "Eye", "fit_camera", "upward_of"]
 
 MOST_ELEVATION = 90.0
 """Degrees; the eye does not turn over the top."""
 
 DIGITS = 6
 """Digits of a target's coordinates behind the first one of the distance."""
+
+
+class Eye(Protocol):
+    """Whatever knows what it sees of a cloud."""
+
+    def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
+        """Return what is seen of a cloud, on an image of a size in pixels."""
+
+    @property
+    def upward(self) -> str | None:
+        """The axis up if the eye looks down or is level; else None."""
+
+
+def upward_of(orbit: tuple[float, float], up: str) -> str | None:
+    """Return the axis up if an eye on an orbit looks down or is level, as ``View.looks_down``."""
+    return up if math.sin(math.radians(orbit[1])) >= 0.0 else None
 
 
 @dataclass(frozen=True)
@@ -52,6 +68,11 @@ class Camera:
     def orbit(self) -> tuple[float, float]:
         """Azimuth and elevation."""
         return self.azimuth, self.elevation
+
+    @property
+    def upward(self) -> str | None:
+        """The axis up if the camera looks down or is level; else None."""
+        return upward_of(self.orbit, self.up)
 
     def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
         """Return what the camera sees of a cloud, on an image of a size in pixels.

@@ -24,7 +24,7 @@ from splatline.host.visibility.view import View
 from splatline.sim.golden.multisample import average
 from splatline.sim.golden.renderer import render
 
-from .camera import Camera
+from .camera import Eye
 from .live_cloud import LiveCloud
 from .pixels import rgba_bytes
 
@@ -127,7 +127,7 @@ class Drawing:
 
 def draw(
     live: LiveCloud,
-    camera: Camera,
+    camera: Eye,
     size: tuple[int, int],
     settings: Settings | None = None,
     *,
@@ -165,7 +165,7 @@ def draw(
 
 def _draw(
     live: LiveCloud,
-    camera: Camera,
+    camera: Eye,
     size: tuple[int, int],
     settings: Settings,
     check: Callable[[], None],
@@ -173,7 +173,7 @@ def _draw(
     """Draw a picture with the skips as they are; see :func:`draw`."""
     config = settings.preset
     view = camera.view(live.cloud, size)
-    cloud = live.index(config)
+    cloud = live.index(config, camera.upward)
     options: dict[str, Any] = {
         "lighting": LIGHTS[settings.lights],
         "config": config,

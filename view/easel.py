@@ -126,10 +126,10 @@ class Easel:
 
     def _index(self, sight: Sight) -> None:
         """Build the index for the engine; tell if it takes long."""
-        live, preset = sight.live, sight.choices.settings.preset
-        if not live.has_index(preset):
+        live, wanted = sight.live, (sight.choices.settings.preset, sight.camera.upward)
+        if not live.has_index(*wanted):
             self.tell(f"Indexing {len(live.cloud):,} points", None)
-            live.index(preset)
+            live.index(*wanted)
             self.tell("", 1.0)
 
     def _draw_quickly(self, sight: Sight, resting: bool) -> list[Output]:

@@ -11,8 +11,10 @@ from splatline.contract.errors import InputError
 from splatline.host.cloud.bulk import far_points, select
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import Discs, measure_discs
+from splatline.host.cloud.upward import turn_upward
 from splatline.host.shading.materials import find_materials
 from splatline.host.visibility.block_index import Index, build_index
+from splatline.host.visibility.view import UP_AXES
 
 __all__ = ["LiveCloud", "Progress", "live_cloud"]
 
@@ -22,6 +24,8 @@ Progress = Callable[[str, float | None], None]
 
 class LiveCloud:
     """A cloud with its discs, and an index for each size of palette.
+
+    A survey that is seen from above has an index of its own: its upper side is the outer one.
 
     It may be used by several threads.
 
@@ -39,7 +43,7 @@ class LiveCloud:
         self.cloud = cloud
         self.discs = discs
         self.far_away = far_away
-        self._indexes: dict[int, Index] = {}
+        self._indexes: dict[tuple[int, str | None], Index] = {}
         self._lock = threading.Lock()
 
     def recoloured(self, read: Cloud) -> LiveCloud:
@@ -58,19 +62,30 @@ class LiveCloud:
         cloud = dataclasses.replace(self.cloud, colours=colours, colour_key=read.colour_key)
         return LiveCloud(cloud, self.discs, self.far_away)
 
-    def has_index(self, config: EngineConfig) -> bool:
-        """Return whether the index for an engine is built."""
-        return config.material_bits in self._indexes
+    def has_index(self, config: EngineConfig, upward: str | None = None) -> bool:
+        """Return whether the index for an engine is built; see :meth:`index`."""
+        return (config.material_bits, upward if self.cloud.survey else None) in self._indexes
 
-    def index(self, config: EngineConfig) -> Index:
-        """Return the index for an engine; it is built when it is first asked for."""
+    def index(self, config: EngineConfig, upward: str | None = None) -> Index:
+        """Return the index for an engine; it is built when it is first asked for.
+
+        Parameters
+        ----------
+        config
+            The engine.
+        upward
+            The axis up if the eye looks down: a survey's estimated normals point up then; see
+            ``turn_upward``. Other clouds do not depend on it.
+        """
         with self._lock:
-            bits = config.material_bits
-            if bits not in self._indexes:
-                materials = find_materials(self.cloud, 1 << bits)
-                index = build_index(self.cloud, self.discs.radii, materials, self.discs.thin)
-                self._indexes[bits] = index
-            return self._indexes[bits]
+            upward = upward if self.cloud.survey else None
+            key = config.material_bits, upward
+            if key not in self._indexes:
+                cloud = self.cloud if upward is None else turn_upward(self.cloud, UP_AXES[upward])
+                materials = find_materials(cloud, 1 << config.material_bits)
+                index = build_index(cloud, self.discs.radii, materials, self.discs.thin)
+                self._indexes[key] = index
+            return self._indexes[key]
 
 
 def live_cloud(

@@ -61,7 +61,7 @@ def draw_exact(
     """Draw the exact reference of a picture; ``progress`` is told the share that is done."""
     return Exact(
         reference.render(
-            live.cloud,
+            live.index(settings.preset, camera.upward).cloud,
             camera.view(live.cloud, size),
             live.discs.radii,
             LIGHTS[settings.lights],

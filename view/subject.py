@@ -15,7 +15,7 @@ from splatline.host.files.readers import open_cloud_file, read_cloud
 from splatline.host.files.wanted import CLASSIFICATION, HEIGHT, INTENSITY, ColourBy
 from splatline.host.scenes.scenes import load_scene
 
-from .camera import Camera, fit_camera
+from .camera import Camera, fit_camera, upward_of
 from .events import DEFAULT_COLOUR
 from .live_cloud import LiveCloud, Progress, live_cloud
 
@@ -59,6 +59,11 @@ class Subject:
     up: str = "y"
     target: tuple[float, float, float] | None = None
     distance: float | None = None
+
+    @property
+    def upward(self) -> str | None:
+        """The axis up if the first picture looks down or is level; else None."""
+        return upward_of(self.orbit, self.up)
 
     def read(
         self,

@@ -120,7 +120,9 @@ def render(
 
     stages = Stages()
     if not fits_engine(request):
-        options = TileOptions(int(samples), engine, stall, seed, background, output, depth, stats)
+        options = TileOptions(
+            request.preset, int(samples), engine, stall, seed, background, output, depth, stats
+        )
         refuse_with_tiles(request, engine, engines, reference or out_dir is not None)
         render_tiles(context, request, options, stages)
         return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,13 +20,13 @@ from splatline.cli.report.statistics import picture_statistics
 from splatline.contract.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
+    from splatline.cli.options.prepare import Picture
     from splatline.contract.config import EngineConfig
     from splatline.contract.raster import Raster
-    from splatline.host.large.joined_tiles import JoinedTiles
-    from splatline.host.picture_tiles.frames import TiledPicture, TileFrames
+    from splatline.host.picture_tiles.frames import TileFrames
+    from splatline.plots.png_rows import Band
     from splatline.sim.golden.multisample import Drawn
 
 __all__ = ["TileOptions", "fits_engine", "refuse_with_tiles", "render_tiles"]
@@ -34,6 +35,7 @@ __all__ = ["TileOptions", "fits_engine", "refuse_with_tiles", "render_tiles"]
 class TileOptions(NamedTuple):
     """The options of ``splatline render`` that count for tiles; see there."""
 
+    config: EngineConfig
     samples: int
     engine: str
     stall: float
@@ -42,6 +44,23 @@ class TileOptions(NamedTuple):
     output: Path | None
     depth: Path | None
     stats: Path | None
+
+
+class DrawnRow(NamedTuple):
+    """A row of tiles, drawn.
+
+    Parameters
+    ----------
+    bands
+        Its pixels, packed: of the picture and that of the depth, as far as they are written.
+    drawn_pixels, cycles, mismatched_pixels
+        Sums over the tiles.
+    """
+
+    bands: list[Band]
+    drawn_pixels: int
+    cycles: int
+    mismatched_pixels: int
 
 
 @dataclass
@@ -91,12 +110,13 @@ def render_tiles(
     InputError
         See :func:`splatline.host.picture_tiles.frames.tile_picture`.
     """
-    prepared = prepare_tiles(request, stages, options.samples)
-    picture = prepared.picture
-    grid, totals = picture.grid, _Totals()
-    tiles = grid.rows * grid.columns
-    with stages.stage("tiles", f"Drawing {tiles:,} tiles") as share:
-        _draw_and_write(picture, options, totals, share)
+    with contextlib.ExitStack() as stack:
+        prepared = prepare_tiles(request, stages, options.samples, stack)
+        picture = prepared.picture
+        grid, totals = picture.grid, _Totals()
+        tiles = grid.rows * grid.columns
+        with stages.stage("tiles", f"Drawing {tiles:,} tiles") as share:
+            _draw_and_write(picture, options, totals, share)
     stages.seconds.update(picture.counts.pop("seconds"))
     files = [str(path) for path in (options.output, options.depth) if path is not None]
     size = f"{grid.frame_width} x {grid.frame_height}"
@@ -110,7 +130,7 @@ def render_tiles(
         "far_away": prepared.far_away,
         "colour": prepared.colour_key or None,
         "notes": [*prepared.notes, note],
-        **prepared.facts,
+        **prepared.facts(),
         **picture_statistics(
             request.preset.name,
             (grid.width, grid.height),
@@ -136,55 +156,67 @@ def render_tiles(
 
 
 def _draw_and_write(
-    picture: TiledPicture | JoinedTiles,
-    options: TileOptions,
-    totals: _Totals,
-    share: Callable[[float], None],
+    picture: Picture, options: TileOptions, totals: _Totals, share: Callable[[float], None]
 ) -> None:
-    """Draw the tiles and write the rows of the picture as they are done."""
-    from splatline.plots.figure import BACKGROUND, depth_levels, rgb_levels
+    """Draw the rows of tiles and write them as they are done, from the top down."""
     from splatline.plots.png_rows import png_rows
 
     grid = picture.grid
-    background = options.background or BACKGROUND
-    writers: list[tuple[Callable[[Drawn], npt.NDArray[Any]], Any]] = []
     with contextlib.ExitStack() as stack:
-        size = grid.width, grid.height
-        if options.output is not None:
-            rows = stack.enter_context(png_rows(options.output, *size))
-            writers.append((lambda drawn: rgb_levels(drawn.to_rgb(background)), rows))
-        if options.depth is not None:
-            grey = stack.enter_context(png_rows(options.depth, *size, grey=True))
-            writers.append((depth_levels, grey))
-        for number, row in enumerate(picture.rows()):
-            bands: list[list[npt.NDArray[Any]]] = [[] for _ in writers]
-            for at, drawing in enumerate(_drawings(row, picture, options)):
-                totals.drawn_pixels += int(drawing.raster.drawn.sum())
-                totals.cycles += drawing.cycles or 0
-                totals.mismatched_pixels += drawing.mismatched_pixels or 0
-                for band, (levels, _) in zip(bands, writers, strict=True):
-                    band.append(levels(drawing.raster))
-                share((number + (at + 1) / grid.columns) / grid.rows)
-            for band, (_, writer) in zip(bands, writers, strict=True):
-                writer.write(_side_by_side(band))
+        writers = [
+            stack.enter_context(png_rows(path, grid.width, grid.height, grey=grey))
+            for path, grey in ((options.output, False), (options.depth, True))
+            if path is not None
+        ]
+        for number, row in enumerate(_drawn_rows(picture, options), 1):
+            totals.drawn_pixels += row.drawn_pixels
+            totals.cycles += row.cycles
+            totals.mismatched_pixels += row.mismatched_pixels
+            for writer, band in zip(writers, row.bands, strict=True):
+                writer.write(band)
+            share(number / grid.rows)
 
 
-def _side_by_side(parts: list[npt.NDArray[Any]]) -> npt.NDArray[np.generic]:
-    """Return the parts of a band from left to right as one."""
+def _drawn_rows(picture: Picture, options: TileOptions) -> Iterator[DrawnRow]:
+    """Yield the rows of tiles. The Verilog is simulated here, whoever made the frames."""
+    draw = functools.partial(draw_row, options=options)
+    if options.engine == "golden":
+        return picture.map_rows(draw)
+    return map(draw, picture.map_rows(list))
+
+
+def draw_row(row: list[TileFrames], options: TileOptions) -> DrawnRow:
+    """Draw a row of tiles and pack its pixels, here or on the worker of a cluster."""
     import numpy as np
 
-    return np.concatenate(parts, axis=1)
+    from splatline.plots.figure import BACKGROUND, depth_levels, rgb_levels
+    from splatline.plots.png_rows import pack_band
+
+    background = options.background or BACKGROUND
+    levels: list[Callable[[Drawn], npt.NDArray[Any]]] = []
+    if options.output is not None:
+        levels.append(lambda drawn: rgb_levels(drawn.to_rgb(background)))
+    if options.depth is not None:
+        levels.append(depth_levels)
+    tiles: list[list[npt.NDArray[Any]]] = [[] for _ in levels]
+    drawn = cycles = mismatched = 0
+    for drawing in _drawings(row, options):
+        drawn += int(drawing.raster.drawn.sum())
+        cycles += drawing.cycles or 0
+        mismatched += drawing.mismatched_pixels or 0
+        for found, level in zip(tiles, levels, strict=True):
+            found.append(level(drawing.raster))
+    bands = [pack_band(np.concatenate(found, axis=1)) for found in tiles]
+    return DrawnRow(bands, drawn, cycles, mismatched)
 
 
-def _drawings(
-    row: list[TileFrames], picture: TiledPicture | JoinedTiles, options: TileOptions
-) -> Iterator[Drawing]:
+def _drawings(row: list[TileFrames], options: TileOptions) -> Iterator[Drawing]:
     """Yield the drawing of each tile of a row, without its guard band."""
     from splatline.sim import golden
     from splatline.sim.golden.multisample import average
 
     def picture_of(tile: TileFrames, rasters: Iterable[Raster | None]) -> Drawn:
-        return average([_without_guard(raster, tile, picture.config) for raster in rasters])
+        return average([_without_guard(raster, tile, options.config) for raster in rasters])
 
     simulated = options.engine != "golden"
     frames = [frame for tile in row for frame in tile.frames if frame is not None]

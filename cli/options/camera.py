@@ -26,9 +26,6 @@ FITTED = ("orbit", "fov", "up", "zoom")
 AIMED = ("target", "distance")
 """Values of a camera that looks at a point."""
 
-MAPPED = (".las", ".laz", ".e57", ".ptx")
-"""Formats of surveyors, whose z points up."""
-
 
 def with_camera(
     request: RenderRequest, stages: Stages
@@ -47,8 +44,10 @@ def with_camera(
         with stages.stage("read", f"Making the scene {request.scene}"):
             scene = load_scene(request.scene)
         camera |= {key: getattr(scene, key) for key in FITTED if hasattr(scene, key)}
-    elif request.path.suffix.lower() in MAPPED:
-        camera["up"] = "z"
+    else:
+        from splatline.host.files.source import usual_up
+
+        camera["up"] = usual_up(request.path, request.format)
     asked = (*FITTED, *AIMED)
     camera |= {key: value for key in asked if (value := getattr(request, key)) is not None}
     if request.colour is not None:

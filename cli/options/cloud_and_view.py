@@ -13,6 +13,7 @@ from click.core import ParameterSource
 
 from splatline.contract.presets import DEFAULT
 from splatline.host.encode.quality import DEFAULT_QUALITY, QUALITIES, SHAPE_SOURCES
+from splatline.host.files.wanted import UNDRAWN
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 
@@ -21,7 +22,7 @@ from .large import LARGE_OPTIONS
 from .parameters import DISTANCE, ORBIT, PRESET, SIZE, SPLAT_SIZE, TARGET, UP_AXES
 from .request import RenderRequest
 
-__all__ = ["live_options", "request_options"]
+__all__ = ["film_options", "live_options", "request_options"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -37,9 +38,11 @@ _ENCODING_OPTIONS = (
     ),
     click.option(
         "--keep",
-        type=click.Choice(sorted(DEFAULT_SKIPS)),
+        type=click.Choice([*sorted(DEFAULT_SKIPS), *UNDRAWN]),
         multiple=True,
-        help="Do not leave out these points (may be given several times).",
+        help="Do not leave out these points (may be given several times). "
+        + "; ".join(f"{name}: {what}" for name, what in UNDRAWN.items())
+        + "; the others: see --skip.",
     ),
     click.option(
         "--skip",
@@ -149,8 +152,13 @@ _VIEW_OPTIONS = (
 )
 """The argument CLOUD and the options of the view, last one first."""
 
-_STILL = {"zoom", "shapes", "size"}
+_OF_VIEW = {"zoom", "size"}
 """Options that a live view has no use for: it has a size and a distance of its own."""
+
+_OF_WORDS = {"shapes"}
+"""Options that change the code words alone, not the picture."""
+
+_OF_TARGET = {"target", "distance"}
 
 
 def request_options(command: _Command) -> _Command:
@@ -160,10 +168,18 @@ def request_options(command: _Command) -> _Command:
 
 def live_options(command: _Command) -> _Command:
     """Add what a live view takes of these options; the command gets one ``request``."""
-    options = [
-        option for option in (*_ENCODING_OPTIONS, *_VIEW_OPTIONS) if not _STILL & _names_of(option)
-    ]
-    return _with_options(command, options)
+    return _with_options(command, _options_without(_OF_VIEW | _OF_WORDS))
+
+
+def film_options(command: _Command) -> _Command:
+    """Add what a film takes of these options; the command gets one ``request``."""
+    return _with_options(command, _options_without(_OF_TARGET | _OF_WORDS))
+
+
+def _options_without(names: set[str]) -> list[Callable[[Any], Any]]:
+    """Return the options of encoding and view, without some."""
+    every = (*_ENCODING_OPTIONS, *_VIEW_OPTIONS)
+    return [option for option in every if not names & _names_of(option)]
 
 
 def _names_of(option: Callable[[_Command], _Command]) -> set[str]:
@@ -187,7 +203,7 @@ def _with_options(command: _Command, own: Sequence[Callable[[_Command], _Command
         of_files = [name for name in ("format", "sample", "memory", "dask") if options.get(name)]
         if of_files and not clouds:
             raise click.UsageError(f"--{of_files[0]} needs a CLOUD")
-        if (options["target"] is None) != (options["distance"] is None):
+        if (options.get("target") is None) != (options.get("distance") is None):
             raise click.UsageError("--target and --distance go together: give both or neither")
         if both := skip & keep:
             raise click.UsageError(f"--skip and --keep name the same: {', '.join(sorted(both))}")
@@ -199,6 +215,7 @@ def _with_options(command: _Command, own: Sequence[Callable[[_Command], _Command
             clouds,
             scene or DEFAULT_SCENE,
             skips=(DEFAULT_SKIPS | skip) - keep,
+            keep=frozenset(keep & UNDRAWN.keys()),
             colour=colour_by(*by_colour),
             **{name: options.pop(name) for name in names},
         )

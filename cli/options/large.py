@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import functools
 import os
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +14,14 @@ import click
 from splatline.cli.report.progress import Stages
 from splatline.contract.errors import InputError
 
+from .above import seen_from_above
 from .camera import see
 from .parameters import MEMORY
 from .request import RenderRequest
 
 if TYPE_CHECKING:
+    from splatline.host.large.cluster import Traffic
+    from splatline.host.large.cluster_tiles import ClusterTiles
     from splatline.host.large.draw_parts import Drawing, PartFrames
     from splatline.host.large.plan import Plan
 
@@ -83,12 +88,17 @@ def prepare_large(
         frames=frames_of(plan, drawing, joined),
         view=plan.view,
         camera=camera,
-        **_told(plan, joined, facts),
+        facts=facts,
+        **_told(plan, joined),
     )
 
 
 def prepare_large_tiles(
-    request: RenderRequest, camera: dict[str, Any], stages: Stages, samples: int
+    request: RenderRequest,
+    camera: dict[str, Any],
+    stages: Stages,
+    samples: int,
+    stack: ExitStack,
 ) -> PreparedTiles:
     """Return the tiles of a request's cloud, drawn part by part; see ``prepare_tiles``."""
     from splatline.host.large.joined_tiles import tiles_of
@@ -96,12 +106,31 @@ def prepare_large_tiles(
     from .prepare import PreparedTiles
 
     plan, drawing = _planned(request, camera, stages, samples)
-    joined, facts = _draw(plan, drawing, request, stages)
+    facts: dict[str, Any] = {"parts": len(plan.parts)}
+    if request.dask is None:
+        joined, _ = _draw(plan, drawing, request, stages)
+        picture = tiles_of(plan, drawing, joined)
+        return PreparedTiles(picture, camera, **_told(plan, joined), facts=lambda: facts)
+    shared = _on_cluster(plan, drawing, request, stages, stack)
     return PreparedTiles(
-        picture=tiles_of(plan, drawing, joined),
-        camera=camera,
-        **_told(plan, joined, facts),
+        shared,
+        camera,
+        **_told(plan, shared.parts),
+        facts=lambda: {**facts, **_travelled(shared.traffic)},
     )
+
+
+def _on_cluster(
+    plan: Plan, drawing: Drawing, request: RenderRequest, stages: Stages, stack: ExitStack
+) -> ClusterTiles:
+    """Return the tiles of a cloud whose parts are drawn on a cluster, which ``stack`` closes."""
+    from splatline.host.large.cluster import open_cluster
+    from splatline.host.large.cluster_tiles import draw_tiles_on_cluster
+
+    assert request.dask is not None
+    client = stack.enter_context(open_cluster(request.dask))
+    with _telling(plan, request, stages) as tell:
+        return draw_tiles_on_cluster(plan, drawing, client, progress=tell)
 
 
 def _planned(
@@ -120,6 +149,7 @@ def _planned(
             functools.partial(see, camera=camera, size=request.size),
             1 << request.preset.material_bits,
             bulk=request.fit != "all",
+            keep=request.keep,
         )
     drawing = Drawing(
         config=request.preset,
@@ -129,17 +159,17 @@ def _planned(
         lighting=LIGHTS[request.lights],
         splat_size=request.splat_size,
         memory=_memory(request),
+        up=seen_from_above(request, camera, plan.view),
     )
     return plan, drawing
 
 
-def _told(plan: Plan, joined: PartFrames, facts: dict[str, Any]) -> dict[str, Any]:
+def _told(plan: Plan, joined: PartFrames) -> dict[str, Any]:
     """Return what is told of a cloud in parts; see ``PreparedFrames`` and ``PreparedTiles``."""
     return {
         "dropped": joined.dropped,
         "colour_key": plan.colourings[0].key,
         "notes": _notes(plan, joined),
-        "facts": facts,
     }
 
 
@@ -160,16 +190,26 @@ def _draw(
     if request.dask is None:
         from splatline.host.large.draw_parts import draw_parts
 
-        with stages.stages({"parts": f"Drawing {plan.count:,} points"}) as tell:
+        with _telling(plan, request, stages) as tell:
             return draw_parts(plan, drawing, progress=tell), facts
     from splatline.host.large.cluster import draw_on_cluster, open_cluster
 
-    with (
-        open_cluster(request.dask) as client,
-        stages.stages({"parts": f"Drawing {plan.count:,} points on {request.dask}"}) as tell,
-    ):
+    with open_cluster(request.dask) as client, _telling(plan, request, stages) as tell:
         joined, traffic = draw_on_cluster(plan, drawing, client, progress=tell)
-    return joined, {**facts, "dask_tasks": traffic.tasks, "dask_bytes": traffic.bytes}
+    return joined, {**facts, **_travelled(traffic)}
+
+
+def _telling(
+    plan: Plan, request: RenderRequest, stages: Stages
+) -> AbstractContextManager[Callable[[str, float], None]]:
+    """Return the stage in which parts are drawn."""
+    where = "" if request.dask is None else f" on {request.dask}"
+    return stages.stages({"parts": f"Drawing {plan.count:,} points{where}"})
+
+
+def _travelled(traffic: Traffic) -> dict[str, int]:
+    """Return the statistics of a cluster's tasks."""
+    return {"dask_tasks": traffic.tasks, "dask_bytes": traffic.bytes}
 
 
 def _check(request: RenderRequest) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from splatline.cli.report.progress import Stages
 
+from .above import seen_from_above
 from .camera import see, with_camera
 from .large import is_large, prepare_large, prepare_large_tiles
 from .request import RenderRequest
@@ -20,17 +23,23 @@ if TYPE_CHECKING:
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
     from splatline.host.files.wanted import ColourBy
+    from splatline.host.large.cluster_tiles import ClusterTiles
     from splatline.host.large.joined_tiles import JoinedTiles
     from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
+    from splatline.view.live_cloud import LiveCloud
     from splatline.view.subject import Subject
+
+    Picture: TypeAlias = TiledPicture | JoinedTiles | ClusterTiles
+    """A picture in tiles."""
 
 __all__ = [
     "PreparedFrames",
     "PreparedTiles",
     "measure_in_stages",
     "prepare",
+    "prepare_live",
     "prepare_tiles",
     "read_in_stages",
     "subject_of",
@@ -85,17 +94,19 @@ class PreparedTiles:
     ----------
     picture
         The tiles; their frames are made as they are asked for, or lie in memory.
-    camera, dropped, colour_key, notes, far_away, facts
+    camera, dropped, colour_key, notes, far_away
         See :class:`PreparedFrames`.
+    facts
+        Returns further statistics, once the tiles are drawn.
     """
 
-    picture: TiledPicture | JoinedTiles
+    picture: Picture
     camera: dict[str, Any]
     dropped: dict[str, int]
     colour_key: dict[str, Any]
     notes: list[str]
     far_away: int = 0
-    facts: dict[str, Any] = field(default_factory=dict)
+    facts: Callable[[], dict[str, Any]] = dict
 
 
 @dataclass(frozen=True)
@@ -148,8 +159,12 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
     )
 
 
-def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> PreparedTiles:
+def prepare_tiles(
+    request: RenderRequest, stages: Stages, samples: int, stack: ExitStack
+) -> PreparedTiles:
     """Read the cloud of a request whose picture is larger than the engine's image.
+
+    What the tiles need, such as a cluster, is closed by ``stack``.
 
     Raises
     ------
@@ -158,7 +173,7 @@ def prepare_tiles(request: RenderRequest, stages: Stages, samples: int = 1) -> P
     """
     request, camera, scene = with_camera(request, stages)
     if is_large(request):
-        return prepare_large_tiles(request, camera, stages, samples)
+        return prepare_large_tiles(request, camera, stages, samples, stack)
     prepared = _view_of(request, camera, scene, stages)
     cloud = prepared.cloud
     with stages.stage("", "Projecting"):
@@ -206,21 +221,54 @@ def subject_of(request: RenderRequest) -> Subject:
     )
 
 
+def prepare_live(request: RenderRequest, stages: Stages) -> tuple[LiveCloud, dict[str, Any]]:
+    """Return the cloud of a request, ready to be drawn again and again, and its camera's values.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or a value is out of range.
+    """
+    from splatline.view.live_cloud import live_cloud
+
+    request, camera, scene = with_camera(request, stages)
+    cloud = _cloud_of(request, scene, stages)
+    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
+        live = live_cloud(
+            cloud,
+            fit=request.fit,
+            splat_size=request.splat_size,
+            progress=lambda text, part: share(part or 0.0),
+        )
+    return live, camera
+
+
+def _cloud_of(request: RenderRequest, scene: Scene | None, stages: Stages) -> Cloud:
+    """Return the cloud of a request in memory, in the colours that are asked for."""
+    if request.path is not None:
+        return read_in_stages(
+            request.path,
+            stages,
+            request.colour,
+            format=request.format,
+            sample=request.sample,
+            keep=request.keep,
+        )
+    assert scene is not None
+    if request.colour is None:
+        return scene.cloud
+    from splatline.host.files.colouring import colour_scene
+
+    return colour_scene(scene.cloud, request.colour)
+
+
 def _view_of(
     request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
 ) -> _View:
     """Read the cloud of a request and fit its view."""
-    if request.path is not None:
-        cloud = read_in_stages(
-            request.path, stages, request.colour, format=request.format, sample=request.sample
-        )
-    else:
-        assert scene is not None
-        cloud = scene.cloud
-        if request.colour is not None:
-            from splatline.host.files.colouring import colour_scene
+    from splatline.host.cloud.upward import turn_upward
 
-            cloud = colour_scene(cloud, request.colour)
+    cloud = _cloud_of(request, scene, stages)
     far_away = 0
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):
@@ -229,6 +277,9 @@ def _view_of(
     discs = measure_in_stages(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = see(cloud, camera, request.size, discs.radii)
+        up = seen_from_above(request, camera, view)
+        if up is not None:
+            cloud = turn_upward(cloud, up)
     return _View(cloud, discs, view, camera, far_away)
 
 
@@ -273,13 +324,16 @@ def read_in_stages(
     *,
     format: str | None = None,
     sample: int | None = None,
+    keep: frozenset[str] = frozenset(),
 ) -> Cloud:
     """Read a cloud file in the stages ``read`` and ``normals``; see ``read_cloud``."""
     from splatline.host.files.readers import read_cloud
 
     reading = {"read": f"Reading {path}", "normals": f"Estimating the normals of {path.name}"}
     with stages.stages(reading) as tell:
-        return read_cloud(path, colour=colour, format=format, sample=sample, progress=tell)
+        return read_cloud(
+            path, colour=colour, format=format, sample=sample, keep=keep, progress=tell
+        )
 
 
 def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:

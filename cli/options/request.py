@@ -61,6 +61,8 @@ class RenderRequest:
         Bytes that a large cloud may take; None: a quarter of the machine's.
     dask
         Address of the Dask cluster that draws, or ``local``; None: this process does.
+    keep
+        Points that are drawn though they usually are not; see ``read_cloud``.
     """
 
     paths: tuple[Path, ...]
@@ -84,6 +86,7 @@ class RenderRequest:
     sample: int | None = None
     memory: int | None = None
     dask: str | None = None
+    keep: frozenset[str] = frozenset()
 
     @property
     def path(self) -> Path | None:

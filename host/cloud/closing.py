@@ -13,14 +13,24 @@ or is the open side of a border, which stays open.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
+import numpy.typing as npt
 from llvmlite import ir
 from numba.extending import intrinsic
 
-__all__ = ["COSINES", "DIRECTIONS", "SINES", "closing_radius", "pull_neighbours", "strongest"]
+__all__ = [
+    "APART",
+    "COSINES",
+    "DIRECTIONS",
+    "SINES",
+    "Closing",
+    "closing_radius",
+    "pull_neighbours",
+    "strongest",
+]
 
 DIRECTIONS = 16
 """Directions in which the nearest side of the Voronoi region is found."""
@@ -52,6 +62,26 @@ NEAREST = 1e-12
 
 INDEX_BITS = 11
 """Low bits of a float32 that hold a neighbour's number."""
+
+
+class Closing(NamedTuple):
+    """How far the gaps about a cloud's distinct points reach; see ``measure_cells``.
+
+    Parameters
+    ----------
+    radii
+        Closing radii in units of the bulk's extent: shape (m,), float64.
+    thin
+        Which points have no gap about them: shape (m,), bool.
+    """
+
+    radii: npt.NDArray[np.float64]
+    thin: npt.NDArray[np.bool_]
+
+    @classmethod
+    def empty(cls, count: int) -> Closing:
+        """Return room for the radii of some points."""
+        return cls(np.empty(count), np.empty(count, np.bool_))
 
 
 @nb.njit(error_model="numpy", fastmath={"contract", "nsz", "arcp"})

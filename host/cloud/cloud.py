@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -10,9 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from .cells import Cells, build_cells
+from .closing import Closing
 from .curve_order import Curve, sort_along_curve
 
 __all__ = ["Cloud"]
+
+CACHED = ("curve", "cells")
+"""What depends on the positions alone."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,8 @@ class Cloud:
         Shape (n, 3), uint8: red, green, blue.
     two_sided
         Shape (n,), bool: the normal was estimated, or is a splat's axis. Its sign means nothing,
-        and is chosen so that it faces the viewer. Such a point never faces away.
+        and is chosen so that it faces the viewer. Such a point never faces away. ``turn_upward``
+        gives a sign to some of them.
     origin
         Shape (3,), float64: the cloud's own centre. Positions are relative to it, so a scan in map
         coordinates (10^7) is drawn as exactly as one at zero.
@@ -52,6 +57,11 @@ class Cloud:
     radii
         Shape (n,), float64, above 0: radii of the discs that the file gives, in its own unit. None:
         the points' spacing tells them.
+    up
+        The axis that points up by the habit of the file's format.
+    closing
+        The closing radii, if they were found with the normals; ``measure_discs`` takes them. They
+        are lost when a part of the cloud is replaced.
     """
 
     positions: npt.NDArray[np.float64]
@@ -67,10 +77,27 @@ class Cloud:
     colour_key: dict[str, Any] = field(default_factory=dict)
     facts: dict[str, str] = field(default_factory=dict)
     radii: npt.NDArray[np.float64] | None = None
+    up: str = "y"
+    closing: Closing | None = field(default=None, init=False, repr=False)
+
+    @property
+    def survey(self) -> bool:
+        """Whether the file has a surveyor's format: the ground and what stands on it, z up."""
+        return self.up == "z"
 
     def __len__(self) -> int:
         """Return the number of points."""
         return len(self.positions)
+
+    def turned(self, normals: npt.NDArray[np.float32], two_sided: npt.NDArray[np.bool_]) -> Cloud:
+        """Return the same points with other normals; their order along the curve is kept."""
+        cloud = replace(self, normals=normals, two_sided=two_sided)
+        cloud.__dict__.update({key: vars(self)[key] for key in CACHED if key in vars(self)})
+        return cloud
+
+    def keep_closing(self, closing: Closing) -> None:
+        """Keep the closing radii of the distinct points, which belong to the normals."""
+        object.__setattr__(self, "closing", closing)
 
     @cached_property
     def curve(self) -> Curve:

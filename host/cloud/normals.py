@@ -3,57 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .cells import CELL_POINTS, Cells, build_cells, parts_of, search_of
-from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
-from .thinnest import thinnest
+from .cells import Cells, build_cells
+from .closing import Closing
+from .cloud import Cloud
+from .measure_cells import measure_cells
 
-__all__ = ["estimate_normals"]
-
-NEIGHBOURS = 16
-"""Points of a neighbourhood with the point itself, where the surface is smooth."""
-
-SAME = 1e-6
-"""Squares of distances that differ by this share count as the same."""
-
-STEPS = 200
-"""Most steps of a bisection; 100 halve the largest distance to the smallest that there is."""
-
-BEYOND = 1e30
-"""Square of a distance beyond all candidates, in units of the cell's size."""
-
-WIDER_POINTS = 16
-"""Most points that a wider neighbourhood takes of a cube."""
-
-GROWTHS = 3
-"""Times that a neighbourhood grows at most: first to all of the 27 cubes, then to cubes of twice
-the size, and again."""
-
-NOISY = 0.05
-"""A neighbourhood grows if its smallest extent is above this share of the second (as variances):
-what is scattered so far off a plane is noise, and more points average it."""
-
-CLEARER = 0.35
-"""A larger neighbourhood counts if its smallest extent has at most this part of the share that the
-smaller one's had."""
-
-FLAT = 1e-6
-"""A neighbourhood is a line, not a plane, if its second extent is below this share of the first
-(as variances: its square root is 1e-3). It grows as well."""
-
-REACH = 12.0
-"""Square of the reach of all 27 cubes from a point in the middle one: two cubes along each axis, in
-units of the cell's size. A point far from the bulk, which counts in an outermost cube, lies
-beyond."""
-
-WITHIN = 3.0
-"""Square of the largest distance of two points of a cell in the same units; those further apart are
-far from the bulk."""
+__all__ = ["estimate_normals", "estimate_surface"]
 
 _Floats = npt.NDArray[np.float64]
 
@@ -99,183 +58,26 @@ def estimate_normals(
     needed = np.zeros(len(cells.first), np.bool_)
     needed[cells.number[wanted]] = True
     normals = np.zeros((len(cells.first), 3), np.float32)
-    for cuts in parts_of(cells, progress):
-        _estimate(search_of(cells), cuts, cells.positions, needed, normals)
+    measure_cells(cells, normals, needed, progress=progress)
     return normals[cells.number[wanted]]
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
-def _estimate(search: Any, cuts: Any, positions: Any, needed: Any, normals: Any) -> None:
-    """Set the normal of each distinct point that is needed."""
-    keys, levels, table, table_levels, starts, depths = search
-    for chunk in nb.prange(len(cuts) - 1):
-        found = np.empty(CANDIDATES, np.int64)
-        around = np.empty((3, CANDIDATES))
-        squares, moments, vector = np.empty(CANDIDATES), np.empty(6), np.empty(3)
-        # Of each point of a cell: what share of its neighbourhood's extent is off the plane,
-        # whether the neighbourhood is a line, and whether it must grow.
-        thin, flat = np.zeros(CELL_POINTS), np.zeros(CELL_POINTS, np.bool_)
-        todo = np.zeros(CELL_POINTS, np.bool_)
-        for cell in range(cuts[chunk], cuts[chunk + 1]):
-            start, stop, depth = starts[cell], starts[cell + 1], depths[cell]
-            left = 0
-            for i in range(start, stop):
-                todo[i - start] = needed[i]
-                left += needed[i]
-            if left == 0:
-                continue
-            # In units of the cell's size, so that no square over- or underflows.
-            scale = float(1 << depth)
-            count = gather_candidates(
-                keys, levels, table, table_levels, start, depth, CUBE_POINTS, found
-            )
-            _take_around(positions, found, count, start, scale, around)
-            left = 0
-            for i in range(start, stop):
-                at = i - start
-                if not todo[at]:
-                    continue
-                x, y, z = _offset(positions, i, start, scale)
-                reach = _reach(around, count, x, y, z, squares)
-                _moments(around, count, x, y, z, reach, moments)
-                least, middle, most = thinnest(moments, vector)
-                for axis in range(3):
-                    normals[i, axis] = vector[axis]
-                flat[at] = middle <= FLAT * most
-                thin[at] = least / middle if middle > 0.0 else 0.0
-                todo[at] = flat[at] or thin[at] > NOISY
-                left += todo[at]
-            for wider in range(GROWTHS):
-                if left == 0 or wider > depth:
-                    break
-                if wider > 0:
-                    count = gather_candidates(
-                        keys, levels, table, table_levels, start, depth - wider, WIDER_POINTS, found
-                    )
-                    _take_around(positions, found, count, start, scale, around)
-                left = _grow(
-                    positions, around, count, start, stop, scale, REACH * 4.0**wider, moments,
-                    vector, thin, flat, todo, normals,
-                )  # fmt: skip
+def estimate_surface(cloud: Cloud, *, progress: Callable[[float], None] | None = None) -> None:
+    """Set all normals of a cloud, and what ``measure_discs`` needs of its closing radii.
 
+    Both come from one search of neighbours, and are bit for bit those that ``estimate_normals`` and
+    then ``measure_discs`` find.
 
-@nb.njit(error_model="numpy")
-def _grow(
-    positions: Any,
-    around: Any,
-    count: int,
-    start: int,
-    stop: int,
-    scale: float,
-    reach: float,
-    moments: Any,
-    vector: Any,
-    thin: Any,
-    flat: Any,
-    todo: Any,
-    normals: Any,
-) -> int:
-    """Set a cell's normals from all that is around; return how many points are still to do.
-
-    Points of a cell have the same neighbourhood, so it is measured about the first of them. A point
-    far from the bulk, which counts in an outermost cell, has its own.
+    Parameters
+    ----------
+    cloud
+        The cloud; its normals and ``closing`` are set.
+    progress
+        Called now and then with the share of the work that is done.
     """
-    left = 0
-    has_middle = False
-    x, y, z, least, middle, most = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(start, stop):
-        at = i - start
-        if not todo[at]:
-            continue
-        a, b, c = _offset(positions, i, start, scale)
-        if not has_middle or (a - x) ** 2 + (b - y) ** 2 + (c - z) ** 2 > WITHIN:
-            x, y, z, has_middle = a, b, c, True
-            _moments(around, count, x, y, z, reach, moments)
-            least, middle, most = thinnest(moments, vector)
-        todo[at] = False
-        # Noise is the same in a larger neighbourhood, relief is larger as well.
-        if flat[at] or least < CLEARER * thin[at] * middle:
-            for axis in range(3):
-                normals[i, axis] = vector[axis]
-            flat[at] = middle <= FLAT * most
-            thin[at] = least / middle if middle > 0.0 else 0.0
-            todo[at] = flat[at] or thin[at] > NOISY
-        left += todo[at]
-    return left
-
-
-@nb.njit(inline="always")
-def _offset(positions: Any, i: int, start: int, scale: float) -> tuple[float, float, float]:
-    """Return a point's position relative to a cell's first point, in units of the cell's size."""
-    return (
-        (positions[i, 0] - positions[start, 0]) * scale,
-        (positions[i, 1] - positions[start, 1]) * scale,
-        (positions[i, 2] - positions[start, 2]) * scale,
-    )
-
-
-@nb.njit(error_model="numpy")
-def _take_around(
-    positions: Any, found: Any, count: int, start: int, scale: float, around: Any
-) -> None:
-    """Set the candidates' positions relative to a cell's first point: shape (3, most)."""
-    for c in range(count):
-        around[0, c], around[1, c], around[2, c] = _offset(positions, found[c], start, scale)
-
-
-@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _reach(around: Any, count: int, x: float, y: float, z: float, squares: Any) -> float:
-    """Return the square of the distance of the last of the nearest ``NEIGHBOURS``, or a hair more.
-
-    It is found by bisection, which needs some counts over all candidates. They are vectors, while a
-    search for the nearest would branch at each.
-    """
-    for c in range(count):
-        dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
-        squares[c] = dx * dx + dy * dy + dz * dz
-    if count <= NEIGHBOURS:
-        return BEYOND
-    low, high = 0.0, BEYOND
-    # If a surface passes through nine of the cubes.
-    reach = 9.0 / np.pi * NEIGHBOURS / count
-    for _ in range(STEPS):
-        if high - low <= SAME * high:
-            break
-        inside = 0
-        for c in range(count):
-            inside += squares[c] <= reach
-        if inside < NEIGHBOURS:
-            low = reach
-            reach = 2.0 * reach if high == BEYOND else 0.5 * (reach + high)
-        elif inside > NEIGHBOURS:
-            high = reach
-            reach = 0.5 * (reach + low)
-        else:
-            return reach
-    return high
-
-
-@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _moments(
-    around: Any, count: int, x: float, y: float, z: float, reach: float, moments: Any
-) -> None:
-    """Set the covariance of the neighbours within a distance: xx, xy, xz, yy, yz, zz."""
-    number = 0.0
-    sx, sy, sz = 0.0, 0.0, 0.0
-    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for c in range(count):
-        dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
-        # A choice instead of a branch, so that LLVM makes vectors of it.
-        inside = dx * dx + dy * dy + dz * dz <= reach
-        dx, dy, dz = dx if inside else 0.0, dy if inside else 0.0, dz if inside else 0.0
-        number += 1.0 if inside else 0.0
-        sx, sy, sz = sx + dx, sy + dy, sz + dz
-        xx, xy, xz = xx + dx * dx, xy + dx * dy, xz + dx * dz
-        yy, yz, zz = yy + dy * dy, yz + dy * dz, zz + dz * dz
-    share = 1.0 / number
-    moments[0] = xx - sx * sx * share
-    moments[1] = xy - sx * sy * share
-    moments[2] = xz - sx * sz * share
-    moments[3] = yy - sy * sy * share
-    moments[4] = yz - sy * sz * share
-    moments[5] = zz - sz * sz * share
+    cells = cloud.cells
+    count = len(cells.first)
+    normals, closing = np.zeros((count, 3), np.float32), Closing.empty(count)
+    measure_cells(cells, normals, np.ones(count, np.bool_), closing, progress=progress)
+    cloud.normals[:] = normals[cells.number]
+    cloud.keep_closing(closing)

@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .cells import Cells, build_cells, parts_of, search_of
-from .closing import APART, COSINES, DIRECTIONS, SINES, closing_radius, pull_neighbours, strongest
+from .cells import Cells, build_cells, parts_of
+from .closing import Closing
 from .cloud import Cloud
-from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
+from .measure_cells import measure_cells
 from .prefetch import AHEAD, prefetch
 
 __all__ = ["Discs", "closing_radii", "measure_discs", "splat_radii"]
@@ -33,9 +33,6 @@ AROUND = 32
 
 SINGLE = 0.01
 """Closing radius of a cloud whose points are all at one position."""
-
-FEWEST = 12
-"""Fewer points make no surface. Each is shown apart."""
 
 _Floats = npt.NDArray[np.float64]
 
@@ -87,7 +84,7 @@ def measure_discs(
     if size is None and cloud.radii is not None:
         return Discs(cloud.radii, np.zeros(len(cloud), np.bool_))
     if size is None:
-        radii, thin = _close(cloud.cells, cloud.normals, progress)
+        radii, thin = _close(cloud.cells, cloud.normals, cloud.closing, progress)
         return Discs(COVER * radii, thin)
     if not (math.isfinite(size) and size > 0.0):
         raise InputError(f"the splat size must be above 0, not {size:g}")
@@ -123,23 +120,25 @@ def closing_radii(
     ndarray
         Shape (n,), float64, above 0: ``SINGLE`` if all points are at one position.
     """
-    return _close(build_cells(positions), normals, progress).radii
+    return _close(build_cells(positions), normals, None, progress).radii
 
 
 def _close(
     cells: Cells,
     normals: npt.NDArray[np.float32],
+    closing: Closing | None,
     progress: Callable[[float], None] | None,
 ) -> Discs:
     """Return the discs that just close a surface; see :func:`closing_radii`."""
     count = len(cells.number)
     if len(cells.first) == 1:
         return Discs(np.full(count, SINGLE), np.ones(count, np.bool_))
-    raw, thin = np.empty(len(cells.first)), np.empty(len(cells.first), np.bool_)
-    arrays = cells.positions, normals, cells.first, COSINES, SINES, raw, thin
-    few = len(cells.first) < FEWEST
-    for cuts in parts_of(cells, progress):
-        _measure(search_of(cells), cuts, few, *arrays)
+    if closing is None:
+        closing = Closing.empty(len(cells.first))
+        own = np.empty((len(cells.first), 3), np.float32)
+        _take_normals(np.ascontiguousarray(normals), cells.first, own)
+        measure_cells(cells, own, np.zeros(len(own), np.bool_), closing, progress=progress)
+    raw, thin = closing
     even, alone = np.empty_like(raw), np.empty_like(thin)
     for cuts in parts_of(cells):
         _even_out(cells.starts, cuts, raw, thin, even, alone)
@@ -149,65 +148,12 @@ def _close(
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
-def _measure(
-    search: Any,
-    cuts: Any,
-    few: bool,
-    positions: Any,
-    normals: Any,
-    first: Any,
-    cosines: Any,
-    sines: Any,
-    radii: Any,
-    thin: Any,
-) -> None:
-    """Set each distinct point's closing radius, in units of the bulk's extent, and if it is thin.
-
-    Points of a cloud that has ``few`` are shown apart.
-    """
-    keys, levels, table, table_levels, starts, depths = search
-    for chunk in nb.prange(len(cuts) - 1):
-        found = np.empty(CANDIDATES, np.int64)
-        away = np.empty((3, CANDIDATES), np.float32)
-        pull = np.empty((2, CANDIDATES), np.float32)
-        most, sides = np.empty(DIRECTIONS, np.float32), np.empty((2, DIRECTIONS + 1), np.float32)
-        for cell in range(cuts[chunk], cuts[chunk + 1]):
-            start, depth = starts[cell], depths[cell]
-            count = gather_candidates(
-                keys, levels, table, table_levels, start, depth, CUBE_POINTS, found
-            )
-            # In units of the cell's own size about its first point, so that float32 is enough.
-            scale = float(1 << depth)
-            for c in range(count):
-                for axis in range(3):
-                    offset = positions[found[c], axis] - positions[start, axis]
-                    away[axis, c] = offset * scale
-            for i in range(start, starts[cell + 1]):
-                x = np.float32((positions[i, 0] - positions[start, 0]) * scale)
-                y = np.float32((positions[i, 1] - positions[start, 1]) * scale)
-                z = np.float32((positions[i, 2] - positions[start, 2]) * scale)
-                point = first[i]
-                prefetch(normals, 12 * first[min(i + AHEAD, len(first) - 1)])
-                normal = normals[point, 0], normals[point, 1], normals[point, 2]
-                pull_neighbours(away, count, (x, y, z), normal, pull)
-                strongest(pull[0], pull[1], count, cosines, sines, most)
-                radius, closes = closing_radius(pull, most, sides)
-                if few or radius == np.inf:  # then its neighbours are straight above and below it
-                    radius, closes = APART * _nearest(away, count, x, y, z), False
-                thin[i] = not closes
-                radii[i] = radius / scale
-
-
-@nb.njit(error_model="numpy")
-def _nearest(away: Any, count: int, x: float, y: float, z: float) -> float:
-    """Return the distance of the nearest other point of a neighbourhood."""
-    least = np.inf
-    for c in range(count):
-        dx, dy, dz = away[0, c] - x, away[1, c] - y, away[2, c] - z
-        square = dx * dx + dy * dy + dz * dz
-        if 0.0 < square < least:
-            least = square
-    return math.sqrt(least) if least < np.inf else 1.0
+def _take_normals(normals: Any, first: Any, own: Any) -> None:
+    """Copy the distinct points' normals."""
+    for i in nb.prange(len(first)):
+        prefetch(normals, 12 * first[min(i + AHEAD, len(first) - 1)])
+        for axis in range(3):
+            own[i, axis] = normals[first[i], axis]
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")

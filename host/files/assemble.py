@@ -11,7 +11,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.bulk import bounds, far_points, lost_points
 from splatline.host.cloud.cloud import Cloud
-from splatline.host.cloud.normals import estimate_normals
+from splatline.host.cloud.normals import estimate_normals, estimate_surface
 
 from .colouring import Coloured, colour_values, heights
 from .colours import NEUTRAL, colours_to_bytes
@@ -33,6 +33,7 @@ def assemble_cloud(
     *,
     origin: npt.NDArray[np.float64] | None = None,
     estimate: bool = True,
+    up: str = "y",
     progress: Callable[[float], None] | None = None,
 ) -> Cloud:
     """Return a cloud about its own centre, the middle of its bounding box.
@@ -53,6 +54,8 @@ def assemble_cloud(
         Another centre: shape (3,).
     estimate
         Whether missing normals are estimated; if not, they are 0.
+    up
+        The axis that points up.
     progress
         Called now and then with the share of the normals that are estimated, first with 0; not
         called if none is missing.
@@ -101,13 +104,17 @@ def assemble_cloud(
         colour_key=coloured.key,
         facts=columns.facts,
         radii=None if columns.radii is None else _rows(columns.radii, kept).astype(np.float64),
+        up=up,
     )
     if estimate and missing.any():
         if progress is not None:
             progress(0.0)
-        normals[missing] = estimate_normals(
-            positions, missing, cells=cloud.cells, progress=progress
-        )
+        if missing.all() and usual.all() and cloud.radii is None:
+            estimate_surface(cloud, progress=progress)
+        else:
+            normals[missing] = estimate_normals(
+                positions, missing, cells=cloud.cells, progress=progress
+            )
     return cloud
 
 

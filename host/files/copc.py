@@ -181,7 +181,7 @@ def copc_tables(
     fields = Fields(header, names)
     nodes = nodes[np.argsort(nodes["offset"], kind="stable")]
     cuts = np.concatenate([[0], np.cumsum(nodes["count"], dtype=np.int64)])
-    drawn = Drawn(header, fields)
+    drawn = Drawn(header, fields, source.wanted.keep)
     first = 0
     while first < len(nodes):
         last = max(first + 1, int(np.searchsorted(cuts, cuts[first] + points, "right")) - 1)

@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from .las_fields import Fields
 from .las_header import LasHeader
+from .wanted import NOISE, UNDRAWN, WITHHELD
 
 __all__ = ["Drawn"]
 
-NOISE = (7, 18)
+NOISE_CLASSES = (7, 18)
 """Classes of low and of high noise."""
 
 FLAGS_SINCE = 1
@@ -31,6 +32,8 @@ class Drawn:
         The file's header.
     fields
         The fields that are wanted.
+    keep
+        Which of ``wanted.UNDRAWN`` are drawn all the same.
 
     Attributes
     ----------
@@ -38,11 +41,12 @@ class Drawn:
         The fields that must be read for that.
     """
 
-    def __init__(self, header: LasHeader, fields: Fields) -> None:
+    def __init__(self, header: LasHeader, fields: Fields, keep: frozenset[str]) -> None:
         self._flags = None
-        self._noise = NOISE[: 1 + (header.form >= LONG_CLASS)]
+        self._noise = NOISE_CLASSES[: 1 + (header.form >= LONG_CLASS)]
         self.read = fields
-        if header.minor >= FLAGS_SINCE:
+        self._keep = keep
+        if header.minor >= FLAGS_SINCE and not keep >= {*UNDRAWN}:
             self._flags = Fields(header, ("withheld", "classification"))
             self.read = Fields(header, (*fields.names, *self._flags.names))
 
@@ -54,8 +58,9 @@ class Drawn:
         table = self._flags.table(rows)
         withheld = table["withheld"] != 0
         noise = np.isin(table["classification"], self._noise)
-        noise &= ~withheld
-        for reason, which in (("withheld", withheld), ("noise", noise)):
-            if found := int(np.count_nonzero(which)):
+        left_out = np.zeros(len(rows), np.bool_)
+        for reason, which in ((WITHHELD, withheld), (NOISE, noise)):
+            if reason not in self._keep and (found := int(np.count_nonzero(which & ~left_out))):
                 dropped[reason] = found
-        return (rows[~(withheld | noise)] if dropped else rows), dropped
+                left_out |= which
+        return (rows[~left_out] if dropped else rows), dropped

@@ -7,11 +7,9 @@ import struct
 
 import numpy as np
 
-from .las_header import LasHeader
+from .las_header import PROJECTION, LasHeader
 
-__all__ = ["las_extent", "las_facts"]
-
-PROJECTION = "LASF_Projection"
+__all__ = ["las_extent", "las_facts", "named_system"]
 
 WKT, GEO_KEYS = 2112, 34735
 """Records of the coordinate system: OGC well-known text, and the keys of GeoTIFF."""
@@ -42,7 +40,8 @@ def las_extent(
 def las_facts(header: LasHeader) -> dict[str, str]:
     """Return the coordinate system, the program that wrote the file, and the day, as far as said.
 
-    The coordinate system is that of the record 2112 (well-known text), else of 34735 (GeoTIFF).
+    The coordinate system is that of the record 2112 (well-known text), else of 34735 (GeoTIFF);
+    both may be extended records.
     """
     facts = {}
     if system := _coordinate_system(header):
@@ -59,10 +58,8 @@ def las_facts(header: LasHeader) -> dict[str, str]:
 
 def _coordinate_system(header: LasHeader) -> str:
     """Return the name of the coordinate system and its EPSG code, or an empty text."""
-    wkt = _text(header.records.get((PROJECTION, WKT), b""))
-    if name := _NAME.match(wkt):
-        code = _LAST_CODE.search(wkt)
-        return name[2] + (f" (EPSG:{code[1]})" if code else "")
+    if name := named_system(_text(header.records.get((PROJECTION, WKT), b""))):
+        return name
     data = header.records.get((PROJECTION, GEO_KEYS), b"")
     values = np.frombuffer(data[: len(data) // 8 * 8], "<u2").reshape(-1, 4)
     codes = {int(key): int(value) for key, place, _, value in values[1:] if not place}
@@ -72,6 +69,15 @@ def _coordinate_system(header: LasHeader) -> str:
     if len(found) > 1 and 3072 in codes and codes.get(2048, 0) not in UNKNOWN:
         found.remove(f"EPSG:{codes[2048]}")  # the projected system's own base
     return ", ".join(found)
+
+
+def named_system(wkt: str) -> str:
+    """Return the name and the EPSG code of well-known text, or an empty text if it has no name."""
+    name = _NAME.match(wkt)
+    if name is None:
+        return ""
+    code = _LAST_CODE.search(wkt)
+    return name[2] + (f" (EPSG:{code[1]})" if code else "")
 
 
 def _text(data: bytes) -> str:

@@ -6,6 +6,7 @@ laspy's own header refuses LAS 1.0 and texts that are not UTF-8, and believes ev
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,7 +18,7 @@ from splatline.contract.errors import InputError
 from .columns import unique_names
 from .source import Source
 
-__all__ = ["Extra", "LasHeader", "read_las_header"]
+__all__ = ["PROJECTION", "Extra", "LasHeader", "read_las_header"]
 
 LENGTHS = (227, 227, 227, 235, 375, 375)
 """Bytes of the header of version 1.0, 1.1 and so on."""
@@ -29,6 +30,15 @@ RECORD = 54
 
 LASZIP = ("laszip encoded", 22204)
 EXTRA_BYTES = ("LASF_Spec", 4)
+
+EXTENDED = struct.Struct("<2x16sHQ32x")
+"""Header of an extended record, which stands behind the points: user, number and length."""
+
+PROJECTION = "LASF_Projection"
+"""User of the records of the coordinate system, the only extended ones that are read."""
+
+MOST_EXTENDED, LONGEST_EXTENDED = 1000, 1 << 20
+"""Extended records that are looked at, and the longest one that is read, in bytes."""
 
 DESCRIPTION = 192
 """Bytes that describe one field of extra bytes."""
@@ -90,7 +100,8 @@ class LasHeader:
     head
         The first bytes of the file, at least those of the shortest header.
     records
-        Data of the variable length records, by user and number.
+        Data of the variable length records, by user and number; of the extended ones those of
+        the coordinate system.
     """
 
     minor: int
@@ -147,6 +158,9 @@ def read_las_header(source: Source) -> LasHeader:
     if not count:
         raise InputError("has no points")
     found = _records(source, size, records, start)
+    if minor >= 4:
+        for key, data in _extended_records(source, *struct.unpack_from("<QI", head, 235)):
+            found.setdefault(key, data)
     laszip = found.get(LASZIP, b"")
     if compressed and not laszip:
         raise InputError("has no record that tells how it is compressed; is it damaged?")
@@ -174,6 +188,25 @@ def _records(source: Source, at: int, count: int, end: int) -> dict[tuple[str, i
         found.setdefault(key, block[at : at + length])
         at += length
     return found
+
+
+def _extended_records(
+    source: Source, at: int, count: int
+) -> Iterator[tuple[tuple[str, int], bytes]]:
+    """Yield the extended records of the coordinate system, by user and number.
+
+    Points are drawn without them, so that what does not fit the file is passed over.
+    """
+    for _ in range(min(count, MOST_EXTENDED)):
+        if not 0 < at <= source.size - EXTENDED.size:
+            return
+        source.stream.seek(at)
+        user, number, length = EXTENDED.unpack(source.stream.read(EXTENDED.size))
+        at += EXTENDED.size
+        name = user.split(b"\0")[0].decode("latin-1")
+        if name == PROJECTION and length <= min(LONGEST_EXTENDED, source.size - at):
+            yield (name, number), source.stream.read(length)
+        at += length
 
 
 def _extras(block: bytes, form: Any, length: int) -> tuple[Extra, ...]:

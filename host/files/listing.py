@@ -8,16 +8,19 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from .columns import find_meaning
 from .copc import COPC
-from .las_facts import las_extent, las_facts
+from .e57_header import read_e57_header
+from .las_facts import las_extent, las_facts, named_system
 from .las_fields import Fields, field_names
 from .las_header import read_las_header
 from .pcd_header import read_header as read_pcd_header
 from .ply_header import read_header as read_ply_header
 from .read_npz import array_shapes, npy_shape, values_a_row
 from .read_ply import points_of
+from .read_ptx import read_ptx_header
 from .read_text import read_layout
 from .source import Source
 
@@ -148,6 +151,31 @@ def _las(source: Source) -> Listing:
     )
 
 
+def _e57(source: Source) -> Listing:
+    header = read_e57_header(source)
+    facts = {"scans": f"{header.scans:,}"}
+    if system := named_system(header.system):
+        facts["coordinate system"] = system
+    extent = None
+    if header.corners is not None:
+        facts["bounds"] = "the boxes of the scans, which may be wider than their points"
+        corners = header.corners.reshape(-1, 3)
+        extent = _triple(corners.min(axis=0)), _triple(corners.max(axis=0))
+    return Listing("E57", header.points, header.fields, extent=extent, facts=facts)
+
+
+def _triple(row: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+    x, y, z = row.tolist()
+    return x, y, z
+
+
+def _ptx(source: Source) -> Listing:
+    scans, points, names = read_ptx_header(source)
+    return Listing(
+        "PTX, text", points, dict.fromkeys(names, "number"), facts={"scans": f"{scans:,}"}
+    )
+
+
 def _type(kind: np.dtype[Any], count: int) -> str:
     return kind.name if count == 1 else f"{count} x {kind.name}"
 
@@ -159,6 +187,8 @@ HEADERS: dict[str, Callable[[Source], Listing]] = {
     ".npz": _npz,
     ".npy": _npy,
     **dict.fromkeys((".las", ".laz"), _las),
+    ".e57": _e57,
+    ".ptx": _ptx,
 }
 """Reader of the header of each format, by the file name's suffix. A format without one is read as a
 whole."""

@@ -1,11 +1,7 @@
-"""E57 files: all scans of a file, each moved by its pose.
-
-libE57 is used without pye57's class ``E57``, which removes a file that it cannot open.
-"""
+"""E57 files: all scans of a file, each moved by its pose."""
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -13,27 +9,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.errors import InputError, install_hint
+from splatline.contract.errors import InputError
 
 from .columns import Columns, Meaning, find_meaning, gather
+from .e57_header import field_names, opened_e57
 from .e57_poses import cartesian, moved
-from .source import Source, unpacked_limit
+from .source import Source
 from .wanted import Wanted
 
 __all__ = ["read_e57"]
 
-HEADER = struct.Struct("<8sIIQQQQ")
-"""Signature, version, length of the file, place and length of the XML, length of a page."""
-
-PAGE = 1024
-CHECKSUM = 4
-"""Bytes at the end of a page that check it."""
-
 PIECE = 1 << 20
 """Points that are read at once."""
-
-LEAST = 12
-"""Bytes of a point as three floats, by which a count is checked."""
 
 CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
@@ -62,23 +49,8 @@ def read_e57(source: Source) -> Columns:
     Exception
         From libE57, if the file is damaged otherwise.
     """
-    xml = _checked_xml(source)
-    if b"<!" in xml.replace(b"<![CDATA[", b"").replace(b"<!--", b""):
-        raise InputError("cannot be read as E57: its XML has declarations of its own")
-    try:
-        from pye57 import libe57
-    except ImportError:
-        raise InputError(f"E57 needs pye57: {install_hint('e57')}") from None
-    image = libe57.ImageFile(f"/dev/fd/{source.stream.fileno()}", "r")
-    try:
-        root = image.root()
-        scans = [scan for scan in _children(root["data3D"]) if scan.isDefined("points")]
-        total = sum(scan["points"].childCount() for scan in scans)
-        if total > unpacked_limit(source.size) // LEAST:
-            raise InputError(f"promises {total:,} points, more than {source.size:,} bytes hold")
-        if not total:
-            raise InputError("has no points")
-        fields = [_names(libe57, scan["points"]) for scan in scans]
+    with opened_e57(source) as (libe57, image, scans, total):
+        fields = [field_names(libe57, scan["points"]) for scan in scans]
         meaning = _meaning(fields, source.wanted)
         tables: list[Table] = []
         dropped = 0
@@ -88,42 +60,11 @@ def read_e57(source: Source) -> Columns:
             dropped += invalid
             if source.progress is not None:
                 source.progress(sum(len(part[meaning.positions[0]]) for part in tables) / total)
-    finally:
-        image.close()
     whole = {name: np.concatenate([part[name] for part in tables]) for name in meaning.names}
     columns = gather(whole, meaning)
     if dropped:
         columns.dropped["invalid"] = dropped
     return columns
-
-
-def _checked_xml(source: Source) -> bytes:
-    """Return the XML that describes the file; raise if it is not inside the file."""
-    source.stream.seek(0)
-    head = source.stream.read(HEADER.size)
-    if len(head) < HEADER.size or head[:8] != b"ASTM-E57":
-        raise InputError("cannot be read as E57: it does not begin with ASTM-E57")
-    _, _, _, length, at, size, page = HEADER.unpack(head)
-    if page != PAGE or length > source.size or not HEADER.size <= at < length or size > length - at:
-        raise InputError("its header does not fit the file's size; is it damaged, or truncated?")
-    start = at % PAGE
-    source.stream.seek(at - start)
-    pages = source.stream.read(length - at + start)
-    logical = b"".join(
-        pages[first : first + PAGE - CHECKSUM] for first in range(0, len(pages), PAGE)
-    )
-    return logical[start : start + size]
-
-
-def _children(node: Any) -> list[Any]:
-    """Return the children of a vector or structure."""
-    return [node[i] for i in range(node.childCount())]
-
-
-def _names(libe57: Any, points: Any) -> Names:
-    """Return the fields of a scan's points."""
-    prototype = libe57.StructureNode(points.prototype())
-    return tuple(prototype.get(i).elementName() for i in range(prototype.childCount()))
 
 
 def _meaning(fields: Iterable[Names], wanted: Wanted) -> Meaning:

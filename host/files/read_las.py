@@ -34,7 +34,8 @@ def read_las(source: Source) -> Columns:
     Points flagged as *withheld* are left out: the standard says that they are deleted. So are those
     classified as noise (7, and 18 in formats from 6 on): whoever classified the scan says that they
     are not of the scene, and a few of them, high above it, would make the picture small. Both are
-    counted. Synthetic points and key points are drawn. Files of LAS 1.0 have no such flags.
+    counted; ``Wanted.keep`` draws them. Synthetic points and key points are drawn. Files of LAS 1.0
+    have no such flags.
 
     Raises
     ------
@@ -54,7 +55,9 @@ def read_las(source: Source) -> Columns:
         meaning = las_meaning(header, source.wanted, colours=False)
         table |= _read_all(source, header, meaning.colours)[0]
     if not len(table["x"]):
-        raise InputError(f"has no points but {header.count:,} that are withheld or noise")
+        raise InputError(
+            f"has no points but {header.count:,} that are withheld or noise; see --keep"
+        )
     columns = gather(table, meaning, notes)
     columns.dropped.update(dropped)
     return columns
@@ -144,7 +147,7 @@ def _rows(
 
     They are those from the number ``begin`` up to ``end``, or all.
     """
-    drawn = Drawn(header, fields)
+    drawn = Drawn(header, fields, source.wanted.keep)
     read = _open(source, header, drawn.read, begin)
     left = min(header.count, end or header.count) - begin
     while left:

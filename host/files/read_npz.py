@@ -183,9 +183,13 @@ def read_npy(source: Source) -> Columns:
     Exception
         Of several types, from numpy, if the file is damaged.
     """
-    _, kind, widths = npy_shape(source)
+    shape, kind, widths = npy_shape(source)
+    if kind.hasobject:
+        raise InputError("holds Python objects, not numbers alone")
     source.stream.seek(0)
-    array = npy.read_array(source.stream, allow_pickle=False)
+    _, is_fortran, _ = _header(source.stream)
+    values = source.read(math.prod(shape) * kind.itemsize).view(kind)
+    array = values.reshape(shape, order="F" if is_fortran else "C")
     if kind.names is None:
         return by_number(array, source.suffix, wanted=source.wanted)
     rows = array.reshape(-1)
@@ -216,9 +220,7 @@ def _promise(stream: IO[bytes], size: int) -> tuple[tuple[int, ...], np.dtype[An
     """Return the shape and type that an array's header promises; raise if ``size`` is too small."""
     # From its first bytes, as a header may promise to be 4 GB long.
     head = io.BytesIO(stream.read(LONGEST))
-    version = npy.read_magic(head)
-    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-    shape, _, kind = read(head)
+    shape, _, kind = _header(head)
     promised = math.prod(shape) * kind.itemsize
     if min(shape, default=0) < 0 or promised > size - head.tell():
         raise InputError(
@@ -226,3 +228,10 @@ def _promise(stream: IO[bytes], size: int) -> tuple[tuple[int, ...], np.dtype[An
             " is it damaged, or truncated?"
         )
     return shape, kind
+
+
+def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Read an array's header: its shape, whether columns lie one behind the other, and its type."""
+    version = npy.read_magic(stream)
+    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+    return read(stream)

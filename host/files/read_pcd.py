@@ -91,7 +91,9 @@ def _decompressed(source: Source, header: Header) -> _Table:
             f"promises {header.points} points of {header.row} bytes, but holds {unpacked} bytes"
             f" in {packed}; is it damaged?"
         )
-    data = lzf.decompress(source.stream.read(packed), unpacked)
+    points = source.read(packed)
+    points.flags.writeable = False  # which lzf insists on
+    data = lzf.decompress(points, unpacked)
     if data is None or len(data) != unpacked:
         raise InputError("cannot be decompressed; is it damaged?")
     table: dict[str, npt.NDArray[Any]] = {}

@@ -14,7 +14,7 @@ from .columns import Columns, find_meaning, gather
 from .numbers import lines_of
 from .source import Source
 
-__all__ = ["read_ptx"]
+__all__ = ["read_ptx", "read_ptx_header"]
 
 NAMES = ("x", "y", "z", "intensity", "red", "green", "blue")
 
@@ -76,6 +76,26 @@ def read_ptx(source: Source) -> Columns:
     return columns
 
 
+def read_ptx_header(source: Source) -> tuple[int, int, tuple[str, ...]]:
+    """Return the scans, their points with those that found nothing, and the names of the columns.
+
+    All lines are passed over, but those of points are not parsed, besides the first of each scan.
+
+    Raises
+    ------
+    InputError
+        If a header does not fit, or a scan is shorter than it promises.
+    """
+    lines = _Lines(source)
+    scans = points = width = 0
+    while (header := lines.header()) is not None:
+        scans, points = scans + 1, points + header[0]
+        width = max(width, lines.skip(header[0]))
+    if not points:
+        raise InputError("has no points")
+    return scans, points, NAMES[:width]
+
+
 class _Lines:
     """The lines of a file, which know their number."""
 
@@ -119,10 +139,7 @@ class _Lines:
         while left:
             part = list(islice(self._lines, min(left, PIECE)))
             if not part:
-                raise InputError(
-                    f"ends after {count - left:,} of a scan's {count:,} points;"
-                    " is it damaged, or truncated?"
-                )
+                raise _ends(count - left, count)
             pieces.append(self._parse(part))
             self._number += len(part)
             left -= len(part)
@@ -135,6 +152,19 @@ class _Lines:
                 " 3, 4 or 7 are read"
             )
         return np.concatenate(pieces)
+
+    def skip(self, count: int) -> int:
+        """Pass over the next points; return the numbers of the first one."""
+        width = 0
+        left = count
+        while left:
+            part = list(islice(self._lines, min(left, PIECE)))
+            if not part:
+                raise _ends(count - left, count)
+            width = width or self._parse(part[:1]).shape[1]
+            self._number += len(part)
+            left -= len(part)
+        return width
 
     def _parse(self, lines: list[str]) -> _Floats:
         """Return the numbers of some lines, one row each."""
@@ -154,3 +184,10 @@ class _Lines:
             where = f"line {self._number + 1 + i}"
             raise InputError(f"{where} is no point; is it damaged? ({line.strip()[:40]!r})")
         raise InputError("cannot be read as PTX; is it damaged?")
+
+
+def _ends(found: int, count: int) -> InputError:
+    """Return the error of a scan that is too short."""
+    return InputError(
+        f"ends after {found:,} of a scan's {count:,} points; is it damaged, or truncated?"
+    )

@@ -25,7 +25,7 @@ from .read_pcd import read_pcd
 from .read_ply import read_ply
 from .read_ptx import read_ptx
 from .read_text import read_text
-from .source import Progress, Source, cloud_name, format_suffix, open_source
+from .source import Progress, Source, cloud_name, format_suffix, open_source, usual_up
 from .wanted import USUAL, ColourBy, Wanted
 
 __all__ = [
@@ -97,6 +97,7 @@ def read_cloud(
     colour: str | ColourBy | None = None,
     format: str | None = None,
     sample: int | None = None,
+    keep: frozenset[str] = frozenset(),
     estimate: bool = True,
     progress: Callable[[str, float], None] | None = None,
 ) -> Cloud:
@@ -116,10 +117,13 @@ def read_cloud(
         What colours a point: ``rgb``, ``height``, ``intensity``, ``classification`` or the name of
         a column; as a ``ColourBy`` with a colour map and a range too. None: the file's colours,
         else its intensity as grey, else one colour. ``Cloud.colour_key`` says what stands for what.
+        Heights are along ``Cloud.up``, or the axis of the ``ColourBy``.
     format
         One of these formats, whatever the name is.
     sample
         Number of points that are spread evenly over the faces of a mesh; None: its vertices.
+    keep
+        Points that are drawn though they usually are not: see ``wanted.UNDRAWN``.
     estimate
         Whether missing normals are estimated; if not, they are 0.
     progress
@@ -134,16 +138,19 @@ def read_cloud(
         colour a point, or there is no such colour map.
     """
     place = Path(path)
-    by = ColourBy(colour) if isinstance(colour, str) else colour
+    up = usual_up(place, format)
+    by = ColourBy(colour, up=up) if isinstance(colour, str) else colour
     check_map(by)
     read, normals = (
         None if progress is None else partial(progress, stage) for stage in ("read", "normals")
     )
-    with open_cloud_file(place, Wanted(by, sample=sample), read, format) as source:
+    with open_cloud_file(place, Wanted(by, sample=sample, keep=keep), read, format) as source:
         columns = read_columns(source)
         if read is not None:
             read(1.0)
-        return assemble_cloud(columns, cloud_name(place), estimate=estimate, progress=normals)
+        return assemble_cloud(
+            columns, cloud_name(place), up=up, estimate=estimate, progress=normals
+        )
 
 
 @contextmanager

@@ -21,7 +21,15 @@ from splatline.contract.errors import InputError
 
 from .wanted import USUAL, Wanted
 
-__all__ = ["Progress", "Source", "cloud_name", "format_suffix", "open_source", "unpacked_limit"]
+__all__ = [
+    "Progress",
+    "Source",
+    "cloud_name",
+    "format_suffix",
+    "open_source",
+    "unpacked_limit",
+    "usual_up",
+]
 
 GZIP = b"\x1f\x8b"
 
@@ -36,6 +44,9 @@ PIECE = 1 << 20
 
 LARGE_PIECE = 1 << 24
 """Bytes that are read at once where nothing is computed of them."""
+
+SURVEYS = (".las", ".laz", ".e57", ".ptx")
+"""Formats of surveyors, whose z points up."""
 
 UNPACKING = 0.5
 """Share of a compressed file's reading that is told when it is unpacked."""
@@ -98,6 +109,12 @@ def cloud_name(path: Path) -> str:
     if str(path) == "-":
         return "stdin"
     return path.with_suffix("").stem if path.suffix.lower() == ".gz" else path.stem
+
+
+def usual_up(path: Path, format: str | None = None) -> str:
+    """Return the axis that points up by the habit of a file's format: z in those of surveyors."""
+    suffix = format_suffix(path) if format is None else "." + format.lower().removeprefix(".")
+    return "z" if suffix in SURVEYS else "y"
 
 
 def unpacked_limit(size: int) -> int:

@@ -30,7 +30,7 @@ DEPTHS = ("quick", "header", "full")
 SMALL = 1 << 28
 """Bytes of a binary file whose values are read at once, in a second."""
 
-SMALL_PACKED = {".laz": 1 << 24, ".npz": 1 << 26}
+SMALL_PACKED = {".laz": 1 << 24, ".npz": 1 << 26, ".e57": 1 << 26}
 SMALL_TEXT = 1 << 24
 """The same of those that must be unpacked, and of a text."""
 

@@ -7,10 +7,29 @@ from dataclasses import dataclass
 
 from splatline.contract.errors import InputError
 
-__all__ = ["CLASSIFICATION", "HEIGHT", "INTENSITY", "RGB", "USUAL", "ColourBy", "Wanted"]
+__all__ = [
+    "CLASSIFICATION",
+    "HEIGHT",
+    "INTENSITY",
+    "NOISE",
+    "RGB",
+    "UNDRAWN",
+    "USUAL",
+    "WITHHELD",
+    "ColourBy",
+    "Wanted",
+]
 
 RGB, HEIGHT, INTENSITY, CLASSIFICATION = "rgb", "height", "intensity", "classification"
 """Fields that need not have these names in a file; any other field is a column's name."""
+
+WITHHELD, NOISE = "withheld", "noise"
+
+UNDRAWN = {
+    WITHHELD: "points of LAS that are flagged as withheld",
+    NOISE: "points of LAS that are classified as noise",
+}
+"""Points of files that are not drawn unless they are asked for, by name."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +91,14 @@ class Wanted:
         Whether the least and the greatest value of every column are wanted.
     sample
         Points on the faces of a mesh; None: its vertices.
+    keep
+        Which of ``UNDRAWN`` are drawn.
     """
 
     colour: ColourBy | None = None
     ranges: bool = False
     sample: int | None = None
+    keep: frozenset[str] = frozenset()
 
 
 USUAL = Wanted()

@@ -9,17 +9,26 @@ one machine, bit for bit. Dask does again what a lost worker has done.
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import metadata
 from typing import Any, NamedTuple
 
 from splatline.contract.errors import InputError, install_hint
+from splatline.contract.frame import Frame
 
 from .draw_parts import Drawing, PartFrames, Progress, check_shown, draw_part, join_parts
 from .plan import Part, Plan
 
-__all__ = ["LOCAL", "Traffic", "draw_on_cluster", "open_cluster"]
+__all__ = [
+    "LOCAL",
+    "Traffic",
+    "bytes_of",
+    "draw_on_cluster",
+    "draw_on_worker",
+    "lost_workers",
+    "open_cluster",
+]
 
 LOCAL = "local"
 """The address of a cluster of this machine's own processes."""
@@ -66,10 +75,10 @@ def draw_on_cluster(
         If a file is damaged, or a worker has it not; if workers are lost again and again, or
         nothing is in view.
     """
-    from distributed import KilledWorker, as_completed
+    from distributed import as_completed
 
     shared = client.scatter([plan, drawing], broadcast=True, hash=False)
-    futures = [client.submit(_draw, *shared, part, pure=False) for part in plan.parts]
+    futures = [client.submit(draw_on_worker, *shared, part, pure=False) for part in plan.parts]
     tasks = list(futures)
     while len(futures) > 1:
         pairs = [futures[first : first + 2] for first in range(0, len(futures), 2)]
@@ -79,19 +88,15 @@ def draw_on_cluster(
         tasks += [future for future in futures if future not in tasks]
     sizes = [client.submit(_bytes, future, pure=False) for future in tasks]
     try:
-        for done, _ in enumerate(as_completed(sizes, raise_errors=True), 1):
-            if progress is not None:
-                progress("parts", done / len(sizes))
-        joined = futures[0].result()
-        traffic = Traffic(len(tasks), sum(client.gather(sizes)))
-    except KilledWorker as error:
-        raise InputError(
-            "workers were lost again and again while they drew one part; do they have enough"
-            f" memory? ({error.last_worker.address})"
-        ) from None
+        with lost_workers():
+            for done, _ in enumerate(as_completed(sizes, raise_errors=True), 1):
+                if progress is not None:
+                    progress("parts", done / len(sizes))
+            joined = futures[0].result()
+            traffic = Traffic(len(tasks), sum(client.gather(sizes)))
     finally:
         client.cancel([*tasks, *sizes])
-    check_shown(plan, joined)
+    check_shown(plan, drawing, joined)
     return joined, traffic
 
 
@@ -162,7 +167,21 @@ def _versions() -> dict[str, str]:
     }
 
 
-def _draw(plan: Plan, drawing: Drawing, part: Part) -> PartFrames:
+@contextmanager
+def lost_workers() -> Iterator[None]:
+    """Raise ``InputError`` if Dask gives a task up, since its workers are lost."""
+    from distributed import KilledWorker
+
+    try:
+        yield
+    except KilledWorker as error:
+        raise InputError(
+            "workers were lost again and again while they drew one part; do they have enough"
+            f" memory? ({error.last_worker.address})"
+        ) from None
+
+
+def draw_on_worker(plan: Plan, drawing: Drawing, part: Part) -> PartFrames:
     """Draw a part, on a worker."""
     from distributed import get_worker
 
@@ -179,4 +198,9 @@ def _join(one: PartFrames, other: PartFrames) -> PartFrames:
 
 def _bytes(parts: PartFrames) -> int:
     """Return the bytes of the code words of parts, on the worker that has them."""
-    return sum(frame.codewords.nbytes for frame in parts.frames if frame is not None)
+    return bytes_of(parts.frames)
+
+
+def bytes_of(frames: Sequence[Frame | None]) -> int:
+    """Return the bytes of the code words of frames."""
+    return sum(frame.codewords.nbytes for frame in frames if frame is not None)

@@ -16,6 +16,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.presets import DEFAULT
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import Discs, measure_discs
+from splatline.host.cloud.upward import turn_upward
 from splatline.host.encode.join_frames import join_frames
 from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.picture_tiles.frames import tile_picture
@@ -34,6 +35,7 @@ __all__ = [
     "draw_part",
     "draw_parts",
     "frames_of",
+    "join_frames_of",
     "join_parts",
 ]
 
@@ -64,6 +66,9 @@ class Drawing:
         Diameter of all discs, in the cloud's unit. None: the discs close the surface.
     memory
         Bytes that may be used for a part.
+    up
+        The direction in which estimated normals point; None: they have no sign. See
+        ``turn_upward``.
     """
 
     config: EngineConfig = DEFAULT
@@ -73,6 +78,7 @@ class Drawing:
     lighting: Lighting = dataclasses.field(default_factory=Lighting)
     splat_size: float | None = None
     memory: int = 2 << 30
+    up: tuple[float, float, float] | None = None
 
     def in_tiles(self, plan: Plan) -> bool:
         """Return whether a plan's picture is larger than the engine's image."""
@@ -128,15 +134,17 @@ def draw_part(
     def told(stage: str) -> Callable[[float], None] | None:
         return None if progress is None else lambda share: progress(stage, share)
 
-    cloud = read_part(plan, part, drawing.memory, progress=progress)
+    cloud, dropped = read_part(plan, part, drawing.memory, progress=progress)
     if cloud is None:
-        return PartFrames(())
+        return PartFrames((), points=sum(dropped.values()), dropped=dropped)
     discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
+    if drawing.up is not None:
+        cloud = turn_upward(cloud, drawing.up)
     frames, counts = _frames(plan, drawing, cloud, discs, told("encode"))
     return PartFrames(
         frames=tuple(None if frame is None else join_frames([frame]) for frame in frames),
-        points=len(cloud) + sum(cloud.dropped.values()),
-        dropped=dict(cloud.dropped),
+        points=len(cloud) + sum(dropped.values()),
+        dropped=dict(dropped),
         culled=_total(count["culled"] for count in counts),
         elements=sum(count["elements"] for count in counts),
         notes=cloud.notes,
@@ -174,10 +182,9 @@ def _frames(
 
 def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
     """Return the frames of several parts together; at least one is given."""
-    drawn = [part.frames for part in parts if part.frames]
     first = parts[0]
     return PartFrames(
-        frames=tuple(_joined(frames) for frames in zip(*drawn, strict=True)),
+        frames=join_frames_of([part.frames for part in parts]),
         points=sum(part.points for part in parts),
         dropped=_total(part.dropped for part in parts),
         culled=_total(part.culled for part in parts),
@@ -186,6 +193,12 @@ def join_parts(parts: Sequence[PartFrames]) -> PartFrames:
         used=next((part.used for part in parts if part.used), first.used),
         ignored=next((part.ignored for part in parts if part.used), first.ignored),
     )
+
+
+def join_frames_of(parts: Sequence[tuple[Frame | None, ...]]) -> tuple[Frame | None, ...]:
+    """Return the frames of several parts together; a part without frames shows nothing."""
+    drawn = [frames for frames in parts if frames]
+    return tuple(_joined(frames) for frames in zip(*drawn, strict=True))
 
 
 def _joined(frames: Sequence[Frame | None]) -> Frame | None:
@@ -208,16 +221,19 @@ def draw_parts(plan: Plan, drawing: Drawing, *, progress: Progress | None = None
     for number, part in enumerate(plan.parts):
         drawn = draw_part(plan, part, drawing, progress=_within(progress, number, len(plan.parts)))
         joined = join_parts([joined, drawn])
-    check_shown(plan, joined)
+    check_shown(plan, drawing, joined)
     return joined
 
 
-def check_shown(plan: Plan, joined: PartFrames) -> None:
+def check_shown(plan: Plan, drawing: Drawing, joined: PartFrames) -> None:
     """Raise ``InputError`` if nothing is in view."""
-    if not any(frame is not None and frame.counts["elements"] for frame in joined.frames):
+    if not joined.elements:
+        culled = {reason: count // drawing.samples for reason, count in joined.culled.items()}
+        left_out = _total([joined.dropped, culled])
+        reasons = ", ".join(f"{count:,} {reason}" for reason, count in left_out.items() if count)
         raise InputError(
-            f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points all lie"
-            " outside; change the view"
+            f"nothing of {plan.files[0].path.name} is in view: of {joined.points:,} points,"
+            f" {reasons}; change the view"
         )
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
@@ -17,7 +17,9 @@ from splatline.host.picture_tiles.grid import Grid
 from .draw_parts import OVERDRAWN, Drawing, PartFrames
 from .plan import Plan
 
-__all__ = ["JoinedTiles", "tiles_of"]
+__all__ = ["JoinedTiles", "add_counts", "first_counts", "row_counts", "tiles_of", "tiles_of_row"]
+
+Shown = TypeVar("Shown")
 
 
 @dataclass(frozen=True)
@@ -29,22 +31,46 @@ class JoinedTiles:
     counts: dict[str, Any]
     _tiles: list[list[TileFrames]]
 
-    def rows(self) -> Iterator[list[TileFrames]]:
-        """Yield the tiles row by row, each from left to right."""
-        yield from self._tiles
+    def map_rows(self, show: Callable[[list[TileFrames]], Shown]) -> Iterator[Shown]:
+        """Yield what ``show`` returns of each row of tiles, from the top down."""
+        return map(show, self._tiles)
 
 
 def tiles_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> JoinedTiles:
     """Return the picture of joined parts."""
     grid = Grid.of(plan.view.width, plan.view.height, drawing.config, None)
-    frames = iter(joined.frames)
+    length = grid.columns * drawing.samples
     tiles = [
-        [TileFrames(tile, [next(frames) for _ in range(drawing.samples)]) for tile in grid.row(row)]
+        tiles_of_row(grid, row, joined.frames[row * length : (row + 1) * length])
         for row in range(grid.rows)
     ]
-    drawn = [tile for row in tiles for tile in row if any(map(_exists, tile.frames))]
-    made = [(tile.tile, frame) for tile in drawn for frame in tile.frames if frame is not None]
-    counts = {
+    counts = first_counts(plan, drawing, joined)
+    for row in tiles:
+        add_counts(counts, row_counts(row), drawing.config)
+    return JoinedTiles(grid, drawing.config, counts, tiles)
+
+
+def tiles_of_row(grid: Grid, number: int, frames: Sequence[Frame | None]) -> list[TileFrames]:
+    """Return the tiles of a row, from left to right.
+
+    Parameters
+    ----------
+    grid, number
+        The tiles, and the row's number.
+    frames
+        Of each tile and sample; empty if there are none.
+    """
+    tiles = grid.row(number)
+    samples = len(frames) // len(tiles)
+    return [
+        TileFrames(tile, list(frames[at * samples : (at + 1) * samples] or [None]))
+        for at, tile in enumerate(tiles)
+    ]
+
+
+def first_counts(plan: Plan, drawing: Drawing, joined: PartFrames) -> dict[str, Any]:
+    """Return the statistics of a picture without those of its rows; see :func:`row_counts`."""
+    return {
         "points": joined.points,
         "dropped": joined.dropped,
         "culled": joined.culled,
@@ -52,18 +78,35 @@ def tiles_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> JoinedTiles:
         "quality": drawing.quality,
         "skips": sorted(drawing.skips - {OVERDRAWN}),
         "shapes": "table",
-        "bits_sent": {
-            "table": drawing.config.codeword_bits * sum(len(frame.codewords) for _, frame in made)
-        },
+        "bits_sent": {"table": 0},
+        "codewords": 0,
+        "control_words": 0,
+        "words_twice": 0,
+        "tiles": 0,
+        "tiles_empty": 0,
+        "depth_range": list(plan.depth_range),
+        "seconds": {},
+    }
+
+
+def row_counts(tiles: Sequence[TileFrames]) -> dict[str, int]:
+    """Return the statistics of a row of tiles."""
+    drawn = [tile for tile in tiles if any(map(_exists, tile.frames))]
+    made = [(tile.tile, frame) for tile in drawn for frame in tile.frames if frame is not None]
+    return {
         "codewords": sum(len(frame.codewords) for _, frame in made),
         "control_words": sum(frame.counts["control_words"] for _, frame in made),
         "words_twice": sum(_twice(tile, frame) for tile, frame in made),
         "tiles": len(drawn),
-        "tiles_empty": grid.rows * grid.columns - len(drawn),
-        "depth_range": list(plan.depth_range),
-        "seconds": {},
+        "tiles_empty": len(tiles) - len(drawn),
     }
-    return JoinedTiles(grid, drawing.config, counts, tiles)
+
+
+def add_counts(counts: dict[str, Any], row: dict[str, int], config: EngineConfig) -> None:
+    """Add the statistics of a row to those of the picture."""
+    for name, number in row.items():
+        counts[name] += number
+    counts["bits_sent"]["table"] += config.codeword_bits * row["codewords"]
 
 
 def _exists(frame: Frame | None) -> bool:

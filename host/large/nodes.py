@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,20 +24,18 @@ CORNERS = np.stack(np.meshgrid(*[(-SLACK, 1.0 + SLACK)] * 3), axis=-1).reshape(8
 
 
 class Chosen(NamedTuple):
-    """The nodes that a view needs.
+    """The nodes that a view needs, and why it does not need the others.
 
     Parameters
     ----------
-    nodes
-        The nodes: shape (n,), of the octree's.
-    outside, finer
-        Points of the other nodes: of those that the view does not see, and of those whose points
-        lie closer together than cells.
+    needed, outside, finer
+        Which of the octree's nodes are needed, which the view does not see, and of which the
+        points lie closer together than cells: shape (n,) each. A node is one of the three.
     """
 
-    nodes: npt.NDArray[Any]
-    outside: int
-    finer: int
+    needed: npt.NDArray[np.bool_]
+    outside: npt.NDArray[np.bool_]
+    finer: npt.NDArray[np.bool_]
 
 
 def choose_nodes(octree: Octree, view: View, origin: npt.NDArray[np.float64], grid: Grid) -> Chosen:
@@ -77,7 +75,4 @@ def choose_nodes(octree: Octree, view: View, origin: npt.NDArray[np.float64], gr
     pixels = view.focal / np.maximum(nearest, view.near)
     finer = ~outside & (2.0 * octree.spacings() * pixels * grid.cells <= FINEST)
     finer &= octree.nodes["level"] > 0
-    counts = octree.nodes["count"].astype(np.int64)
-    return Chosen(
-        octree.nodes[~(outside | finer)], int(counts[outside].sum()), int(counts[finer].sum())
-    )
+    return Chosen(~(outside | finer), outside, finer)

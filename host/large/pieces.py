@@ -21,7 +21,7 @@ from splatline.host.files.readers import open_cloud_file, parser_errors, read_co
 from splatline.host.files.source import Progress, Source, format_suffix
 from splatline.host.files.wanted import HEIGHT, INTENSITY, RGB, ColourBy, Wanted
 
-__all__ = ["Colouring", "PieceFile", "Sample", "colours_of"]
+__all__ = ["Colouring", "PieceFile", "Sample", "colours_of", "rows_of"]
 
 PIECE = 1 << 20
 """Points of a piece."""
@@ -76,7 +76,7 @@ class Sample:
         The least and the greatest coordinates, shape (3,) each, as the file says; None: it does
         not.
     in_pieces
-        Whether the file can be read in parts. COPC cannot: its nodes overlap.
+        Whether the file can be read from any point to any other. COPC is read by nodes.
     """
 
     columns: Columns
@@ -94,6 +94,8 @@ class PieceFile:
         The file.
     by
         What colours a point; None: the file's colours, else its intensity, else one colour.
+    keep
+        See ``read_cloud``.
 
     Attributes
     ----------
@@ -101,8 +103,9 @@ class PieceFile:
         The octree of a COPC file, once a sample is taken.
     """
 
-    def __init__(self, path: Path, by: ColourBy | None) -> None:
+    def __init__(self, path: Path, by: ColourBy | None, keep: frozenset[str] = frozenset()) -> None:
         self.path = path
+        self._keep = keep
         self._by = by
         self.octree: Octree | None = None
         self._colours = True
@@ -116,12 +119,12 @@ class PieceFile:
         InputError
             If the file cannot be read.
         """
-        with open_cloud_file(self.path, Wanted(self._by)) as source:
+        with open_cloud_file(self.path, Wanted(self._by, keep=self._keep)) as source:
             if not self._in_pieces:
                 columns = read_columns(source)
                 count = len(columns.positions)
                 some = slice(None, None, -(-count // SAMPLE))
-                return Sample(_rows(columns, some), count, None, False)
+                return Sample(rows_of(columns, some), count, None, False)
             with parser_errors(source):
                 header = read_las_header(source)
                 self.octree = read_octree(source, header)
@@ -164,7 +167,7 @@ class PieceFile:
         InputError
             If the file is damaged.
         """
-        with open_cloud_file(self.path, Wanted(self._by), progress) as source:
+        with open_cloud_file(self.path, Wanted(self._by, keep=self._keep), progress) as source:
             if not self._in_pieces:
                 yield read_columns(source)
                 return
@@ -191,11 +194,9 @@ class PieceFile:
         else:
             assert sample.values is not None
             values = sample.values.astype(np.float64)
-        if by.kind != HEIGHT or by.range is not None:
-            key = colour_values(values, by).key
-        else:  # without strays
-            ends = robust_range(values[np.isfinite(values)])
-            key = {"by": HEIGHT, "range": ends, "up": by.up}
+        if by.kind == HEIGHT and by.range is None:  # of the bulk: without strays
+            by = dataclasses.replace(by, range=robust_range(values[np.isfinite(values)]))
+        key = colour_values(values, by).key
         ends = key.get("range")
         fixed = by if not ends else dataclasses.replace(by, range=tuple(ends))
         return Colouring(fixed, None, normals, key)
@@ -220,7 +221,7 @@ def _places(count: int) -> tuple[int, int]:
     return places, SAMPLE // places
 
 
-def _rows(columns: Columns, rows: slice) -> Columns:
+def rows_of(columns: Columns, rows: slice | npt.NDArray[np.bool_]) -> Columns:
     """Return some rows of columns."""
     fields = ("positions", "normals", "colours", "values", "radii")
     chosen = {name: getattr(columns, name) for name in fields}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,10 @@ from splatline.host.files.wanted import ColourBy
 from splatline.host.shading.materials import find_materials
 from splatline.host.visibility.view import View
 
+from .nodes import choose_nodes
+from .octree_parts import cut_octree
 from .pieces import Colouring, PieceFile, Sample, colours_of
+from .thin import CELLS, grid_of
 
 __all__ = ["Part", "Plan", "make_plan"]
 
@@ -32,6 +35,10 @@ DEPTH_MARGIN = 0.05
 PART_POINTS = 1 << 25
 """Most points of a part of a file."""
 
+NODE_POINTS = 1 << 22
+"""Most points of the nodes of a part of a COPC file, or about so. Each of them may need a cell of
+its own, since finer nodes are not read."""
+
 _Floats = npt.NDArray[np.float64]
 
 
@@ -44,7 +51,8 @@ class Part:
     file
         Number of the file.
     first, stop
-        Numbers of points; ``stop`` None: to the end.
+        Numbers of points; ``stop`` None: to the end. Of a COPC file they are the codes of cells of
+        its octree: see :mod:`splatline.host.large.octree_parts`.
     """
 
     file: int
@@ -63,7 +71,8 @@ class Plan:
     colourings
         How each one's values become colours.
     parts
-        The parts of the files. They depend on the files alone.
+        The parts of the files. They depend on the files alone; those of a COPC file on the view,
+        too.
     view
         The view; its coordinates are relative to ``origin``.
     origin
@@ -96,6 +105,7 @@ def make_plan(
     most_materials: int,
     *,
     bulk: bool = True,
+    keep: frozenset[str] = frozenset(),
 ) -> Plan:
     """Look at a sample of each file, and settle what all parts share.
 
@@ -111,13 +121,15 @@ def make_plan(
         Most colours of the palette.
     bulk
         Whether points far from the rest play no part.
+    keep
+        Points that are drawn though they usually are not; see ``read_cloud``.
 
     Raises
     ------
     InputError
         If a file cannot be read, or no point of the samples has a finite position.
     """
-    files = tuple(PieceFile(path, by) for path in paths)
+    files = tuple(PieceFile(path, by, keep) for path in paths)
     samples = [file.sample() for file in files]
     colourings = tuple(
         file.colouring(sample.columns) for file, sample in zip(files, samples, strict=True)
@@ -137,27 +149,39 @@ def make_plan(
     ahead = (positions - origin - view.eye) @ view.axes[2]
     nearest, furthest = max(float(ahead.min()), view.near), max(float(ahead.max()), view.near)
     margin = DEPTH_MARGIN * (furthest - nearest)
+    farthest = FARTHEST * furthest
     return Plan(
         files=files,
         colourings=colourings,
-        parts=tuple(_parts(samples)),
+        parts=tuple(_parts(files, samples, view, origin, farthest)),
         view=view,
         origin=origin,
-        farthest=FARTHEST * furthest,
+        farthest=farthest,
         depth_range=(max(nearest - margin, view.near), furthest + margin),
         palette=find_materials(_bare(positions, origin, "", colours), most_materials).palette,
         count=sum(sample.count for sample in samples),
     )
 
 
-def _parts(samples: Sequence[Sample]) -> list[Part]:
-    """Return the parts of the files, each of about as many points."""
-    found = []
-    for number, sample in enumerate(samples):
+def _parts(
+    files: Sequence[PieceFile],
+    samples: Sequence[Sample],
+    view: View,
+    origin: _Floats,
+    farthest: float,
+) -> Iterator[Part]:
+    """Yield the parts of the files, each of about as many points."""
+    for number, (file, sample) in enumerate(zip(files, samples, strict=True)):
+        if file.octree is not None:
+            grid = grid_of(view, CELLS, farthest)
+            needed = choose_nodes(file.octree, view, origin, grid).needed
+            for first, stop in cut_octree(file.octree.nodes[needed], NODE_POINTS):
+                yield Part(number, first, stop)
+            continue
         parts = -(-sample.count // PART_POINTS) if sample.in_pieces else 1
         cuts = [part * sample.count // parts for part in range(parts)]
-        found += [Part(number, *ends) for ends in zip(cuts, [*cuts[1:], None], strict=True)]
-    return found
+        for first, end in zip(cuts, [*cuts[1:], None], strict=True):
+            yield Part(number, first, end)
 
 
 def _stretched(sample: Sample) -> _Floats:

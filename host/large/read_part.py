@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+import dataclasses
+from collections import Counter
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,17 +13,15 @@ import numpy.typing as npt
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.files.assemble import assemble_cloud
 from splatline.host.files.columns import Columns
+from splatline.host.files.copc import Octree
 
 from .nodes import choose_nodes
-from .pieces import Colouring, colours_of
+from .octree_parts import code_ranges, codes_in_node
+from .pieces import Colouring, PieceFile, colours_of, rows_of
 from .plan import Part, Plan
-from .thin import Thinner
+from .thin import CELLS, Grid, Thinner
 
-__all__ = ["CELLS", "FIXED_BYTES", "POINT_BYTES", "cells_of_memory", "read_part"]
-
-CELLS = 1.0
-"""Cells of a pixel, along a line and from line to line: of smaller ones the picture is further from
-the truth, as points of noise are not averaged (decision 0078)."""
+__all__ = ["CELLS", "FIXED_BYTES", "POINT_BYTES", "PartCloud", "cells_of_memory", "read_part"]
 
 CELL_BYTES = 250
 """Most memory that a cell takes: as a point of a cloud, while its disc is measured."""
@@ -42,14 +42,31 @@ def cells_of_memory(memory: int) -> int:
     return max(FEWEST_CELLS, (memory - FIXED_BYTES) // CELL_BYTES)
 
 
+class PartCloud(NamedTuple):
+    """What was read of a part.
+
+    Parameters
+    ----------
+    cloud
+        The points, thinned to the cells of the view; None if it shows none of them. Positions are
+        relative to the plan's origin.
+    dropped
+        Points left out, by reason: ``outside`` of the view, and ``finer``, those that other points
+        stand for.
+    """
+
+    cloud: Cloud | None
+    dropped: dict[str, int]
+
+
 def read_part(
     plan: Plan,
     part: Part,
     memory: int,
     *,
     progress: Callable[[str, float], None] | None = None,
-) -> Cloud | None:
-    """Return a part's points, thinned to the cells of the view; None if it shows none of them.
+) -> PartCloud:
+    """Read a part's points, thinned to the cells of the view.
 
     Points of a cell become one, at their mean position, with the mean of their colours and normals.
     A cell is a pixel wide, or as many times twice as wide as the memory asks for. The result
@@ -65,12 +82,6 @@ def read_part(
     progress
         Called now and then with a stage, ``read`` or ``normals``, and the share of it that is done.
 
-    Returns
-    -------
-    Cloud
-        Its positions are relative to the plan's origin. ``dropped`` has the points left out, by
-        reason: ``outside`` of the view, and ``finer``, those that other points stand for.
-
     Raises
     ------
     InputError
@@ -80,27 +91,22 @@ def read_part(
     steps = np.concatenate([np.ones(3), np.full(3 * colouring.normals, NORMAL_STEP)])
     thinner = Thinner(plan.view, plan.origin, plan.farthest, steps, CELLS, cells_of_memory(memory))
     told = None if progress is None else lambda share: progress("read", share)
-    columns = chosen = None
-    if file.octree is not None:
-        chosen = choose_nodes(file.octree, plan.view, plan.origin, thinner.grid)
-    dropped: dict[str, int] = {}
-    nodes = None if chosen is None else chosen.nodes
-    for columns in file.pieces(part.first, part.stop, told, nodes):
+    columns = None
+    dropped: Counter[str] = Counter()
+    if file.octree is None:
+        pieces = file.pieces(part.first, part.stop, told)
+    else:
+        pieces = _pieces_of_nodes(plan, part, file, file.octree, thinner.grid, dropped, told)
+    for columns in pieces:
         _add(thinner, columns, colouring)
-        for reason, number in columns.dropped.items():
-            dropped[reason] = dropped.get(reason, 0) + number
+        dropped.update(columns.dropped)
+    dropped["outside"] += thinner.outside
+    dropped["finer"] += thinner.points - thinner.outside - len(thinner)
     if columns is None or not len(thinner):
-        return None
+        return PartCloud(None, dict(dropped))
     cells = thinner.grid.cells
-    dropped |= {
-        "outside": thinner.outside,
-        "finer": thinner.points - thinner.outside - len(thinner),
-    }
-    if chosen is not None:
-        dropped["outside"] += chosen.outside
-        dropped["finer"] += chosen.finer
     thinned = thinner.result()
-    return assemble_cloud(
+    cloud = assemble_cloud(
         Columns(
             thinned.positions,
             thinned.values[:, 3:] if colouring.normals else None,
@@ -108,13 +114,45 @@ def read_part(
             columns.used,
             columns.ignored,
             (*columns.notes, *_notes(cells)),
-            dropped,
+            dict(dropped),
             facts=columns.facts,
         ),
         file.path.stem,
         origin=plan.origin,
         progress=None if progress is None else lambda share: progress("normals", share),
     )
+    return PartCloud(cloud, cloud.dropped)
+
+
+def _pieces_of_nodes(
+    plan: Plan,
+    part: Part,
+    file: PieceFile,
+    octree: Octree,
+    grid: Grid,
+    dropped: Counter[str],
+    told: Callable[[float], None] | None,
+) -> Iterator[Columns]:
+    """Yield the points of a part of an octree, of the nodes that the view needs.
+
+    Nodes that it does not need are added to ``dropped`` by the part that has their first code.
+    """
+    chosen = choose_nodes(octree, plan.view, plan.origin, grid)
+    nodes, counts = octree.nodes, octree.nodes["count"].astype(np.int64)
+    first, stop = code_ranges(nodes)
+    end = np.inf if part.stop is None else part.stop
+    counted = (part.first <= first) & (first < end)
+    for reason in ("outside", "finer"):
+        dropped[reason] += int(counts[counted & getattr(chosen, reason)].sum())
+    whole = counted & (stop <= end)
+    if (chosen.needed & whole).any():
+        yield from file.pieces(progress=told, nodes=nodes[chosen.needed & whole])
+    shared = chosen.needed & ~whole & (first < end) & (part.first < stop)
+    for at in np.flatnonzero(shared).tolist():
+        for columns in file.pieces(nodes=nodes[at : at + 1]):
+            codes = codes_in_node(columns.positions.astype(np.float64), octree, nodes[at])
+            own = rows_of(columns, (part.first <= codes) & (codes < end))
+            yield own if counted[at] else dataclasses.replace(own, dropped={})
 
 
 def _add(thinner: Thinner, columns: Columns, colouring: Colouring) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +37,8 @@ from .bins import Bin, bins_of_row
 from .grid import Grid
 
 __all__ = ["TileFrames", "TiledPicture", "tile_picture", "words_of_others"]
+
+Shown = TypeVar("Shown")
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,10 @@ class TiledPicture:
     _quality: str
     _useful: frozenset[str]
     _samples: list[_Sample] = field(repr=False)
+
+    def map_rows(self, show: Callable[[list[TileFrames]], Shown]) -> Iterator[Shown]:
+        """Yield what ``show`` returns of each row of tiles, from the top down; once alone."""
+        return map(show, self.rows())
 
     def rows(self) -> Iterator[list[TileFrames]]:
         """Yield the tiles row by row, each from left to right; once alone."""

@@ -60,6 +60,7 @@ def terrain_cloud() -> Cloud:
         origin=middle,
         name="terrain",
         dropped={},
+        up="z",
     )
 
 

@@ -11,26 +11,12 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
 
-from .reach import measure_reach
+from .fit_eye import fit_eye
 
-__all__ = ["LARGEST", "View", "check_camera", "fit_view", "orbit_axes"]
+__all__ = ["LARGEST", "UP_AXES", "View", "check_camera", "fit_view", "orbit_axes"]
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
-
-MARGIN = 1.06
-"""The image is this many times as large as the points need."""
-
-DEEPEST = 0.1
-"""The eye stays away from a cloud by at least this share of its depth, divided by the width of the
-image at distance 1: by a sixth of its depth for a field of view of 35 degrees. Else a line that
-points at the eye would be seen as its nearest point."""
-
-DEEPEST_WITH_DISCS = 0.3
-"""The same at most, to keep discs narrower than ``WIDEST`` of the image."""
-
-WIDEST = 0.25
-"""Share of the image's shorter side."""
 
 UP_AXES = {
     "x": (1.0, 0.0, 0.0),
@@ -79,6 +65,10 @@ class View:
         """Column and line at which the view's axis meets the image."""
         return 0.5 * self.width + self.shift[0], 0.5 * self.height + self.shift[1]
 
+    def looks_down(self, up: str) -> bool:
+        """Return whether the view's axis points down, or is level; ``up`` is one of ``UP_AXES``."""
+        return float(self.axes[2] @ np.asarray(UP_AXES[up])) <= 0.0
+
 
 def fit_view(
     cloud: Cloud,
@@ -90,7 +80,7 @@ def fit_view(
     zoom: float = 1.0,
     radii: npt.NDArray[np.float64] | None = None,
 ) -> View:
-    """Return the view from a direction in which a cloud just fits the image.
+    """Return the view from a direction in which a cloud just fits the image, in its middle.
 
     The points keep a small margin, which holds the discs of a dense cloud; if the discs are larger,
     they touch the border. The eye keeps away from a cloud that is long in its direction.
@@ -121,7 +111,7 @@ def fit_view(
     width, height = size
     axes = orbit_axes(orbit, up)
     focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
-    eye, near = _fit_eye(cloud.positions, axes, (width / focal, height / focal), radii)
+    eye, near = fit_eye(cloud.positions, axes, (width / focal, height / focal), radii)
     return View(eye, axes, focal * zoom, width, height, near)
 
 
@@ -167,52 +157,3 @@ def orbit_axes(orbit: tuple[float, float], up: str) -> npt.NDArray[np.float64]:
     above = -np.sin(elevation) * (np.cos(azimuth) * front + np.sin(azimuth) * side)
     above = above + np.cos(elevation) * upward
     return np.stack([np.cross(above, outward), -above, -outward])
-
-
-def _fit_eye(
-    positions: npt.NDArray[np.float64],
-    axes: npt.NDArray[np.float64],
-    spans: tuple[float, float],
-    radii: npt.NDArray[np.float64] | None,
-) -> tuple[npt.NDArray[np.float64], float]:
-    """Return the nearest eye that sees every point with a small margin, and a near distance.
-
-    Each side of the image is a plane through the eye, which the furthest point in the plane's
-    direction touches. The two planes of an axis meet at the nearest possible eye. This is exact for
-    a perspective view, unlike fitting a bounding sphere. Discs are taken as spheres, which have no
-    margin.
-
-    Points p obey |p - e| <= slope * (z - e_z) on both sides of an axis, for an eye e.
-    """
-    of_discs = 0.5 * spans[0], 0.5 * spans[1]
-    of_points = of_discs[0] / MARGIN, of_discs[1] / MARGIN
-    widest = WIDEST * min(spans)
-    reach = measure_reach(positions, radii, axes, of_points, of_discs, 2.0 / widest)
-    # Of each axis its planes: their slope, and how far the cloud reaches beyond either.
-    sides = [[(slope, *map(float, reach.points[axis]))] for axis, slope in enumerate(of_points)]
-    if radii is not None:
-        for axis, slope in enumerate(of_discs):
-            sides[axis].append((slope, *map(float, reach.discs[axis])))
-    distances = [
-        -(upper + lower) / (slope + other)
-        for pairs in sides
-        for slope, upper, _ in pairs
-        for other, _, lower in pairs
-    ]
-    extent = float((reach.most - reach.least).max())
-    nearest = float(reach.least[2])
-    depth = float(reach.most[2]) - nearest
-    room = max(1e-3 * extent, DEEPEST * depth / min(spans))
-    if radii is not None:
-        room = max(room, min(nearest - reach.nearest_disc, DEEPEST_WITH_DISCS * depth / min(spans)))
-    eye = np.zeros(3)
-    eye[2] = min(*distances, nearest - room)
-    if extent == 0.0:  # a single position, seen from a distance of one unit
-        eye[2] = nearest - 1.0 if radii is None else min(eye[2], nearest - 1.0)
-    for axis, pairs in enumerate(sides):
-        least = max(upper + slope * eye[2] for slope, upper, _ in pairs)
-        most = min(-(lower + slope * eye[2]) for slope, _, lower in pairs)
-        middle = 0.5 * (pairs[0][1] - pairs[0][2])
-        eye[axis] = min(max(middle, least), most)
-    near = max((nearest - eye[2]) * 1e-3, float(np.finfo(np.float64).smallest_subnormal))
-    return eye @ axes, near

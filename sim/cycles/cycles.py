@@ -9,7 +9,7 @@ from splatline.sim.golden.compact_words import slots
 
 from .blocks import count_blocks
 from .front import halves_of, machine_of
-from .tiles import count_tiles
+from .tiles import NO_TRACE, count_tiles
 
 __all__ = ["clearing_cycles", "count_cycles"]
 
@@ -49,8 +49,10 @@ def count_cycles(frame: Frame, *, after_reset: bool = True, conflicts: bool = Tr
     words, highs = halves_of(slots(frame.codewords, config), config)
     machine = machine_of(config, frame.width, frame.height, clearing)
     machine = machine._replace(hazard=conflicts)
-    count = count_blocks if config.draws_blocks else count_tiles
-    cycles = count(words, highs, machine)
+    if config.draws_blocks:
+        cycles = count_blocks(words, highs, machine)
+    else:
+        cycles = count_tiles(words, highs, machine, NO_TRACE)
     if not cycles:
         raise InputError("the code words have no end-of-frame word: the stream is cut short")
     return int(cycles)

@@ -17,7 +17,7 @@ from splatline.contract.plane import SHIFTS, SUM_FRACTION, Z_FRACTION
 
 from .front import ABOVE, EMPTY, END_WORD, FIRST_STAGE, FOLLOWING, HEAD, Machine, advance, new_front
 
-__all__ = ["count_tiles", "least_lane_cycles"]
+__all__ = ["NO_TRACE", "count_tiles", "least_lane_cycles"]
 
 SIDE = 4
 """Lines of a tile. Its columns are as many as a window word's pixels."""
@@ -27,6 +27,9 @@ STRETCH = 32
 
 PAIR = 2
 """Window words of a dirty bit."""
+
+NO_TRACE = np.empty((0, 3), np.int64)
+"""Given to :func:`count_tiles` where cycles are only counted."""
 
 NOTHING, TILE, END = range(3)
 """What is offered to the window: nothing, a tile or the end of the frame."""
@@ -87,7 +90,7 @@ class Lanes(NamedTuple):
 
 
 @nb.njit(cache=True)
-def count_tiles(words: Any, highs: Any, machine: Machine) -> int:
+def count_tiles(words: Any, highs: Any, machine: Machine, trace: Any) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
     Parameters
@@ -96,6 +99,9 @@ def count_tiles(words: Any, highs: Any, machine: Machine) -> int:
         Code words, from :func:`splatline.sim.cycles.front.halves_of`.
     machine
         The engine and the image.
+    trace
+        Shape (n, 3), int64: of each of the first n cycles the code word at the tiler
+        (``EMPTY``: none), ``TOP`` and ``OLDEST`` are written here. ``NO_TRACE``: of none.
 
     Returns
     -------
@@ -118,6 +124,9 @@ def count_tiles(words: Any, highs: Any, machine: Machine) -> int:
     while front.state[FOLLOWING] < len(words) or front.state[END_WORD] != EMPTY:
         # The last pixels are cleared one cycle after their address.
         clearing, settling = cycle < machine.clearing, cycle <= machine.clearing
+        if cycle < len(trace):
+            trace[cycle, 0], trace[cycle, 1] = front.held[HEAD], scan[TOP]
+            trace[cycle, 2] = scan[OLDEST]
         if ending and not (scan[FLUSHED] or halfway):
             return cycle + 2  # the end beat is on the port in the next cycle
         ending = given == END and scan[WRITTEN] == 0

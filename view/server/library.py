@@ -102,7 +102,7 @@ class Library:
             with self._turns.turn():
                 live = self._subject.read(colour, progress, self._base)
                 progress(f"Indexing {len(live.cloud):,} points", None)
-                live.index(self._config)
+                live.index(self._config, self._subject.upward)
         except (InputError, Superseded):
             raise
         except Exception as error:  # the page must hear of it, whatever it is

@@ -55,6 +55,26 @@ def test_a_picture_larger_than_the_engine_s_is_drawn_in_tiles_of_parts(run, fold
     assert np.abs(tiles - whole).mean() < 6  # wide2048 has coarser intensities
 
 
+@pytest.mark.parametrize("memory", [[], ["--memory", "501M"]], ids=["whole", "parts"])
+def test_noise_is_drawn_if_it_is_kept(run, folder, memory):
+    positions, colours = hills(20_000, 5)
+    classes = np.where(np.arange(20_000) < 600, 7, 2)
+    write_las(folder / "a.laz", positions, colours, classification=classes)
+    small = ["a.laz", "--size", "96x96", "--stats", "a.json", *memory]
+    for keep, noise in (((), 600), (("--keep", "noise"), None)):
+        result = run("render", *small, *keep)
+        assert result.exit_code == 0, result.stderr
+        assert numbers_of(folder)["dropped"].get("noise") == noise
+
+
+def test_a_cloud_in_parts_is_coloured_by_height(run, folder, scan):
+    small = ["--size", "96x96", "--stats", "a.json", "--memory", "501M"]
+    result = run("render", scan, *small, "--colour", "height", "--map", "turbo")
+    assert result.exit_code == 0, result.stderr
+    assert "height along z" in result.stdout
+    assert numbers_of(folder)["colour"]["map"] == "turbo"
+
+
 def test_many_files_are_one_cloud(run, folder, scan, cloud):
     positions, colours = hills(30_000, 6)
     write_las(folder / "other.las", positions + np.array([100, 0, 0]), colours)
@@ -80,6 +100,37 @@ def test_dask_draws_the_same_picture(run, folder, scan, monkeypatch):
     numbers = numbers_of(folder)
     assert (numbers["parts"], numbers["dask_tasks"]) == (3, 3 + 2)
     assert 0 < numbers["dask_bytes"] < 5 * 96 * 96 * 8
+
+
+@pytest.mark.parametrize("samples", [1, 4])
+def test_dask_draws_the_same_tiles(run, folder, scan, monkeypatch, samples):
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    monkeypatch.setattr(plan, "PART_POINTS", 10_000)
+    wide = ["--size", "700x1300", "--memory", "501M", "--samples", samples, "--stats", "a.json"]
+    alone = run("render", scan, *wide, "-o", "one.png", "--depth", "one_depth.png")
+    assert alone.exit_code == 0, alone.stderr
+    numbers = numbers_of(folder)
+    result = run(
+        "render", scan, *wide, "-o", "many.png", "--depth", "many_depth.png", "--dask", "local"
+    )
+    assert result.exit_code == 0, result.stderr
+    for name in ("{}.png", "{}_depth.png"):
+        one, many = (folder / name.format(which) for which in ("one", "many"))
+        assert one.read_bytes() == many.read_bytes()
+    shared = numbers_of(folder)
+    assert shared.pop("dask_tasks") == 3 + 3 * (3 + 1 + 1)
+    assert 0 < shared.pop("dask_bytes") < 3 * samples * 700 * 1300 * 8
+    assert shared.pop("seconds").keys() == numbers.pop("seconds").keys()
+    assert shared == numbers
+
+
+def test_verilog_of_a_cluster_s_tiles_is_simulated_here(run, folder, scan, monkeypatch):
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    options = ["--size", "700x300", "--memory", "501M", "--dask", "local", "--engine", "rtl"]
+    result = run("render", scan, *options, "--stats", "a.json")
+    assert result.exit_code == 0, result.stderr
+    assert numbers_of(folder)["mismatched_pixels"] == 0
+    assert numbers_of(folder)["cycles"] > 0
 
 
 @pytest.mark.parametrize(

@@ -141,6 +141,11 @@ class TestErrors:
         np.savez(tmp_path / "a.npz", points=np.array([{}, {}], object))
         self.fails(tmp_path / "a.npz", "its array points has shape .* type object")
 
+    def test_an_npy_with_objects_is_not_executed(self, tmp_path):
+        rows = np.zeros(3, [("x", "f4"), ("y", "f4"), ("z", "f4"), ("name", object)])
+        np.save(tmp_path / "a.npy", rows)
+        self.fails(tmp_path / "a.npy", "holds Python objects")
+
     def test_one_array_under_the_name_of_an_archive(self, tmp_path):
         with (tmp_path / "a.npz").open("wb") as stream:
             np.save(stream, POSITIONS)

@@ -19,10 +19,10 @@ from tests.host.files.las_files import GEO, OFFSETS, las, las_with_normals, laz,
 WITH_COLOURS = (2, 3, 5, 7, 8, 10)
 
 
-def read(folder, data, name="a.las"):
+def read(folder, data, name="a.las", **options):
     path = folder / name
     path.write_bytes(data)
-    return read_cloud(path)
+    return read_cloud(path, **options)
 
 
 def packed(data):
@@ -109,13 +109,36 @@ def test_withheld_points_and_noise_are_left_out_and_counted(tmp_path, form, pack
     assert cloud.dropped == {"non_finite": 0, "withheld": 5, "noise": noise}
 
 
+@pytest.mark.parametrize("pack", [bytes, laz], ids=["las", "laz"])
+@pytest.mark.parametrize(
+    ("keep", "dropped"),
+    [({"noise"}, {"withheld": 5}), ({"withheld"}, {"noise": 9}), ({"noise", "withheld"}, {})],
+)
+def test_withheld_points_and_noise_are_drawn_if_they_are_kept(tmp_path, pack, keep, dropped):
+    flags, classes = np.zeros(COUNT, int), np.full(COUNT, 2)
+    flags[:5] = 4
+    classes[3:8] = 7
+    classes[20:24] = 18
+    data = pack(las(7, classes=classes, flags=flags))
+    cloud = read(tmp_path, data, "a.laz", keep=frozenset(keep))
+    assert cloud.dropped == {"non_finite": 0, **dropped}
+    assert len(cloud) == COUNT - sum(dropped.values())
+
+
+def test_a_file_of_noise_alone_is_drawn_if_noise_is_kept(tmp_path):
+    cloud = read(tmp_path, las(6, classes=np.full(COUNT, 18)), keep=frozenset({"noise"}))
+    assert len(cloud) == COUNT
+
+
 def test_the_first_version_has_no_flags(tmp_path):
     cloud = read(tmp_path, las(0, 0, classes=np.full(COUNT, 7), flags=np.full(COUNT, 4)))
     assert len(cloud) == COUNT
 
 
 def test_a_file_of_noise_alone_says_so(tmp_path):
-    with pytest.raises(InputError, match="has no points but 60 that are withheld or noise"):
+    with pytest.raises(
+        InputError, match="has no points but 60 that are withheld or noise; see --keep"
+    ):
         read(tmp_path, las(6, classes=np.full(COUNT, 18)))
 
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from splatline.host.files.las_facts import las_extent, las_facts
-from splatline.host.files.las_header import LasHeader
+from splatline.host.files.las_header import LasHeader, read_las_header
+from splatline.host.files.source import open_source
+from tests.host.files.las_files import las
 
 WKT1 = (
     'PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89",DATUM["x",SPHEROID["GRS 1980",6378137,298.25]'
@@ -99,3 +101,53 @@ def test_what_names_no_system_is_not_told(record):
 def test_the_text_goes_before_the_keys():
     records = [(34735, geo_keys((3072, 0, 1, 4326))), (2112, WKT1.encode())]
     assert "25832" in las_facts(header(records))["coordinate system"]
+
+
+def extended(user, number, data, promised=None):
+    length = len(data) if promised is None else promised
+    return struct.pack("<2x16sHQ32x", user, number, length) + data
+
+
+def with_extended(*records, count=None, at=None):
+    """Bytes of a file with extended records behind the points."""
+    data = bytearray(las(7))
+    count = len(records) if count is None else count
+    struct.pack_into("<QI", data, 235, len(data) if at is None else at, count)
+    return bytes(data) + b"".join(records)
+
+
+OTHER = extended(b"somebody", 2112, b'LOCAL_CS["other"]')
+SITE = extended(b"LASF_Projection", 2112, b'LOCAL_CS["site"]')
+
+
+def facts_of(folder, data):
+    path = folder / "a.las"
+    path.write_bytes(data)
+    with open_source(path, None) as source:
+        return las_facts(read_las_header(source))
+
+
+@pytest.mark.parametrize("records", [[SITE], [OTHER, SITE], [SITE, OTHER]])
+def test_the_system_of_an_extended_record(tmp_path, records):
+    assert facts_of(tmp_path, with_extended(*records))["coordinate system"] == "site"
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        with_extended(OTHER),
+        with_extended(SITE, count=0),
+        with_extended(SITE[:-1]),
+        with_extended(SITE[:30]),
+        with_extended(at=2**64 - 1, count=3),
+        with_extended(count=2**32 - 1),
+        with_extended(extended(b"x", 1, b"", promised=2**64 - 1), SITE),
+    ],
+)
+def test_extended_records_that_do_not_fit_are_passed_over(tmp_path, data):
+    assert "coordinate system" not in facts_of(tmp_path, data)
+
+
+def test_of_two_records_the_first_counts(tmp_path):
+    data = bytearray(with_extended(extended(b"LASF_Projection", 2112, WKT2.encode()), SITE))
+    assert "6339" in facts_of(tmp_path, bytes(data))["coordinate system"]

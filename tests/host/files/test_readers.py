@@ -295,6 +295,35 @@ def test_the_share_of_a_binary_file_that_is_read_rises_to_all(tmp_path, monkeypa
     assert len(set(told)) >= 5
 
 
+def test_the_share_of_a_compressed_pcd_that_is_read_rises_to_all(tmp_path, monkeypatch):
+    positions = np.random.default_rng(3).normal(size=(5000, 3)).astype(np.float32)
+    path = tmp_path / "a.pcd"
+    PointCloud.from_xyz_points(positions).save(path, Encoding.BINARY_COMPRESSED)
+    whole = read_cloud(path)
+    monkeypatch.setattr(source, "LARGE_PIECE", 10_000)
+    told = []
+    read = read_cloud(path, progress=lambda *what: told.append(what))
+    assert np.array_equal(read.positions, whole.positions)
+    shares = [share for stage, share in told if stage == "read"]
+    assert shares == sorted(shares)
+    assert len(set(shares)) >= 5
+    assert shares[-1] == 1.0
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_the_share_of_an_array_that_is_read_rises_to_all(tmp_path, monkeypatch, order):
+    monkeypatch.setattr(source, "LARGE_PIECE", 10_000)
+    positions = np.random.default_rng(3).normal(size=(50_000, 3))
+    np.save(tmp_path / "a.npy", np.asarray(positions, order=order))
+    told = []
+    read = read_cloud(tmp_path / "a.npy", progress=lambda *what: told.append(what))
+    assert np.allclose(read.positions + read.origin, positions)
+    shares = [share for stage, share in told if stage == "read"]
+    assert shares == sorted(shares)
+    assert len(set(shares)) >= 5
+    assert shares[-1] == 1.0
+
+
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
 def test_the_share_of_an_archive_that_is_read_rises_to_all(tmp_path, save):
     positions = np.random.default_rng(3).normal(size=(50_000, 3))

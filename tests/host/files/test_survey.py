@@ -9,7 +9,18 @@ import pytest
 from splatline.contract.errors import InputError
 from splatline.host.files import survey as module
 from splatline.host.files.survey import survey
-from tests.host.files.kinds import COLOURS, SPHERE, XYZ_PCD, XYZ_PLY, compressed_pcd, pcd, ply, text
+from tests.host.files.e57_files import colours, coordinates, e57, pose
+from tests.host.files.kinds import (
+    COLOURS,
+    SPHERE,
+    XYZ_PCD,
+    XYZ_PLY,
+    compressed_pcd,
+    pcd,
+    ply,
+    ptx,
+    text,
+)
 from tests.host.files.las_files import COUNT as LAS_COUNT
 from tests.host.files.las_files import las, laz, places_of
 from tests.host.files.test_colour_by import CLASS, FORMATS, INTENSITY, NAMES, QUALITY, RGB, files
@@ -237,3 +248,56 @@ def test_a_format_may_be_given(tmp_path):
 def test_an_unknown_depth_is_refused():
     with pytest.raises(InputError, match="one of quick, header, full"):
         survey("a.ply", "deep")
+
+
+QUARTER = pose((0.5**0.5, 0.0, 0.0, 0.5**0.5), (100.0, 0.0, 7.0))
+"""A quarter of a turn about z, then a move."""
+
+BOX = (
+    '<cartesianBounds type="Structure">'
+    + "".join(
+        f'<{axis}{end} type="Float">{value}</{axis}{end}>'
+        for end, values in (("Minimum", (-1, -2, -3)), ("Maximum", (4, 5, 6)))
+        for axis, value in zip("xyz", values, strict=True)
+    )
+    + "</cartesianBounds>"
+)
+
+
+def test_the_header_of_an_e57_tells_scans_points_fields_and_boxes(tmp_path):
+    rows = coordinates(SPHERE, "d") | colours(COLOURS)
+    scans = [rows | {"pose": QUARTER + BOX}, coordinates(SPHERE, "S") | {"pose": BOX}]
+    facts = survey(put(tmp_path, "a.e57", e57(*scans)), "header")
+    assert (facts["format"], facts["points"], facts["scans"]) == ("E57", 2 * COUNT, "2")
+    types = {field["name"]: field["type"] for field in facts["fields"]}
+    assert types["cartesianX"] == "float64"
+    assert types["colorRed"] == "integer"
+    # The first box is turned: x' = 100 - y, y' = x.
+    assert facts["low"] == pytest.approx([-1.0, -2.0, -3.0])
+    assert facts["high"] == pytest.approx([102.0, 5.0, 13.0])
+    assert "wider than their points" in facts["bounds"]
+    bare = survey(put(tmp_path, "b.e57", e57(rows, scans[0])), "header")
+    assert bare["low"] is None
+
+
+def test_the_header_of_an_e57_does_not_read_its_points(tmp_path, monkeypatch):
+    place = put(tmp_path, "a.e57", e57(coordinates(SPHERE, "d")))
+    whole = survey(place)
+    monkeypatch.setattr(module, "read_columns", None)
+    header = survey(place, "header")
+    assert header["points"] == whole["points"] == COUNT
+    assert [f["name"] for f in header["fields"]] == [f["name"] for f in whole["fields"]]
+
+
+def test_the_headers_of_a_ptx_tell_scans_and_points(tmp_path, monkeypatch):
+    content = ptx(SPHERE, np.full(COUNT, 0.5), COLOURS) + ptx(SPHERE, np.full(COUNT, 0.5))
+    place = put(tmp_path, "a.ptx", content)
+    monkeypatch.setattr(module, "read_columns", None)
+    facts = survey(place, "header")
+    assert (facts["points"], facts["scans"]) == (2 * COUNT, "2")
+    assert [f["name"] for f in facts["fields"]] == [
+        "x", "y", "z", "intensity", "red", "green", "blue",
+    ]  # fmt: skip
+    cut = put(tmp_path, "b.ptx", content[: len(content) // 3])
+    with pytest.raises(InputError, match=r"b\.ptx: ends after"):
+        survey(cut, "header")

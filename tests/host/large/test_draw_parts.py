@@ -182,8 +182,9 @@ def test_strays_do_not_make_the_picture_small(tmp_path):
 def test_a_view_that_shows_nothing_is_one_line(scan):
     settled = plan_of(scan)
     away = dataclasses.replace(settled.view, axes=settled.view.axes * [[1], [-1], [-1]])
-    with pytest.raises(InputError, match=r"nothing of hills.laz is in view: of .* lie outside"):
-        draw_parts(dataclasses.replace(settled, view=away), Drawing())
+    words = r"nothing of hills.laz is in view: of ([\d,]+) points, \1 outside; change the view"
+    with pytest.raises(InputError, match=words):
+        draw_parts(dataclasses.replace(settled, view=away), Drawing(samples=4))
 
 
 def test_a_damaged_file_is_told_by_its_name(scan, tmp_path):

@@ -32,7 +32,7 @@ def settled(tmp_path_factory):
 def assembled(picture, sample):
     """The whole raster of a sample, from golden's tiles without their guard bands."""
     lines = []
-    for row in picture.rows():
+    for row in picture.map_rows(list):
         band = []
         for tile in row:
             columns, above = tile.tile.guard

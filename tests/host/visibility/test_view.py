@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from splatline.contract.errors import InputError
+from splatline.host.scenes.scenes import SCENES, load_scene
 from splatline.host.visibility.view import fit_view
 from tests.support.clouds import cloud_of, sphere
 
@@ -29,6 +30,61 @@ def test_the_cloud_fits_the_image_and_nearly_fills_it(size, fov):
         fill = max(np.ptp(column) / size[0], np.ptp(line) / size[1])
         if fov < 60:  # a wider eye must stop in front of the cloud before it fills the image
             assert fill > 0.85
+
+
+def box_on_image(cloud, view):
+    """Return the least and the greatest pixel coordinates: two of shape (2,)."""
+    pixels = np.stack(on_image(cloud, view))
+    return pixels.min(axis=1), pixels.max(axis=1)
+
+
+SHAPES = {
+    "flat": (10, 10, 0.3),
+    "wide": (10, 1, 1),
+    "tall": (1, 1, 10),
+    "cube": (3, 3, 3),
+    "wall": (10, 0.3, 6),
+}
+
+
+@pytest.mark.parametrize("size", [(512, 512), (1024, 256), (200, 900)])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_image_of_a_box_is_in_the_middle_and_touches_the_margin(shape, size):
+    corners = np.stack(np.meshgrid(*[(-0.5, 0.5)] * 3), axis=-1).reshape(8, 3) * SHAPES[shape]
+    inside = np.random.default_rng(1).uniform(-0.5, 0.5, (200, 3)) * SHAPES[shape]
+    cloud = cloud_of(np.concatenate([corners, inside]) + np.array([7, -3, 2]), np.ones((208, 3)))
+    for azimuth in range(0, 360, 30):
+        for elevation in (-90, -60, 0, 20, 48, 80):
+            view = fit_view(cloud, size=size, orbit=(azimuth, elevation), up="z")
+            low, high = box_on_image(cloud, view)
+            assert np.allclose(0.5 * (low + high), np.array(size) / 2, atol=0.05)
+            # The eye stands off a long cloud, which may leave more room than the margin.
+            assert 0.4 < ((high - low) / size).max() <= 1 / 1.06 + 1e-9
+
+
+@pytest.mark.parametrize("elevation", [5, 20, 60])
+def test_the_image_of_many_points_is_in_the_middle(elevation):
+    """They are more than the sample by which the middle is found."""
+    points = np.random.default_rng(1).normal(size=(200_000, 3)) * (3, 2, 0.3)
+    cloud = cloud_of(points, np.ones_like(points))
+    view = fit_view(cloud, orbit=(25, elevation), up="z")
+    low, high = box_on_image(cloud, view)
+    assert np.allclose(0.5 * (low + high), 256, atol=0.5)
+    assert ((high - low) / 512).max() == pytest.approx(1 / 1.06)
+
+
+def test_a_view_of_the_same_points_is_the_same():
+    points = np.random.default_rng(2).normal(size=(100_000, 3))
+    cloud = cloud_of(points, points)
+    assert np.array_equal(fit_view(cloud).eye, fit_view(cloud).eye)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_are_in_the_middle(name):
+    scene = load_scene(name)
+    view = fit_view(scene.cloud, orbit=scene.orbit, fov=scene.fov, up=scene.up, zoom=scene.zoom)
+    low, high = box_on_image(scene.cloud, view)
+    assert np.allclose(0.5 * (low + high), 256, atol=0.5)
 
 
 def test_axes_are_orthonormal_and_turn_with_the_orbit():

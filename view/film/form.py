@@ -1,0 +1,40 @@
+"""What a film is like: its size, its rate and its length."""
+
+from __future__ import annotations
+
+import dataclasses
+
+__all__ = ["Form"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Form:
+    """What a film is like.
+
+    Parameters
+    ----------
+    size
+        Width and height in pixels.
+    count
+        Number of frames.
+    fps
+        Frames a second.
+    fidelity
+        Of the encoder: 0 to 100.
+    """
+
+    size: tuple[int, int]
+    count: int
+    fps: float
+    fidelity: float
+
+    def durations(self, unit: int) -> list[int]:
+        """Return each frame's duration in parts of a second, which add up to the film's length.
+
+        Parameters
+        ----------
+        unit
+            Parts of a second.
+        """
+        ends = [round(unit * number / self.fps) for number in range(self.count + 1)]
+        return [end - begin for begin, end in zip(ends, ends[1:], strict=False)]

@@ -1,0 +1,145 @@
+"""A still picture in one call."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from splatline.contract.errors import InputError
+from splatline.host.cloud.cloud import Cloud
+from splatline.host.files.atomic_write import atomic_write
+from splatline.host.files.wanted import ColourBy
+from splatline.host.visibility.view import View, fit_view
+from splatline.plots.figure import png_bytes
+
+from .camera import Camera, upward_of
+from .draw import Drawing, draw
+from .prepared import Drawable, prepare
+from .settings_of import settings_of
+
+__all__ = ["Picture", "render"]
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Picture:
+    """A picture as the engine draws it. A notebook shows it.
+
+    Parameters
+    ----------
+    drawing
+        The picture, its code words and its statistics.
+    """
+
+    drawing: Drawing
+
+    @property
+    def rgb(self) -> npt.NDArray[np.uint8]:
+        """The pixels: shape (height, width, 3), uint8."""
+        return self.drawing.rgba[..., :3]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.drawing.view.width, self.drawing.view.height
+
+    @property
+    def counts(self) -> dict[str, Any]:
+        """Statistics, as of ``make_frames``: points drawn and left out, code words, seconds."""
+        return self.drawing.counts
+
+    @cached_property
+    def png(self) -> bytes:
+        """The file that ``save`` writes."""
+        return png_bytes(np.ascontiguousarray(self.rgb))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the picture as a PNG, whole or not at all.
+
+        Raises
+        ------
+        InputError
+            If the name does not end in .png, or the file cannot be written.
+        """
+        if Path(path).suffix.lower() != ".png":
+            raise InputError(f"{Path(path)}: the name must end in .png, the format that is written")
+        atomic_write(path, self.png)
+
+    def _repr_png_(self) -> bytes:
+        """Return what a notebook shows."""
+        return self.png
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        engine = self.drawing.frames[0].config.name if self.drawing.frames else "no engine"
+        return f"<Picture {width}x{height}: {self.counts['codewords']:,} code words for {engine}>"
+
+
+def render(
+    cloud: Drawable,
+    *,
+    size: tuple[int, int] = (512, 512),
+    orbit: tuple[float, float] | None = None,
+    fov: float | None = None,
+    up: str | None = None,
+    zoom: float | None = None,
+    camera: Camera | None = None,
+    colour: str | ColourBy | None = None,
+    fit: str = "bulk",
+    splat_size: float | None = None,
+    **settings: Any,
+) -> Picture:
+    """Draw a cloud: bit for bit the picture of ``splatline render`` with the same options.
+
+    Parameters
+    ----------
+    cloud
+        A cloud, a scene, or the name of a cloud's file.
+    size
+        Width and height of the image in pixels; more than the engine's are drawn in tiles.
+    orbit, fov, up, zoom
+        As of ``fit_view``. None: the scene's, or 30 and 20 degrees, 35 degrees, ``Cloud.up``, 1.
+    camera
+        A camera, in place of these four.
+    colour, fit, splat_size
+        As of ``prepare``.
+    **settings
+        ``preset``, ``samples``, ``quality``, ``lights``, ``background`` and ``skips``; see
+        ``settings_of``.
+
+    Raises
+    ------
+    InputError
+        If the file is bad, or an option has no such value.
+    """
+    chosen = settings_of(**settings)
+    prepared = prepare(cloud, colour=colour, up=up, fit=fit, splat_size=splat_size)
+    live = prepared.live
+    if camera is None:
+        options = prepared.camera(orbit=orbit, fov=fov, up=up, zoom=zoom)
+        return Picture(draw(live, _Fitted(live.discs.radii, options), size, chosen))
+    if any(option is not None for option in (orbit, fov, up, zoom)):
+        raise InputError("give a camera, or orbit, fov, up and zoom, not both")
+    return Picture(draw(live, camera, size, chosen))
+
+
+@dataclasses.dataclass(frozen=True)
+class _Fitted:
+    """A camera that sees the whole of a cloud: options of ``fit_view``."""
+
+    radii: npt.NDArray[np.float64]
+    options: dict[str, Any]
+
+    @property
+    def upward(self) -> str | None:
+        """The axis up if the view looks down or is level; else None."""
+        return upward_of(self.options["orbit"], self.options["up"])
+
+    def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
+        """Return the fitted view."""
+        return fit_view(cloud, size=size, radii=self.radii, **self.options)
