@@ -87,6 +87,7 @@ bench: setup
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
 	@$(VENV)/bin/splatline bench surface $(SCANS)
+	@$(VENV)/bin/splatline bench view $(SCANS)
 
 # What is WebAssembly is compiled when it first runs: here, lest every process of the tests does so.
 test: setup

@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 from aiohttp import WSMsgType, web
 
+from splatline.view.server.pages import HEADERS
+
 PAGE = Path(__file__).parents[2] / "view" / "page"
 PATIENCE = 20.0  # seconds
 MAGIC = 0x4C505330
@@ -19,7 +21,6 @@ TYPES = {
     ".js": "text/javascript",
     ".svg": "image/svg+xml",
 }
-POLICY = "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:"
 
 SETTINGS = {
     "type": "settings",
@@ -121,6 +122,10 @@ class ScriptedServer:
         words = (MAGIC, kind, frame, width, height, int(png is not None), int(refined), len(data))
         self._send(struct.pack("<8I", *words) + data)
 
+    def raw(self, data):
+        """Send bytes as they are."""
+        self._send(data)
+
     def file(self, name, mime, data):
         """Send a file."""
         self.say({"type": "file", "name": name, "mime": mime, "bytes": len(data)})
@@ -164,10 +169,8 @@ class ScriptedServer:
             old, new = self.changed[name]
             assert old in text, f"{name} holds no {old!r}"
             text = text.replace(old, new)
-        headers = {"Content-Security-Policy": POLICY}
-        return web.Response(
-            text=text, content_type=TYPES[Path(name).suffix], headers=headers, charset="utf-8"
-        )
+        kind = TYPES[Path(name).suffix]
+        return web.Response(text=text, content_type=kind, headers=HEADERS, charset="utf-8")
 
     async def _socket(self, request):
         socket = web.WebSocketResponse(max_msg_size=4096)

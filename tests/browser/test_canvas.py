@@ -94,6 +94,17 @@ def test_a_damaged_picture_is_one_line_and_is_acknowledged(serve, open_page):
     assert page.text("#toast-text") == "Frame 1 could not be drawn."
 
 
+def test_a_message_of_another_protocol_is_one_line(serve, open_page):
+    server = serve()
+    page = open_page(server.address)
+    size_asked(page, server)
+    for data in (b"", b"short", bytes(32), b"0PSL" + bytes(40)):
+        server.raw(data)
+        page.page.wait_for_selector("#toast:not([hidden])")
+        assert page.text("#toast-text") == "This page does not fit its server. Load it again."
+        page.page.click("#toast-close")
+
+
 def test_the_second_picture_of_a_split_begins_at_the_seam(serve, open_page):
     server = serve()
     page = open_page(server.address)

@@ -4,7 +4,14 @@ import functools
 
 import pytest
 
-from . import scripted_server, test_canvas, test_gestures, test_reconnection, test_states
+from . import (
+    scripted_server,
+    test_accessible,
+    test_canvas,
+    test_gestures,
+    test_reconnection,
+    test_states,
+)
 
 # Name of the fault: file, text, other text, and the test that must fail (with its parameters).
 FAULTS = {
@@ -164,6 +171,18 @@ FAULTS = {
         "if (message.elements === 0) showEmpty();",
         "if (message.elements === null) showEmpty();",
         test_states.test_nothing_in_view_is_said_until_something_is,
+    ),
+    "soft text is too dark": (
+        "view.css",
+        "--soft: #9aa6b2;",
+        "--soft: #6b7580;",
+        test_accessible.test_text_stands_out_from_its_ground,
+    ),
+    "the focus is not marked": (
+        "view.css",
+        ":focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }",
+        ":focus-visible { outline: none; }",
+        test_accessible.test_tab_reaches_every_control_and_shows_where_it_is,
     ),
     "a long command widens the page": (
         "view.css",

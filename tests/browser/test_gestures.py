@@ -170,6 +170,9 @@ def test_help_opens_by_key_and_closes(serve, open_page, screenshot):
     screenshot(page, "help")
     page.page.keyboard.press("Escape")
     page.page.wait_for_selector("#help:not([open])", state="attached")
+    page.page.click("#help-open")
+    page.page.click("#help button")
+    page.page.wait_for_selector("#help:not([open])", state="attached")
 
 
 def test_a_finger_turns(serve, open_page):

@@ -254,15 +254,3 @@ def fits(page):
     )
     print(*cut, sep="\n")
     return cut == []
-
-
-def test_everything_has_a_name_for_a_screen_reader(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
-    nameless = page.page.evaluate(
-        """[...document.querySelectorAll("button, input, select, canvas, [role=slider]")].filter(
-            (one) => !(one.labels?.length || one.getAttribute("aria-label")
-              || one.textContent.trim())).map((one) => one.outerHTML)"""
-    )
-    assert nameless == []

@@ -37,7 +37,7 @@ export function keepConnected(address, handlers) {
     };
     socket.onmessage = ({ data }) => {
       if (typeof data === "string") handlers.message(JSON.parse(data));
-      else handlers.binary(readHeader(data), new Uint8Array(data, HEADER));
+      else receive(data, handlers);
     };
   };
   connect();
@@ -48,6 +48,13 @@ export function keepConnected(address, handlers) {
       return true;
     },
   };
+}
+
+/** Hand a binary message on, or say that it cannot be read. */
+function receive(/** @type {ArrayBuffer} */ data, /** @type {Handlers} */ handlers) {
+  const header = data.byteLength < HEADER ? null : readHeader(data);
+  if (header) handlers.binary(header, new Uint8Array(data, HEADER));
+  else handlers.message({ type: "error", text: "This page does not fit its server. Load it again." });
 }
 
 /** The address of this page's socket, with this page's token. */
@@ -61,14 +68,12 @@ export function socketAddress() {
  * Read the header of a binary message.
  *
  * @param {ArrayBuffer} data
- * @returns {Header}
+ * @returns {Header | null}  null: the message is of another protocol
  */
-export function readHeader(data) {
+function readHeader(data) {
   const words = new DataView(data);
   const word = (/** @type {number} */ index) => words.getUint32(4 * index, true);
-  if (word(0) !== MAGIC || word(7) !== data.byteLength - HEADER) {
-    throw new Error("a binary message of another protocol: load the page again");
-  }
+  if (word(0) !== MAGIC || word(7) !== data.byteLength - HEADER) return null;
   return {
     kind: word(1), frame: word(2), width: word(3), height: word(4), encoding: word(5),
     refined: (word(6) & 1) === 1,
