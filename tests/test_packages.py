@@ -4,8 +4,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-SETTINGS = PYPROJECT["tool"]["setuptools"]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+SETTINGS = PROJECT["tool"]["setuptools"]
 ROOMS = {folder: name for name, folder in SETTINGS["package-dir"].items()}
 
 
@@ -21,15 +21,14 @@ def test_every_folder_with_modules_is_in_the_wheel():
     listed = set(SETTINGS["packages"])
     assert found - listed == set()
     files = listed - found  # folders without modules
-    assert files == {"splatline.constraints"}
+    assert files == {"splatline.constraints", "splatline.view.page"}
 
 
 def test_every_file_of_data_is_in_the_wheel():
-    kinds = {".json", ".v", ".c", ".lpf", ".ucf", ".js", ".css", ".html", ".svg", ".typed"}
+    kinds = {".json", ".v", ".c", ".lpf", ".ucf", ".js", ".css", ".html", ".svg"}
     for folder, room in ROOMS.items():
         for file in (ROOT / folder).rglob("*"):
-            packed = file.suffix in kinds or file.name == "py.typed"
-            if "__pycache__" in file.parts or not packed:
+            if file.suffix not in kinds and file.name != "py.typed":
                 continue
             name = ".".join([room, *file.parent.relative_to(ROOT / folder).parts])
             patterns = SETTINGS["package-data"].get(name, [])
