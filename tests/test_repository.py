@@ -1,38 +1,11 @@
 """Files in the root that other programs read."""
 
-import subprocess
 import tomllib
 from pathlib import Path
 
 import yaml
 
 ROOT = Path(__file__).parents[1]
-SETUPTOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
-    "setuptools"
-]
-
-
-def package_of(file):
-    """Return the package that a file of the repository is installed in; None if in none."""
-    homes = {Path(folder): package for package, folder in SETUPTOOLS["package-dir"].items()}
-    for folder in file.parents:
-        if folder in homes:
-            return ".".join([homes[folder], *file.parent.relative_to(folder).parts])
-    return None
-
-
-def test_every_file_of_a_package_is_installed():
-    """``pip install .`` takes the packages that are listed, and of other files those named."""
-    listed = subprocess.run(
-        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    for file in map(Path, listed.stdout.splitlines()):
-        package = package_of(file)
-        if package is None:
-            continue
-        assert package in SETUPTOOLS["packages"], package
-        patterns = SETUPTOOLS["package-data"].get(package, [])
-        assert file.suffix == ".py" or any(file.match(each) for each in patterns), file
 
 
 def test_the_citation_is_of_this_version_and_names_the_paper():
