@@ -122,7 +122,7 @@ types: setup
 	@ln -sfn ../../../api/__init__.py build/types/splatline/__init__.py
 	@ln -sfn ../../../api/py.typed build/types/splatline/py.typed
 	MYPYPATH=build/types $(VENV)/bin/mypy
-	$(VENV)/bin/lint-imports
+	PYTHONPATH=build/types $(VENV)/bin/lint-imports
 
 # Strict: a dead link or a name that is gone is an error.
 docs: setup
