@@ -110,21 +110,19 @@ formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)
 
 # mypy does not follow the import hook of an editable install whose packages live outside a folder
-# named splatline, so it gets that folder, made of links. import-linter gets one without __init__.py,
-# as it takes rooms of a namespace alone.
+# named splatline, so it gets that folder, made of links.
 lint: setup
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	@$(MAKE) --no-print-directory types
 
 types: setup
-	@mkdir -p build/types/splatline build/rooms/splatline
-	@for part in contract rtl flow host sim plots view cli; do for place in types rooms; do \
-	  ln -sfn ../../../$$part build/$$place/splatline/$$part; done; done
+	@mkdir -p build/types/splatline
+	@for part in contract rtl flow host sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
 	@ln -sfn ../../../api/__init__.py build/types/splatline/__init__.py
 	@ln -sfn ../../../api/py.typed build/types/splatline/py.typed
 	MYPYPATH=build/types $(VENV)/bin/mypy
-	PYTHONPATH=build/rooms $(VENV)/bin/lint-imports
+	PYTHONPATH=build/types $(VENV)/bin/lint-imports
 
 # Strict: a dead link or a name that is gone is an error.
 docs: setup

@@ -29,6 +29,9 @@ class LivePage:
         self.retries = []
         self.patience = PATIENCE
         self.received = []
+        self._refined = 0  # pictures that were refined, with figures and then settings
+        self._numbers = None  # figures whose settings are still to come
+        self._last = None  # figures and settings of the last refined picture
         page.on("websocket", lambda socket: socket.on("framereceived", self._hear))
         page.on("console", self._note)
         page.on("pageerror", lambda error: self.errors.append(f"uncaught: {error}"))
@@ -98,32 +101,32 @@ class LivePage:
         before = 0
         if act is not None:
             self.settled()
-            before = self._refined()
+            before = self._refined
             act()
         for _ in range(self.patience // 20):
             shown = self.page.get_attribute("#stage", "data-frame")
-            if self._refined() > before:
-                numbers = self.told("numbers")
+            if self._refined > before and self._numbers is None:
+                numbers, settings = self._last
                 whole = (numbers["width"], numbers["height"]) == self.canvas_size()
                 if whole and shown == str(numbers["frame"]):
-                    return self.told("settings")
+                    return settings
             self.page.wait_for_timeout(20)
         last = [message["type"] for message in self.received[-8:]]
         raise AssertionError(
             f"no refined picture came; frame {shown} is shown, and last came {last}"
         )
 
-    def _refined(self):
-        """Return how many sets of figures came with the settings after them."""
-        kinds = [message["type"] for message in self.received]
-        done = 0
-        for number, kind in enumerate(kinds):
-            done += kind == "numbers" and "settings" in kinds[number:]
-        return done
-
     def _hear(self, payload):
-        if isinstance(payload, str):
-            self.received.append(json.loads(payload))
+        if not isinstance(payload, str):
+            return
+        message = json.loads(payload)
+        self.received.append(message)
+        if message["type"] == "numbers":
+            self._numbers = message
+        elif message["type"] == "settings" and self._numbers is not None:
+            self._last = self._numbers, message
+            self._refined += 1
+            self._numbers = None
 
     def _note(self, message):
         if message.type not in ("error", "warning"):
