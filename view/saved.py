@@ -8,7 +8,7 @@ import zipfile
 from pathlib import Path
 
 from splatline.host.frame_file import save_frame, sidecar_path
-from splatline.plots.figure import depth_levels
+from splatline.plots.figure import depth_levels, png_bytes
 from splatline.sim.golden.multisample import average
 
 from .draw import Drawing
@@ -19,14 +19,10 @@ __all__ = ["saved_picture", "saved_words"]
 
 def saved_picture(drawing: Drawing, name: str, show: str) -> SavedFile:
     """Return a picture as a PNG: that of ``splatline render``, or of its ``--depth``."""
-    from PIL import Image
-
-    stream = io.BytesIO()
     if show == "depth":
-        Image.fromarray(depth_levels(average(drawing.rasters))).save(stream, "PNG")
-        return SavedFile(f"{name}-depth.png", "image/png", stream.getvalue())
-    Image.fromarray(drawing.rgba[..., :3]).save(stream, "PNG")
-    return SavedFile(f"{name}.png", "image/png", stream.getvalue())
+        levels = depth_levels(average(drawing.rasters))
+        return SavedFile(f"{name}-depth.png", "image/png", png_bytes(levels))
+    return SavedFile(f"{name}.png", "image/png", png_bytes(drawing.rgba[..., :3]))
 
 
 def saved_words(drawing: Drawing, name: str) -> SavedFile:
