@@ -65,6 +65,8 @@ def test_the_command_of_a_session_makes_its_picture(name, far_scan, monkeypatch,
 
     monkeypatch.chdir(tmp_path)
     program, *words = shlex.split(answer["text"])
+    lengths = {name: len(words[words.index(name) + 1]) for name in ("--orbit", "--distance")}
+    assert all(length <= len("-123.45,-12.34") for length in lengths.values())
     assert program == "splatline"
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
