@@ -1,28 +1,21 @@
 """OpenMP runs the loops of the server, unless the environment says otherwise."""
 
-import os
-import subprocess
-import sys
-
+import numba
 import pytest
 
-PROGRAM = """
-import numba, numpy as np
 from splatline.view.server.threads import prefer_openmp
-prefer_openmp()
-numba.njit(parallel=True)(lambda a: np.sin(a).sum())(np.ones(9))
-print(numba.threading_layer())
-"""
+
+USUAL = ["tbb", "omp", "workqueue"]
 
 
-@pytest.mark.parametrize(("environment", "layer"), [("", "omp"), ("workqueue", "workqueue")])
-def test_the_layer_is_openmp_or_the_one_that_is_asked_for(environment, layer):
-    asked = {"NUMBA_THREADING_LAYER": environment} if environment else {}
-    found = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        env={**os.environ, **asked},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert found.stdout.strip() == layer
+@pytest.mark.parametrize("asked", [None, "NUMBA_THREADING_LAYER", "NUMBA_THREADING_LAYER_PRIORITY"])
+def test_openmp_is_first_unless_the_environment_says_otherwise(asked, monkeypatch):
+    monkeypatch.setattr(numba.config, "THREADING_LAYER_PRIORITY", USUAL)
+    for name in ("NUMBA_THREADING_LAYER", "NUMBA_THREADING_LAYER_PRIORITY"):
+        monkeypatch.delenv(name, raising=False)
+    if asked is not None:
+        monkeypatch.setenv(asked, "workqueue")
+    prefer_openmp()
+    first = numba.config.THREADING_LAYER_PRIORITY[0]
+    assert first == ("omp" if asked is None else "tbb")
+    assert set(numba.config.THREADING_LAYER_PRIORITY) == set(USUAL)
