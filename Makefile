@@ -17,13 +17,14 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render bench test test-browser fuzz formal lint types docs docs-links \
+.PHONY: help setup render film bench test test-browser fuzz formal lint types docs docs-links \
   verilog synth clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
 	@echo 'make render     the main job: a scene, drawn by the Verilog and checked -> build/render/'
 	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
+	@echo 'make film       the turning terrain of the README -> docs/terrain.webp'
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
 	@echo 'make test       all tests but those in a browser'
@@ -70,6 +71,11 @@ tools:
 	fi; \
 	test -z "$$missing" || { echo "splatline: install what is missing: apt-get install$$missing" >&2; exit 1; }
 
+# The moving picture of the README: the built-in terrain, once round.
+film: setup
+	@$(VENV)/bin/splatline film --size 480x320 --samples 4 --orbit=-75,36 --seconds 6 --fps 25 \
+	  --fidelity 70 -o docs/terrain.webp
+
 render: setup
 	@$(VENV)/bin/splatline render $(if $(CLOUD),'$(CLOUD)',--scene $(SCENE)) --engine rtl \
 	  --out-dir build/render
@@ -81,6 +87,7 @@ bench: setup
 	@$(VENV)/bin/splatline bench host $(SCANS)
 	@$(VENV)/bin/splatline bench stability
 	@$(VENV)/bin/splatline bench surface $(SCANS)
+	@$(VENV)/bin/splatline bench view $(SCANS)
 
 # What is WebAssembly is compiled when it first runs: here, lest every process of the tests does so.
 test: setup

@@ -4,7 +4,7 @@ Three lines from file to picture:
 
 >>> import splatline
 >>> cloud = splatline.read_cloud("scan.ply")
->>> splatline.render(cloud, size=(640, 480), samples=4).save("scan.png")
+>>> splatline.render(cloud, size=(480, 360), samples=4).save("scan.png")
 
 This folder is the package ``splatline`` itself; every other folder at the root of the repository is
 a package in it. Nothing is imported before it is used.

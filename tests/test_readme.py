@@ -6,7 +6,7 @@ from pathlib import Path
 from splatline.contract.presets import PRESETS
 from splatline.flow.area.budgets import read_budgets
 from tests.docs.test_presets import number
-from tests.docs.test_python import draw_as_shown, python_blocks
+from tests.docs.test_python import python_blocks, save_as_shown
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")
@@ -18,9 +18,9 @@ def test_it_is_short():
     assert max(map(len, lines)) <= 120
 
 
-def test_a_cloud_is_drawn_as_shown(tmp_path, monkeypatch):
+def test_a_picture_is_saved_as_shown(tmp_path, monkeypatch):
     (block,) = python_blocks(README)
-    draw_as_shown(block, tmp_path, monkeypatch)
+    save_as_shown(block, tmp_path, monkeypatch)
 
 
 def test_the_manual_s_tables_have_the_same_figures():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from splatline.contract.errors import InputError
@@ -85,7 +86,7 @@ def prepare(
     global _last
     by = ColourBy(colour) if isinstance(colour, str) else colour
     if not isinstance(what, Cloud | Scene):
-        by = None if by is None else dataclasses.replace(by, up=up or usual_up(what))
+        by = None if by is None else dataclasses.replace(by, up=up or usual_up(Path(what)))
         cloud = read_cloud(what, colour=by)
         return Prepared(live_cloud(cloud, fit=fit, splat_size=splat_size), _usual(cloud))
     cloud = what.cloud if isinstance(what, Scene) else what

@@ -44,8 +44,9 @@ LARGE_OPTIONS = (
         type=MEMORY,
         metavar="SIZE",
         show_default="a quarter of the machine's",
-        help="Memory for the cloud, such as 2G. A LAS or LAZ file that needs more is read in parts:"
-        " points of a pixel become one, or of more pixels if the memory asks for it.",
+        help="Memory for the cloud, such as 2G. A LAS, LAZ or binary PLY file that needs more is"
+        " read in parts: points of a pixel become one, or of more pixels if the memory asks for"
+        " it.",
     ),
 )
 """Options for large clouds, last one first."""
@@ -57,14 +58,22 @@ def is_large(request: RenderRequest) -> bool:
         return False
     if len(request.paths) > 1 or request.dask is not None:
         return True
-    if request.path.suffix.lower() not in (".las", ".laz") or request.format is not None:
+    suffix = request.path.suffix.lower()
+    if suffix not in (".las", ".laz", ".ply") or request.format is not None:
         return False
+    if request.sample is not None or not request.path.is_file():
+        return False  # a pipe is read once
     from splatline.host.files.las_header import read_las_header
-    from splatline.host.files.readers import open_cloud_file
+    from splatline.host.files.ply_rows import ply_rows
+    from splatline.host.files.readers import open_cloud_file, parser_errors
     from splatline.host.large.read_part import FIXED_BYTES, POINT_BYTES
 
-    with open_cloud_file(request.path) as source:
-        count = read_las_header(source).count
+    with open_cloud_file(request.path) as source, parser_errors(source):
+        if suffix == ".ply":
+            rows = ply_rows(source)
+            count = 0 if rows is None else rows.points
+        else:
+            count = read_las_header(source).count
     return FIXED_BYTES + POINT_BYTES * count > _memory(request)
 
 

@@ -33,6 +33,9 @@ __all__ = [
 LOCAL = "local"
 """The address of a cluster of this machine's own processes."""
 
+ANY_PORT = "127.0.0.1:0"
+"""Of the scheduler's web server, which cannot be left out. The usual port may be taken."""
+
 PATIENCE = 10
 """Seconds to wait for a scheduler, and for its first worker."""
 
@@ -121,7 +124,7 @@ def open_cluster(address: str) -> Iterator[Any]:
     if address == LOCAL:
         with (
             LocalCluster(
-                dashboard_address=None, memory_limit=None, threads_per_worker=1
+                dashboard_address=ANY_PORT, memory_limit=None, threads_per_worker=1
             ) as cluster,
             Client(cluster) as client,
         ):

@@ -1,4 +1,4 @@
-"""Files in pieces: LAS and LAZ some points at a time, COPC by nodes, other formats as a whole."""
+"""Files in pieces: LAS, LAZ and binary PLY by points, COPC by nodes, other formats as a whole."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from splatline.host.files.columns import Columns, gather
 from splatline.host.files.copc import Octree, copc_sample, copc_tables, read_octree
 from splatline.host.files.las_fields import Table
 from splatline.host.files.las_header import LasHeader, read_las_header
+from splatline.host.files.ply_rows import PlyRows, ply_rows
 from splatline.host.files.read_las import las_meaning, las_sample, las_tables
 from splatline.host.files.readers import open_cloud_file, parser_errors, read_columns
 from splatline.host.files.source import Progress, Source, format_suffix
@@ -36,6 +37,8 @@ CHUNK = 1 << 16
 """Points that are decompressed for a place, or so."""
 
 IN_PIECES = (".las", ".laz")
+
+IN_ROWS = ".ply"
 
 _Bytes = npt.NDArray[np.uint8]
 
@@ -110,6 +113,7 @@ class PieceFile:
         self.octree: Octree | None = None
         self._colours = True
         self._in_pieces = format_suffix(path) in IN_PIECES
+        self._rows: PlyRows | None = None
 
     def sample(self) -> Sample:
         """Return some points from all over the file.
@@ -120,6 +124,12 @@ class PieceFile:
             If the file cannot be read.
         """
         with open_cloud_file(self.path, Wanted(self._by, keep=self._keep)) as source:
+            if path_in_rows(self.path):
+                with parser_errors(source):
+                    self._rows = ply_rows(source)
+                if self._rows is not None:
+                    return self._sample_of_rows(source, self._rows)
+                source.stream.seek(0)
             if not self._in_pieces:
                 columns = read_columns(source)
                 count = len(columns.positions)
@@ -143,6 +153,19 @@ class PieceFile:
                 bounds = header.low, header.high
                 in_pieces = self.octree is None
                 return Sample(gather(table, meaning), header.count, bounds, in_pieces)
+
+    def _sample_of_rows(self, source: Source, rows: PlyRows) -> Sample:
+        """Return some points from all over a binary PLY file."""
+        meaning = rows.meaning(source.wanted)
+        if meaning.kind.startswith("intensity") and self._by is None:
+            self._by = ColourBy(INTENSITY)
+            meaning = rows.meaning(Wanted(self._by))
+        number, length = _places(rows.points)
+        if number * length >= rows.points:
+            number, length = 1, rows.points
+        starts = np.linspace(0, max(rows.points - length, 0), number).astype(np.int64)
+        with parser_errors(source):
+            return Sample(rows.read(source, starts, length, meaning), rows.points, None, True)
 
     def _sample(self, source: Source, header: LasHeader, names: Sequence[str]) -> Table:
         """Return some fields of some points from all over a LAS file."""
@@ -168,6 +191,9 @@ class PieceFile:
             If the file is damaged.
         """
         with open_cloud_file(self.path, Wanted(self._by, keep=self._keep), progress) as source:
+            if self._rows is not None:
+                yield from self._pieces_of_rows(source, self._rows, first, stop)
+                return
             if not self._in_pieces:
                 yield read_columns(source)
                 return
@@ -182,6 +208,16 @@ class PieceFile:
                     columns = gather(table, meaning)
                     columns.dropped.update(dropped)
                     yield columns
+
+    def _pieces_of_rows(
+        self, source: Source, rows: PlyRows, first: int, stop: int | None
+    ) -> Iterator[Columns]:
+        """Yield the points of a binary PLY file."""
+        meaning = rows.meaning(source.wanted)
+        end = rows.points if stop is None else stop
+        for place in range(first, end, PIECE):
+            with parser_errors(source):
+                yield rows.read(source, np.array([place]), min(PIECE, end - place), meaning)
 
     def colouring(self, sample: Columns) -> Colouring:
         """Return how values become colours, so that every piece does as the sample does."""
@@ -200,6 +236,11 @@ class PieceFile:
         ends = key.get("range")
         fixed = by if not ends else dataclasses.replace(by, range=tuple(ends))
         return Colouring(fixed, None, normals, key)
+
+
+def path_in_rows(path: Path) -> bool:
+    """Return whether a file may be a binary PLY that is read by rows: it is not compressed."""
+    return path.suffix.lower() == IN_ROWS
 
 
 def colours_of(columns: Columns, colouring: Colouring) -> _Bytes:

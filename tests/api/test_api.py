@@ -148,5 +148,5 @@ def test_a_survey_s_z_points_up(tmp_path):
     cloud = splatline.read_cloud(tmp_path / "scan.las", colour="height")
     assert cloud.up == "z"
     assert cloud.colour_key["up"] == "z"
-    same = splatline.render(tmp_path / "scan.las", size=(24, 24), up="z", colour="height")
+    same = splatline.render(str(tmp_path / "scan.las"), size=(24, 24), up="z", colour="height")
     assert (splatline.render(cloud, size=(24, 24)).rgb == same.rgb).all()

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 PAGE = Path(__file__).parents[2] / "docs/python.md"
 
@@ -37,8 +38,25 @@ def draw_as_shown(block, folder, monkeypatch):
     return names
 
 
+def save_as_shown(block, folder, monkeypatch):
+    """Run a block that saves a picture of ``scan.ply``; return its names."""
+    write_scan(folder / "scan.ply")
+    monkeypatch.chdir(folder)
+    names = {}
+    exec(block, names)
+    with Image.open(folder / "scan.png") as picture:
+        assert picture.size == (640, 480)
+    return names
+
+
+def test_a_picture_is_saved_as_shown(tmp_path, monkeypatch):
+    names = save_as_shown(python_blocks(PAGE)[0], tmp_path, monkeypatch)
+    for name in re.findall(r"`(splatline\.\w+)", PAGE.read_text(encoding="utf-8")):
+        assert callable(eval(name, names))
+
+
 def test_a_cloud_is_drawn_as_shown(tmp_path, monkeypatch):
-    names = draw_as_shown(python_blocks(PAGE)[0], tmp_path, monkeypatch)
+    names = draw_as_shown(python_blocks(PAGE)[1], tmp_path, monkeypatch)
     text = PAGE.read_text(encoding="utf-8")
     named = re.findall(r"`((?:sim|host)\.[\w.]+)", text)
     assert len(named) > 3
@@ -48,7 +66,7 @@ def test_a_cloud_is_drawn_as_shown(tmp_path, monkeypatch):
 
 def test_what_the_driver_s_example_names_is_there():
     """It is run with other frames in ``test_axi``, as it takes a minute."""
-    imports, example = {}, python_blocks(PAGE)[1]
+    imports, example = {}, python_blocks(PAGE)[2]
     for node in ast.parse(example).body:
         if isinstance(node, ast.ImportFrom):
             exec(ast.unparse(node), imports)

@@ -24,7 +24,9 @@ def test_rows_in_any_parts_are_the_picture(tmp_path, cuts, grey):
                 rows.write(pack_band(part))
         assert not (tmp_path / "a.png").exists()
     assert np.array_equal(np.asarray(Image.open(tmp_path / "a.png")), picture)
-    _, _, lines, _ = png.Reader(filename=tmp_path / "a.png").read()  # it tests the checksum
+    _, _, lines, _ = png.Reader(
+        bytes=(tmp_path / "a.png").read_bytes()
+    ).read()  # it tests the checksum
     assert np.array_equal(np.vstack(list(lines)).reshape(shape), picture)
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 

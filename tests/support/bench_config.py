@@ -1,7 +1,6 @@
 """The preset of a bench. The bench runs in a simulator and gets it from the environment."""
 
 import os
-from pathlib import Path
 from unittest import mock
 
 from splatline.contract.config import EngineConfig
@@ -42,12 +41,7 @@ def run_bench(config, component, bench, **options):
         blocks.run_bench(component(config), bench, **options)
 
 
-def run_built(config, built, bench, test, fault):
-    """Run one cocotb test of a file on a build with several faults (see ``faults.switched``)."""
+def run_built(config, built, modules, folder):
+    """Run the cocotb tests of modules, whose names have commas between, on a preset's build."""
     with mock.patch.dict(os.environ, {VARIABLE: config.name}):
-        simulator.run(
-            built,
-            Path(bench),
-            test=test,
-            plusargs=[f"+fault={fault}"],
-        )
+        simulator.run(built, modules, folder=folder)

@@ -1,10 +1,15 @@
-"""Rewritten lines of several components in one build: ``+fault=N`` selects one when it runs."""
+"""Rewritten lines of several components in one build: a number selects one when it runs."""
 
 import ast
+import contextlib
 import copy
 import inspect
+import json
 import re
+import tempfile
 import textwrap
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import pytest
 from amaranth.hdl import Mux
@@ -12,9 +17,11 @@ from amaranth.hdl import Mux
 from splatline.flow.verilog import convert
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.player import frames
+from splatline.sim.cosim.simulator import SimulationError
+from tests.support import bench_config
 from tests.support.faults import replace_method
 
-__all__ = ["build", "plant", "play_with"]
+__all__ = ["build", "find_wrong", "plant", "play_with"]
 
 VALUES = ("eq", "If", "Elif")
 """Calls whose arguments are values of the hardware, whatever their width."""
@@ -24,15 +31,61 @@ NEW_REGISTER += "; m.d.sync += planted.eq(planted)"
 """A register that nothing writes, so that it stays in the Verilog."""
 
 
+PLUSARG = 'initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'
+"""What sets a register to the fault of a run."""
+
+
 def build(make, faults, edit=lambda text: text):
     """Build a component, which ``make`` returns, with faults; it is called ``dut``.
 
-    ``edit`` changes the Verilog besides.
+    Its port ``fault`` selects one. ``edit`` changes the Verilog besides.
     """
     with pytest.MonkeyPatch.context() as patch:
         planted = plant(patch, faults)
         text = edit(planted(convert(make(), "dut")))
+    text = text.replace(PLUSARG, "").replace("planted <= planted;", "planted <= dut.fault;")
+    text, count = re.subn(r"(?m)^(module dut\()([^;]*;)", r"\1fault, \2 input [7:0] fault;", text)
+    assert count == 1
     return simulator.build({"dut.v": text}, "dut")
+
+
+def find_wrong(config, built, bench, faults, *, whole=True):
+    """Run a bench on a build with faults, in one simulator, and return what comes out wrong.
+
+    First all of its tests run without a fault, then each fault with the test that must notice it,
+    and then these tests once more without, which shows that no fault outlasts its own test.
+
+    Parameters
+    ----------
+    faults
+        By name: the test and the fault's number.
+    whole
+        Whether tests run first that notice no fault; they may not suit every engine.
+
+    Returns
+    -------
+    list of str
+        The faults that are not noticed, and the tests that fail without one.
+    """
+    tests = dict.fromkeys(test for test, _ in faults.values())
+    assert [test for test in tests if not hasattr(bench, test)] == []
+    runs = [
+        *((name, *fault) for name, fault in faults.items()),
+        *((test, test, 0) for test in tests),
+    ]
+    modules = f"{bench.__name__}," * whole + f"{__package__}.fault_bench"
+    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+        folder = Path(scratch)
+        (folder / "faults.json").write_text(json.dumps([bench.__name__, runs]))
+        with contextlib.suppress(SimulationError):  # as tests must fail
+            bench_config.run_built(config, built, modules, folder)
+        cases = list(ElementTree.parse(folder / "results.xml").iter("testcase"))
+    failed = {
+        case.get("name") for case in cases if {"failure", "error"} & {part.tag for part in case}
+    }
+    names = {case.get("name") for case in cases}
+    assert names >= {name for name, *_ in runs}
+    return sorted(failed ^ faults.keys())
 
 
 def play_with(number, jobs, built, play=frames.play):
@@ -75,8 +128,9 @@ def plant(monkeypatch, faults):
         replace_method(monkeypatch, part, method, source, "faults", Mux=Mux)
 
     def edit(text):
-        choice = r'\1 initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'
-        text, count = re.subn(r"(reg \[7:0\] planted = 8'h00;)", choice, text)
+        text, count = re.subn(
+            r"reg \[7:0\] planted = 8'h00;", lambda found: f"{found[0]} {PLUSARG}", text
+        )
         assert count >= len({part for part, _ in trees})
         return text
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 __all__ = ["Form"]
 
@@ -37,4 +38,4 @@ class Form:
             Parts of a second.
         """
         ends = [round(unit * number / self.fps) for number in range(self.count + 1)]
-        return [end - begin for begin, end in zip(ends, ends[1:], strict=False)]
+        return [end - begin for begin, end in itertools.pairwise(ends)]

@@ -146,7 +146,7 @@ def _json_rows(text: str) -> list[Mapping[str, Any]]:
         raise InputError(f"is no JSON ({error})") from None
     if not isinstance(keys, list) or not all(isinstance(key, dict) for key in keys):
         raise InputError('must be a list of objects such as {"time": 0, "azimuth": 30}')
-    rows = []
+    rows: list[Mapping[str, Any]] = []
     for number, key in enumerate(keys, 1):
         row = dict(key)
         target = row.pop("target", None)

@@ -87,8 +87,8 @@ def fit_turntable(
     distance = max(
         distance, nearest + ROOM * abs(nearest), 1e-9 * (1.0 + float(np.abs(high).max()))
     )
-    target = middle + rise * upward + cloud.origin
-    camera = Camera(tuple(map(float, target)), distance, orbit[0], math.degrees(tilt), up, fov)
+    x, y, z = map(float, middle + rise * upward + cloud.origin)
+    camera = Camera((x, y, z), distance, orbit[0], math.degrees(tilt), up, fov)
     narrowed = math.degrees(2.0 * math.atan(half / zoom))
     return dataclasses.replace(camera, fov=narrowed) if zoom != 1.0 else camera
 

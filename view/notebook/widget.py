@@ -13,11 +13,11 @@ import traitlets
 from splatline.contract.errors import InputError
 from splatline.view.draw import draw
 from splatline.view.events import check_event
+from splatline.view.outputs import Output, SavedFile
+from splatline.view.outputs import Picture as Frame
 from splatline.view.picture import Picture
-from splatline.view.saved import SavedFile
 from splatline.view.server.png import png_bytes
-from splatline.view.session import Output, Session
-from splatline.view.session import Picture as Frame
+from splatline.view.session import Session
 
 __all__ = ["CloudView"]
 
@@ -87,6 +87,9 @@ class CloudView(anywidget.AnyWidget):
         live, settings = self._session.live, self._session.choices.settings
         assert live is not None
         return Picture(draw(live, self.camera, self._size, settings))
+
+    def __repr__(self) -> str:
+        return f"<CloudView {self.width}x{self.height} of {self._session.subject.name}>"
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         """Return the widget, and its picture for where no kernel runs."""

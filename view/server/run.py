@@ -11,7 +11,6 @@ import webbrowser
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 
-import numba
 from aiohttp import web
 
 from splatline.contract.errors import InputError
@@ -22,6 +21,7 @@ from splatline.view.subject import Subject
 
 from .app import MOST_TABS, Viewer
 from .library import Library
+from .threads import prefer_openmp
 from .turns import Turns
 
 __all__ = ["running", "serve"]
@@ -57,9 +57,7 @@ def serve(
     InputError
         If the address cannot be served.
     """
-    # Read when a loop first runs in parallel. On a machine with other work OpenMP draws in two
-    # thirds of TBB's time, and ends in a tenth of it (decision 0084).
-    numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
+    prefer_openmp()
     asyncio.run(_serve(subject, choices, host, port, browser, announce))
 
 

@@ -8,6 +8,7 @@ from PIL import Image
 
 from splatline.host.large import plan
 from tests.host.large.test_draw_parts import hills, write_las
+from tests.host.large.test_ply_pieces import faces, write_ply
 
 
 @pytest.fixture
@@ -73,6 +74,23 @@ def test_a_cloud_in_parts_is_coloured_by_height(run, folder, scan):
     assert result.exit_code == 0, result.stderr
     assert "height along z" in result.stdout
     assert numbers_of(folder)["colour"]["map"] == "turbo"
+
+
+def test_a_binary_ply_that_needs_more_memory_is_drawn_in_parts(run, folder, monkeypatch):
+    monkeypatch.setattr(plan, "PART_POINTS", 10_000)
+    write_ply(folder / "a.ply", after=[faces()])
+    small = ["a.ply", "--size", "96x96", "--up", "z", "--stats", "a.json"]
+    assert run("render", *small, "-o", "whole.png").exit_code == 0
+    assert "parts" not in numbers_of(folder)
+    result = run("render", *small, "-o", "parts.png", "--memory", "501M")
+    assert result.exit_code == 0, result.stderr
+    assert numbers_of(folder)["parts"] == 3
+    assert numbers_of(folder)["points"] == 30_000
+    unlike = np.abs(pixels(folder / "whole.png") - pixels(folder / "parts.png")).mean()
+    assert unlike < 12
+    sampled = run("render", *small, "--memory", "501M", "--sample", 500)
+    assert sampled.exit_code == 0, sampled.stderr
+    assert "parts" not in numbers_of(folder)
 
 
 def test_many_files_are_one_cloud(run, folder, scan, cloud):

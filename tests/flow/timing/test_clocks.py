@@ -1,4 +1,4 @@
-"""The recorded clocks are those that the README tells."""
+"""The recorded clocks are those that the manual tells."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from splatline.contract.presets import PRESETS
 from splatline.flow.timing import clocks
 
-README = Path(__file__).parents[3] / "README.md"
+PAGE = Path(__file__).parents[3] / "docs/presets.md"
 ROW = re.compile(
     r"^\| `([\w-]+)` \|.*\| (LFE5U-\d+F|none) \| (?:([\d.]+) MHz \(([\d.]+) to ([\d.]+)\)|-) \|$",
     re.MULTILINE,
@@ -22,9 +22,9 @@ def test_every_preset_has_a_clock_and_the_command_that_made_it():
         assert clock["command"] == f"splatline pnr --preset {name} --seed 1 --tries 4 --record"
 
 
-def test_the_readme_s_table_has_the_recorded_clocks():
+def test_the_table_of_the_presets_has_the_recorded_clocks():
     recorded = clocks.read_clocks()
-    rows = {row[1]: row for row in ROW.finditer(README.read_text(encoding="utf-8"))}
+    rows = {row[1]: row for row in ROW.finditer(PAGE.read_text(encoding="utf-8"))}
     assert set(rows) == set(PRESETS)
     for name, row in rows.items():
         clock = recorded[name]

@@ -6,6 +6,7 @@ import shutil
 import signal
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -115,6 +116,13 @@ def test_an_address_at_which_no_scheduler_answers_is_one_line(monkeypatch, addre
         open_cluster(address),
     ):
         pass
+
+
+def test_two_clusters_of_one_machine_do_not_disturb_each_other():
+    with warnings.catch_warnings(), open_cluster("local") as one:
+        warnings.filterwarnings("error", message="Port .* is already in use")
+        with open_cluster("local") as other:
+            assert one.submit(int, 1).result() + other.submit(int, 2).result() == 3
 
 
 def test_a_scheduler_without_workers_is_one_line(monkeypatch):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from splatline.host.files.copc import ENTRY, Octree
-from splatline.host.large import pieces
+from splatline.host.large import nodes, pieces
 from splatline.host.large.draw_parts import Drawing, draw_parts, frames_of
 from splatline.host.large.nodes import choose_nodes
 from splatline.host.large.plan import Part, make_plan
@@ -84,6 +84,17 @@ def test_nodes_are_chosen_as_their_points_by_hand():
         assert not chosen.outside[seen].any()
     assert near < 0.1 * far
     assert far > 0.2 * 8 * len(keys)
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [("CORNERS", 0.5 * nodes.CORNERS + 0.25), ("CORNERS", nodes.CORNERS[1:]), ("FINEST", 2.0)],
+    ids=["smaller cubes", "a corner less", "a level less"],
+)
+def test_faults_in_the_choice_are_found(monkeypatch, name, fault):
+    monkeypatch.setattr(nodes, name, fault)
+    with pytest.raises((AssertionError, ValueError)):
+        test_nodes_are_chosen_as_their_points_by_hand()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """Planted faults in the parts of the window of rows of lanes, and before it: each is noticed."""
 
-import functools
-
 import pytest
 
 from splatline.contract.presets import SWIFT
@@ -18,9 +16,9 @@ from tests.rtl.blocks import (
     test_readout,
     test_tiler,
 )
-from tests.support.bench_config import run_bench, run_built
+from tests.support.bench_config import run_bench
 from tests.support.faults import rewrite
-from tests.support.planted import build
+from tests.support.planted import build, find_wrong
 
 BENCHES = {
     LaneRow: test_lane_row,
@@ -362,41 +360,19 @@ ALONE = ("not turned", "not raised", "not shifted", "a fraction of the one befor
          "eight lines of a fraction")  # fmt: skip
 """What is not a value of the hardware where it is rewritten; each takes a build."""
 
-NUMBERED = {
-    part: [name for name, broken in REWRITTEN.items() if broken[0] is part and name not in ALONE]
-    for part in BENCHES
-}
-"""The other faults, of which a part has all in one build."""
-
 
 def rewritten(name):
     part, pattern, replacement, _, *method = REWRITTEN[name]
     return part, *(method or ["elaborate"]), f"(?m){pattern}", replacement
 
 
-@functools.cache
-def planted(part):
-    """Build a part with all of its faults."""
-    return build(lambda: part(SWIFT), [rewritten(name) for name in NUMBERED[part]])
-
-
-def run(part, test, number):
-    bench = BENCHES[part]
-    assert test is None or hasattr(bench, test)
-    run_built(SWIFT, planted(part), bench.__file__, test, number)
-
-
 @pytest.mark.parametrize("part", BENCHES, ids=lambda part: part.__name__)
-def test_without_a_fault_nothing_is_noticed(part):
-    """Neither by the tests that notice one nor by the others of the bench."""
-    run(part, None, 0)
-
-
-@pytest.mark.parametrize("name", [name for name in REWRITTEN if name not in ALONE])
-def test_a_fault_in_a_part_of_the_window_of_rows_is_noticed(name):
-    part, _, _, test, *_ = REWRITTEN[name]
-    with pytest.raises(SimulationError, match="FAIL=1"):
-        run(part, test, NUMBERED[part].index(name) + 1)
+def test_faults_in_a_part_of_the_window_of_rows_are_noticed(part):
+    """A part has all of its faults in one build and one run, first without a fault."""
+    names = [name for name, row in REWRITTEN.items() if row[0] is part and name not in ALONE]
+    built = build(lambda: part(SWIFT), [rewritten(name) for name in names])
+    faults = {name: (REWRITTEN[name][3], number) for number, name in enumerate(names, 1)}
+    assert find_wrong(SWIFT, built, BENCHES[part], faults) == []
 
 
 @pytest.mark.parametrize("name", ALONE)

@@ -10,11 +10,20 @@ from splatline.rtl.tiles.flush_scan import TileFlushScan
 from splatline.rtl.tiles.lane import Lane
 from splatline.rtl.tiles.tiler import Tiler
 from splatline.sim.cosim.simulator import SimulationError
+from tests.rtl.front import test_colour
 from tests.rtl.tiles import test_dirty_bits, test_flush_scan, test_lane, test_tiler
-from tests.rtl.tiles.broken_parts import check_rewritten
 from tests.support.bench_config import PAIRED, run_bench
-from tests.support.faults import LANE_WRITES, fault
+from tests.support.faults import LANE_WRITES, fault, rewrite
+from tests.support.planted import build, find_wrong
 
+BENCHES = {
+    Lane: (Lane, test_lane),
+    Tiler: (Tiler, test_tiler),
+    tiler: (Tiler, test_tiler),  # what it calls
+    TileFlushScan: (TileFlushScan, test_flush_scan),
+    TileDirtyBits: (TileDirtyBits, test_dirty_bits),
+    ColourUnit: (test_colour.Painter, test_colour),
+}
 PAIR = "a_pair_is_cleared_through_both_ports"
 WALK = "drawn_words_are_asked_for_once_and_in_order"
 
@@ -298,12 +307,44 @@ REWRITTEN_PAIRS = {
 }
 
 
-@pytest.mark.parametrize("broken", REWRITTEN.values(), ids=REWRITTEN)
-def test_a_rewritten_part_is_noticed(monkeypatch, broken):
-    """Faults in what has no name in the Verilog."""
-    check_rewritten(monkeypatch, *broken)
+ALONE = ("not marked where it is loaded", "top outlasts a reset", "meets on any line",
+         "meets in any column", "meets on the wrong side")  # fmt: skip
+"""What is not a value of a component's own where it is rewritten; each takes a build."""
+
+TABLES = {
+    f"{part.__name__}-{config.name}": (part, config, table)
+    for config, table in ((PAPER, REWRITTEN), (PAIRED, REWRITTEN_PAIRS))
+    for part in dict.fromkeys(row[0] for name, row in table.items() if name not in ALONE)
+}
 
 
-@pytest.mark.parametrize("broken", REWRITTEN_PAIRS.values(), ids=REWRITTEN_PAIRS)
-def test_a_rewritten_part_of_paired_lanes_is_noticed(monkeypatch, broken):
-    check_rewritten(monkeypatch, *broken, config=PAIRED)
+def rewritten(row):
+    part, pattern, replacement, _, *method = row
+    return part, *(method or ["elaborate"]), pattern, replacement
+
+
+@pytest.mark.parametrize(("part", "config", "table"), TABLES.values(), ids=TABLES)
+def test_rewritten_lines_of_a_part_are_noticed(part, config, table):
+    """Faults in what has no name in the Verilog: a part has all in one build and one run."""
+    rows = {name: row for name, row in table.items() if row[0] is part and name not in ALONE}
+    component, bench = BENCHES[part]
+    built = build(lambda: component(config), [rewritten(row) for row in rows.values()])
+    faults = {name: (row[3], number) for number, (name, row) in enumerate(rows.items(), 1)}
+    whole = config is PAPER
+    assert find_wrong(config, built, bench, faults, whole=whole) == []
+
+
+def test_a_fault_that_no_test_notices_is_told():
+    rows = [rewritten(row) for row in REWRITTEN_PAIRS.values() if row[0] is Lane]
+    built = build(lambda: Lane(PAIRED), rows)
+    assert find_wrong(PAIRED, built, test_lane, {"none": (PAIR, 0)}, whole=False) == ["none"]
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_a_rewritten_line_that_takes_a_build_is_noticed(monkeypatch, name):
+    part, *_ = row = REWRITTEN[name]
+    rewrite(monkeypatch, *rewritten(row))
+    component, bench = BENCHES[part]
+    assert hasattr(bench, row[3])
+    with pytest.raises(SimulationError):
+        run_bench(PAPER, component, bench.__file__, test=row[3])

@@ -1,17 +1,14 @@
 """Planted faults in the window of tiles, its loader and its readout: frames must show them."""
 
-import functools
-
 import pytest
 
 from splatline.contract.presets import PAPER
 from splatline.rtl.tiles.readout import TileReadout
 from splatline.rtl.tiles.window import TileWindow
 from splatline.rtl.window.loader import Loader
-from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.tiles import test_window
-from tests.support.bench_config import PAIRED, run_built
-from tests.support.planted import build
+from tests.support.bench_config import PAIRED
+from tests.support.planted import build, find_wrong
 
 REWRITTEN = {
     "no conflict": (
@@ -192,36 +189,14 @@ ENGINES = {
 }
 
 
-@functools.cache
-def planted(name):
-    """Build a window with all faults of a table, which takes longer than to run it."""
+@pytest.mark.parametrize("name", ENGINES)
+def test_faults_in_the_window_are_noticed(name):
+    """Those of a table in one build and one run, first without a fault."""
     config, table, edit = ENGINES[name]
-    faults = [
+    rows = [
         (part, *(method or ["elaborate"]), pattern, replacement)
         for part, pattern, replacement, _, *method in table.values()
     ]
-    return build(lambda: TileWindow(config), faults, edit)
-
-
-def run(name, test, number):
-    run_built(ENGINES[name][0], planted(name), test_window.__file__, test, number)
-
-
-@pytest.mark.parametrize("name", ENGINES)
-def test_without_a_fault_nothing_is_noticed(name):
-    run(name, None, 0)
-
-
-@pytest.mark.parametrize(
-    ("name", "test", "number"),
-    [
-        pytest.param(name, broken[3], number, id=fault)
-        for name, (_, table, _) in ENGINES.items()
-        for number, (fault, broken) in enumerate(table.items(), 1)
-    ],
-)
-def test_a_rewritten_window_is_noticed(name, test, number):
-    """Faults in what has no name in the Verilog."""
-    assert hasattr(test_window, test)
-    with pytest.raises(SimulationError, match="FAIL=1"):
-        run(name, test, number)
+    built = build(lambda: TileWindow(config), rows, edit)
+    faults = {fault: (row[3], number) for number, (fault, row) in enumerate(table.items(), 1)}
+    assert find_wrong(config, built, test_window, faults) == []

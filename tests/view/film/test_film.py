@@ -152,9 +152,7 @@ def test_nothing_flickers_in_a_gif_that_stands_still(tmp_path, live, cameras):
 
 @pytest.mark.parametrize("suffix", [".mp4", ".gif", ".webp"])
 @pytest.mark.parametrize("error", [KeyboardInterrupt, InputError])
-def test_a_film_is_written_whole_or_not_at_all(
-    tmp_path, live, cameras, monkeypatch, suffix, error
-):
+def test_a_film_is_written_whole_or_not_at_all(tmp_path, live, cameras, monkeypatch, suffix, error):
     drawn = []
 
     def broken(*arguments):

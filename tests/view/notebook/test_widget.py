@@ -170,7 +170,8 @@ def test_the_kernel_s_loop_draws_between_messages(cloud):
             await asyncio.sleep(0.01)
             found = page.pictures()
             if found:
-                page.widget._handle_custom_msg({"type": "shown", "frame": found[-1][0]["frame"]}, [])
+                shown = {"type": "shown", "frame": found[-1][0]["frame"]}
+                page.widget._handle_custom_msg(shown, [])
             if found and found[-1][0]["refined"]:
                 break
         assert found[-1][0]["refined"]
