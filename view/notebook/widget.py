@@ -40,8 +40,8 @@ class CloudView(anywidget.AnyWidget):
     widget. The header of a picture is an object, and its PNG is a buffer. One more message,
     ``{"type": "hello"}``, comes from each view as it opens, and is answered by the last picture.
 
-    Pictures are drawn by the kernel's own thread between its messages, since compiled code must not
-    run in two threads at once.
+    Pictures are drawn by the kernel's own thread between its messages. Compiled code holds Python's
+    lock, so another thread would gain nothing.
 
     Parameters
     ----------
