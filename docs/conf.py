@@ -37,6 +37,7 @@ myst_heading_anchors = 4  # links to headings, by GitHub's rule, are checked
 myst_enable_extensions = ["colon_fence"]
 
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True  # PAPER, and not all of its fields
 autodoc_typehints = "none"  # docstrings give shapes and types of arrays, which types do not
 python_maximum_signature_line_length = 88
 napoleon_google_docstring = False
@@ -73,7 +74,10 @@ def sign_component(app, what, name, obj, options, signature, returns):
     if what == "class" and (signature or "").startswith("(*args"):
         own = inspect.signature(obj.__init__)
         bare = [each.replace(annotation=each.empty) for each in own.parameters.values()]
-        return str(own.replace(parameters=bare[1:], return_annotation=own.empty)), returns
+        signature = str(own.replace(parameters=bare[1:], return_annotation=own.empty))
+        return re.sub(
+            r"EngineConfig\(name='(\w+)'[^)]*\)", lambda found: found[1].upper(), signature
+        ), returns
     return None
 
 

@@ -59,7 +59,7 @@ def render_command(
             words += [name, str(value)]
     for reason in sorted(settings.skips - DEFAULT_SKIPS):
         words += ["--skip", reason]
-    for reason in sorted(DEFAULT_SKIPS - settings.skips):
+    for reason in sorted((DEFAULT_SKIPS - settings.skips) | subject.keep):
         words += ["--keep", reason]
     return words
 

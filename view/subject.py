@@ -37,7 +37,7 @@ class Subject:
         Name of the built-in scene, if there is no file.
     name
         What the cloud is called.
-    format, sample
+    format, sample, keep
         As of ``read_cloud``.
     fit, splat_size
         As of ``live_cloud``.
@@ -52,6 +52,7 @@ class Subject:
     name: str = "terrain"
     format: str | None = None
     sample: int | None = None
+    keep: frozenset[str] = frozenset()
     fit: str = "bulk"
     splat_size: float | None = None
     orbit: tuple[float, float] = (30.0, 20.0)
@@ -113,6 +114,7 @@ class Subject:
             colour=colour,
             format=self.format,
             sample=self.sample,
+            keep=self.keep,
             estimate=estimate,
             progress=lambda stage, share: progress(doing[stage], share),
         )

@@ -211,6 +211,7 @@ def subject_of(request: RenderRequest) -> Subject:
         name=request.name,
         format=request.format,
         sample=request.sample,
+        keep=request.keep,
         fit=request.fit,
         splat_size=request.splat_size,
         orbit=camera["orbit"],

@@ -37,7 +37,7 @@ def chromium():
         pytest.skip("no browser: apt-get install chromium")
     with playwright.sync_playwright() as running:
         browser = running.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--headless=new"]
+            executable_path=CHROMIUM, args=["--no-sandbox", "--headless=new", "--disable-gpu"]
         )
         yield browser
         browser.close()

@@ -90,7 +90,8 @@ def test_the_wheel_zooms_about_the_cursor(serve, open_page):
     farther = until(page.page, lambda: server.of_type("zoom")[1:])[0]
     assert farther["factor"] == pytest.approx(1 / nearer["factor"])
     until(page.page, lambda: server.of_type("moving")[-1]["value"] is False)
-    assert [message["value"] for message in server.of_type("moving")] == [True, False]
+    told = [message["value"] for message in server.of_type("moving")]
+    assert told == [True, False] * (len(told) // 2)  # more than one pair if the machine is slow
 
 
 def test_a_double_click_looks_at_a_point(serve, open_page):

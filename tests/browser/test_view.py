@@ -160,12 +160,12 @@ def test_two_tabs_have_cameras_of_their_own(terrain_viewer, open_page):
 
 
 def test_a_bad_file_is_one_line(view, open_page, tmp_path, screenshot):
-    bad = tmp_path / "bad.ply"
-    bad.write_text("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1\n")
+    bad = tmp_path / "bad.csv"
+    bad.write_text("x,y,z\n1,2\nno number,1,2\n")  # what is wrong at its beginning ends the command
     page = open_page(view(bad).address)
     page.page.wait_for_selector("#centre[data-state='error']")
     line = page.text("#centre-text")
-    assert "bad.ply" in line and "\n" not in line
+    assert "bad.csv" in line and "\n" not in line
     screenshot(page, "bad_file")
 
 

@@ -14,6 +14,7 @@ from splatline.view.choices import Choices
 from splatline.view.draw import Settings
 from splatline.view.session import Session
 from splatline.view.subject import Subject
+from tests.host.files.las_files import COUNT, las
 from tests.view.views import event, last_picture, write_ball
 
 
@@ -64,6 +65,8 @@ def test_the_command_of_a_session_makes_its_picture(name, far_scan, monkeypatch,
 
     monkeypatch.chdir(tmp_path)
     program, *words = shlex.split(answer["text"])
+    lengths = {name: len(words[words.index(name) + 1]) for name in ("--orbit", "--distance")}
+    assert all(length <= len("-123.45,-12.34") for length in lengths.values())
     assert program == "splatline"
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
@@ -110,3 +113,24 @@ def test_the_depth_is_that_of_render(far_scan, monkeypatch, tmp_path):
     assert saved.name == "ball-depth.png"
     (tmp_path / "saved.png").write_bytes(saved.data)
     assert np.array_equal(np.asarray(Image.open("saved.png")), levels)
+
+
+@pytest.mark.parametrize("elevation", [40, -40])
+def test_a_survey_is_drawn_as_by_render_from_above_and_below(elevation, monkeypatch, tmp_path):
+    """Its upper side is the outer one if it is seen from above; noise is kept if asked for."""
+    path = tmp_path / "survey.las"
+    path.write_bytes(las(6, classes=np.full(COUNT, 18)))
+    subject = Subject(path=path, name="survey", up="z", keep=frozenset({"noise"}))
+    session = Session(subject, clock=lambda: 1e3)
+    session.take(subject.read(None), None)
+    session.queue(event("resize", width=160, height=120))
+    session.queue(event("orbit", azimuth=10, elevation=elevation))
+    session.work()
+    session._clock = lambda: 2e3
+    shown = last_picture(session)
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, session.command())
+    assert result.exit_code == 0, result.output
+    written = np.asarray(Image.open("survey.png"))
+    assert np.array_equal(written, shown.rgba[..., :3])
+    assert len(np.unique(written.reshape(-1, 3), axis=0)) > 3

@@ -339,6 +339,14 @@ def test_the_reference_comes_after_the_engine_s_picture(session, show, clock):
         found.append(session.work())
     assert np.array_equal(pictures(found[-1])[1].rgba, exact.rgba)
     assert not told
+    # After a turn it is another one.
+    session.queue(event("turn", dx=30, dy=0))
+    session.work()
+    clock.now += QUIET
+    while session.due() == 0.0:
+        found.append(session.work())
+    assert told
+    assert not np.array_equal(pictures(found[-1])[1].rgba, exact.rgba)
 
 
 def test_the_reference_is_given_up_when_the_camera_moves(session):

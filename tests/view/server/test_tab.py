@@ -3,6 +3,7 @@
 import asyncio
 import dataclasses
 import json
+import time
 
 import numpy as np
 import pytest
@@ -126,8 +127,9 @@ def test_an_acknowledgement_of_what_was_never_sent_counts_for_nothing():
             await page.send("shown", frame=1000)
             await page.send("moving", value=True)
             frames = 1
-            for _ in range(10):
+            for _ in range(20):
                 await page.send("turn", dx=2, dy=0)
+                await asyncio.sleep(0.02)
             with pytest.raises(TimeoutError):
                 while True:
                     frames += isinstance(await asyncio.wait_for(page.next(), 0.3), tuple)
@@ -233,6 +235,28 @@ def test_what_fails_unexpectedly_is_told_too(caplog):
     error = serve(Broken(name="broken"), use)
     assert "broken cannot be read" in error["text"]
     assert "a bug" in caplog.text
+
+
+def test_the_server_ends_while_a_cloud_is_read():
+    """A read ends at its next word of progress."""
+    ended = []
+
+    class Endless(Subject):
+        def read(self, colour, progress=None, base=None):
+            start = time.monotonic()
+            try:
+                while time.monotonic() < start + 10.0:
+                    progress("Reading", 0.5)
+                    time.sleep(0.001)
+            finally:
+                ended.append(time.monotonic() - start)
+
+    async def use(address):
+        async with client(address) as page:
+            assert (await page.message("progress"))["text"] == "Reading"
+
+    serve(Endless(name="endless"), use)
+    assert ended[0] < 5.0
 
 
 def test_the_first_settings_are_those_of_the_command_line():

@@ -1,1 +1,0 @@
-"""The page of the live view: files alone, which ``server/pages.py`` lists."""
