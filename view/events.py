@@ -36,8 +36,8 @@ class Event:
     Parameters
     ----------
     kind
-        ``resize``, ``turn``, ``pan``, ``zoom``, ``look``, ``reset``, ``orbit``, ``moving``,
-        ``set``, ``shown``, ``save`` or ``command``.
+        ``resize``, ``turn``, ``pan``, ``zoom``, ``look``, ``reset``, ``orbit``, ``camera``,
+        ``moving``, ``set``, ``shown``, ``save`` or ``command``.
     values
         Its values by name, all checked.
     """
@@ -124,6 +124,15 @@ def _colour(name: str, value: object) -> ColourBy | None:
     return ColourBy(by, table, ends)
 
 
+def _target(name: str, value: object) -> tuple[float, float, float]:
+    """Return a point of the cloud's space."""
+    if not isinstance(value, list) or len(value) != 3:
+        raise InputError(f"{name} must be three numbers")
+    number = _Number(-1e300, 1e300)
+    x, y, z = (number(name, coordinate) for coordinate in value)
+    return x, y, z
+
+
 def _split(name: str, value: object) -> tuple[str, str] | None:
     """Return the pictures at the left and the right of a split; None: one picture."""
     if value is None:
@@ -139,6 +148,11 @@ _Check = Callable[[str, object], Any]
 _PIXELS = _Number(-FARTHEST, FARTHEST)
 _SIDE = _Number(SMALLEST, LARGEST, whole=True)
 
+_ORBIT: dict[str, _Check] = {
+    "azimuth": _Number(-720.0, 720.0),
+    "elevation": _Number(-90.0, 90.0),
+}
+
 _KINDS: dict[str, dict[str, _Check]] = {
     "resize": {"width": _SIDE, "height": _SIDE},
     "turn": {"dx": _PIXELS, "dy": _PIXELS},
@@ -146,7 +160,8 @@ _KINDS: dict[str, dict[str, _Check]] = {
     "zoom": {"factor": _Number(0.1, 10.0), "x": _PIXELS, "y": _PIXELS},
     "look": {"x": _PIXELS, "y": _PIXELS},
     "reset": {},
-    "orbit": {"azimuth": _Number(-720.0, 720.0), "elevation": _Number(-90.0, 90.0)},
+    "orbit": _ORBIT,
+    "camera": {"target": _target, "distance": _Number(1e-300, 1e300), **_ORBIT},
     "moving": {"value": _truth},
     "shown": {"frame": _Number(0, 2**53, whole=True)},
     "save": {"what": _OneOf(("png", "words"))},

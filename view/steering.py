@@ -25,7 +25,7 @@ Seen = tuple[Drawing, Camera]
 def steer(
     event: Event, camera: Camera, home: Camera, size: tuple[int, int], seen: Seen | None
 ) -> Camera:
-    """Return the camera after a ``turn``, ``pan``, ``zoom``, ``orbit``, ``look`` or ``reset``.
+    """Return the camera after a ``turn``, ``pan``, ``zoom``, ``orbit``, ``camera``, ``look`` or ``reset``.
 
     Parameters
     ----------
@@ -51,6 +51,9 @@ def steer(
     elif event.kind == "orbit":
         orbit = {"azimuth": values["azimuth"], "elevation": values["elevation"]}
         moved = dataclasses.replace(camera, **orbit).turned(0.0, 0.0)
+    elif event.kind == "camera":
+        wanted = min(max(values["distance"], NEAREST * home.distance), FARTHEST * home.distance)
+        moved = dataclasses.replace(camera, **{**values, "distance": wanted}).turned(0.0, 0.0)
     elif event.kind == "look":
         moved = _look(values["x"] / size[0], values["y"] / size[1], camera, seen)
     else:

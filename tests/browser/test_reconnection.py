@@ -17,14 +17,15 @@ def test_the_page_connects_again_and_restores_its_settings(serve, open_page, scr
     assert page.pixels()[..., :3].std() > 50  # the last picture stands
 
     again = serve(server.port)
-    until(page.page, lambda: again.of_type("orbit"))
+    until(page.page, lambda: again.of_type("camera"))
     page.page.wait_for_selector("#link", state="hidden")
     assert again.of_type("resize")[0] == {"type": "resize", "width": 952, "height": 800}
     restored = {message["name"]: message["value"] for message in again.of_type("set")}
     expected = {**SETTINGS, "lights": "front", "samples": 4}
     assert restored == {name: expected[name] for name in restored}
     assert len(restored) == 8
-    assert again.of_type("orbit") == [{"type": "orbit", "azimuth": 30, "elevation": 20}]
+    camera = {"target": [0, 0, 0], "distance": 5, "azimuth": 30, "elevation": 20}
+    assert again.of_type("camera") == [{"type": "camera", **camera}]
 
     sent = noise(952, 800, seed=2)
     again.picture(1, sent)  # frames are counted anew, and this one is newer than 7
@@ -42,7 +43,7 @@ def test_another_cloud_begins_with_its_own_settings(serve, open_page):
     page.page.wait_for_selector("#cloud:text('another')")
     page.page.wait_for_selector("#link", state="hidden")
     page.page.wait_for_timeout(50)
-    assert again.of_type("set", "orbit") == []
+    assert again.of_type("set", "camera") == []
 
 
 def test_attempts_become_rarer(serve, open_page):
@@ -72,7 +73,7 @@ def test_what_is_done_meanwhile_is_no_error(serve, open_page):
     again = ScriptedServer(server.port)
     try:
         page.page.wait_for_selector("#link", state="hidden")
-        until(page.page, lambda: again.of_type("orbit"))
+        until(page.page, lambda: again.of_type("camera"))
         assert again.of_type("resize")[0]["width"] == 672
         assert page.page.input_value("#preset") == "rgb24"
     finally:

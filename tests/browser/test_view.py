@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from .golden_terrain import golden
+from .scripted_server import until
 
 SMALL = {"viewport": {"width": 840, "height": 500}}  # a canvas of 512 x 500: no tiles
 MIDDLE = (256, 250)
@@ -157,6 +158,20 @@ def test_two_tabs_have_cameras_of_their_own(terrain_viewer, open_page):
     assert turned["camera"]["azimuth"] == 0
     assert other.told("settings")["camera"] == first["camera"]
     np.testing.assert_array_equal(other.pixels(), golden(first, other.canvas_size()).rgba)
+
+
+def test_a_server_that_comes_back_shows_the_same_picture(view, open_page):
+    server = view()
+    page = open_page(server.address, SMALL)
+    page.settled(lambda: page.page.keyboard.press("7"))
+    page.settled(lambda: page.drag(MIDDLE, (300, 200), button="right"))
+    page.settled(lambda: page.page.mouse.wheel(0, -200))
+    before = page.settled(lambda: page.page.select_option("#lights", "side"))
+    picture = page.pixels()
+    page.settled(lambda: (server.kill(), view(port=server.port)))
+    until(page.page, lambda: page.told("settings") == before)
+    page.settled()
+    np.testing.assert_array_equal(page.pixels(), picture)
 
 
 def test_a_bad_file_is_one_line(view, open_page, tmp_path, screenshot):

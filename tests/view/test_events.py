@@ -54,6 +54,19 @@ MOVES = st.one_of(
         st.floats(-720.0, 720.0),
         st.floats(-90.0, 90.0),
     ),
+    st.builds(
+        lambda target, distance, a, e: {
+            "type": "camera",
+            "target": target,
+            "distance": distance,
+            "azimuth": a,
+            "elevation": e,
+        },
+        st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3),
+        st.floats(1e-300, 1e300),
+        st.floats(-720.0, 720.0),
+        st.floats(-90.0, 90.0),
+    ),
     st.builds(lambda x, y: {"type": "look", "x": x, "y": y}, FINITE, FINITE),
     st.just({"type": "reset"}),
 )

@@ -102,12 +102,12 @@ function drawn(/** @type {import("./canvas.js").Header} */ header) {
   stage.refined = String(header.refined);
 }
 
-/** Bring a new session to the settings and the direction of the old one. */
+/** Bring a new session to the settings and the camera of the old one. */
 function restore(/** @type {any} */ old) {
   for (const name of RESTORED) send({ type: "set", name, value: old[name] });
   if (old.camera) {
-    const { azimuth, elevation } = old.camera;
-    send({ type: "orbit", azimuth, elevation });
+    const { target, distance, azimuth, elevation } = old.camera;
+    send({ type: "camera", target, distance, azimuth, elevation });
   }
 }
 

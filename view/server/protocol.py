@@ -19,6 +19,8 @@ Client to server (coordinates in pixels of the last ``resize``)::
     {"type":"look","x":px,"y":px}                  double click: look at the point there
     {"type":"reset"}                               the first camera
     {"type":"orbit","azimuth":a,"elevation":e}     keys
+    {"type":"camera","target":[x,y,z],"distance":d,"azimuth":a,"elevation":e}
+                                                   after a new connection, as it was before
     {"type":"moving","value":true|false}           pointer down or up: coarse while true
     {"type":"set","name":N,"value":V}              N and V: see below
     {"type":"shown","frame":n}                     acknowledges frame n and those before
