@@ -25,7 +25,7 @@ Seen = tuple[Drawing, Camera]
 def steer(
     event: Event, camera: Camera, home: Camera, size: tuple[int, int], seen: Seen | None
 ) -> Camera:
-    """Return the camera after a ``turn``, ``pan``, ``zoom``, ``orbit``, ``camera``, ``look`` or ``reset``.
+    """Return the camera after an event that moves it.
 
     Parameters
     ----------
