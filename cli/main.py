@@ -144,6 +144,7 @@ def main() -> None:
     Examples:
       splatline render                          the built-in scene, drawn by the golden renderer
       splatline render scan.ply -o scan.png     a scan
+      splatline view scan.laz                   turn a scan in the browser
       splatline film scan.ply -o scan.mp4       the scan turns
       splatline render --engine rtl             the same by the Verilog, checked pixel for pixel
       splatline verilog -o engine.v             the hardware
