@@ -13,7 +13,14 @@ a package in it. Nothing is imported before it is used.
 from __future__ import annotations
 
 import importlib
+import os
 from typing import TYPE_CHECKING, Any
+
+# For numba, before it is loaded: OpenMP runs parallel loops, and its threads sleep between them,
+# which halves the time of the processor (decision 0087). What the environment says counts more.
+if not any(name.startswith("NUMBA_THREADING_LAYER") for name in os.environ):
+    os.environ["NUMBA_THREADING_LAYER_PRIORITY"] = "omp tbb workqueue"
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 if TYPE_CHECKING:
     from splatline.contract.errors import InputError

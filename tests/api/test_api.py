@@ -2,6 +2,7 @@
 
 import ast
 import io
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,6 +25,33 @@ begin = time.process_time()
 import splatline
 print(time.process_time() - begin, *sorted({"numpy", "numba", "click", "PIL"} & set(sys.modules)))
 """
+
+LAYER = """
+import os, sys
+import splatline
+from splatline.view.pixels import rgba_bytes
+from splatline.contract.raster import Raster
+import numba
+rgba_bytes([Raster.background(8, 8)], (0.0, 0.0, 0.0))
+print(numba.threading_layer(), os.environ["OMP_WAIT_POLICY"])
+"""
+
+
+@pytest.mark.parametrize(
+    ("asked", "layer"),
+    [
+        ({}, "omp passive"),
+        ({"NUMBA_THREADING_LAYER": "workqueue"}, "workqueue passive"),
+        ({"OMP_WAIT_POLICY": "active"}, "omp active"),
+    ],
+)
+def test_openmp_runs_parallel_loops_unless_the_environment_says_otherwise(asked, layer):
+    names = ("NUMBA_THREADING_LAYER", "NUMBA_THREADING_LAYER_PRIORITY", "OMP_WAIT_POLICY")
+    usual = {name: value for name, value in os.environ.items() if name not in names}
+    run = subprocess.run(
+        [sys.executable, "-c", LAYER], env=usual | asked, capture_output=True, text=True, check=True
+    )
+    assert run.stdout.strip() == layer
 
 
 @pytest.fixture

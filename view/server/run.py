@@ -21,7 +21,6 @@ from splatline.view.subject import Subject
 
 from .app import MOST_TABS, Viewer
 from .library import Library
-from .threads import prefer_openmp
 from .turns import Turns
 
 __all__ = ["running", "serve"]
@@ -57,7 +56,6 @@ def serve(
     InputError
         If the address cannot be served.
     """
-    prefer_openmp()
     asyncio.run(_serve(subject, choices, host, port, browser, announce))
 
 

@@ -56,13 +56,11 @@ def view(
         raise InputError(f"bench view needs aiohttp: {install_hint('view')}")
     from splatline.cli.bench.machine import described
     from splatline.host.scenes.scenes import SCENES, load_scene
-    from splatline.view.server.threads import prefer_openmp
     from splatline.view.subject import Subject
 
     from .measure import Cloud, measure_view, write_large
     from .page import write_page
 
-    prefer_openmp()
     load = os.getloadavg()[0]
     found = []
     for name in SCENES:
