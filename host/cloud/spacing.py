@@ -166,20 +166,38 @@ def _even_out(starts: Any, cuts: Any, raw: Any, thin: Any, even: Any, alone: Any
         for cell in range(cuts[chunk], cuts[chunk + 1]):
             start, stop = starts[cell], starts[cell + 1]
             first, last = max(start - AROUND, 0), min(stop + AROUND, len(raw))
-            around = raw[first:last:4]
             share = 0
             for i in range(first, last):
                 share += thin[i]
             is_surface = 2 * share < last - first
-            most = raw[start:stop].max()
+            most = raw[start]
+            for i in range(start + 1, stop):
+                most = max(most, raw[i])
             # Sorting takes time. Where more than half are large enough, so is the median.
-            enough = 0
-            for i in range(len(around)):
-                enough += MOST_UNEVEN * around[i] >= most
-            limit = most if 2 * enough > len(around) + 1 else MOST_UNEVEN * np.median(around)
+            enough, count = 0, 0
+            for i in range(first, last, 4):
+                enough += MOST_UNEVEN * raw[i] >= most
+                count += 1
+            limit = most
+            if 2 * enough <= count + 1:
+                limit = MOST_UNEVEN * _median(raw, first, last)
             for i in range(start, stop):
                 even[i] = min(raw[i], limit)
                 alone[i] = thin[i] and not is_surface
+
+
+@nb.njit
+def _median(values: Any, first: int, last: int) -> float:
+    """Return the median of every fourth value. Numba takes seconds to compile numpy's."""
+    ordered = np.empty((last - first + 3) // 4)
+    for k in range(len(ordered)):
+        value, at = values[first + 4 * k], k
+        while at > 0 and value < ordered[at - 1]:
+            ordered[at] = ordered[at - 1]
+            at -= 1
+        ordered[at] = value
+    half = len(ordered) // 2
+    return ordered[half] if len(ordered) % 2 else 0.5 * (ordered[half - 1] + ordered[half])
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")
