@@ -107,7 +107,7 @@ def estimate_in_cell(
             continue
         x, y, z = _offset(positions, i, start, scale)
         reach = _reach(around, count, x, y, z, squares)
-        _moments(around, count, x, y, z, reach, moments)
+        _moments(around, count, x, y, z, squares, reach, found, moments)
         least, middle, most = thinnest(moments, vector)
         for axis in range(3):
             normals[i, axis] = vector[axis]
@@ -124,8 +124,8 @@ def estimate_in_cell(
             )
             take_around(positions, found, count, start, scale, around)
         left = _grow(
-            positions, around, count, start, stop, scale, REACH * 4.0**wider, moments, vector,
-            thin, flat, todo, normals,
+            positions, around, count, start, stop, scale, REACH * 4.0**wider, squares, found,
+            moments, vector, thin, flat, todo, normals,
         )  # fmt: skip
 
 
@@ -138,6 +138,8 @@ def _grow(
     stop: int,
     scale: float,
     reach: float,
+    squares: Any,
+    found: Any,
     moments: Any,
     vector: Any,
     thin: Any,
@@ -160,7 +162,8 @@ def _grow(
         a, b, c = _offset(positions, i, start, scale)
         if not has_middle or (a - x) ** 2 + (b - y) ** 2 + (c - z) ** 2 > WITHIN:
             x, y, z, has_middle = a, b, c, True
-            _moments(around, count, x, y, z, reach, moments)
+            _set_squares(around, count, x, y, z, squares)
+            _moments(around, count, x, y, z, squares, reach, found, moments)
             least, middle, most = thinnest(moments, vector)
         todo[at] = False
         # Noise is the same in a larger neighbourhood, relief is larger as well.
@@ -193,16 +196,15 @@ def take_around(
         around[0, c], around[1, c], around[2, c] = _offset(positions, found[c], start, scale)
 
 
-@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+# The sign of a zero does not matter, which lets LLVM make vectors of the counts.
+@nb.njit(error_model="numpy", fastmath={"nsz"})
 def _reach(around: Any, count: int, x: float, y: float, z: float, squares: Any) -> float:
     """Return the square of the distance of the last of the nearest ``NEIGHBOURS``, or a hair more.
 
     It is found by bisection, which needs some counts over all candidates. They are vectors, while a
     search for the nearest would branch at each.
     """
-    for c in range(count):
-        dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
-        squares[c] = dx * dx + dy * dy + dz * dz
+    _set_squares(around, count, x, y, z, squares)
     if count <= NEIGHBOURS:
         return BEYOND
     low, high = 0.0, BEYOND
@@ -225,20 +227,40 @@ def _reach(around: Any, count: int, x: float, y: float, z: float, squares: Any) 
     return high
 
 
-@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _moments(
-    around: Any, count: int, x: float, y: float, z: float, reach: float, moments: Any
-) -> None:
-    """Set the covariance of the neighbours within a distance: xx, xy, xz, yy, yz, zz."""
-    number = 0.0
-    sx, sy, sz = 0.0, 0.0, 0.0
-    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+@nb.njit(error_model="numpy")
+def _set_squares(around: Any, count: int, x: float, y: float, z: float, squares: Any) -> None:
+    """Set the square of each candidate's distance."""
     for c in range(count):
         dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
-        # A choice instead of a branch, so that LLVM makes vectors of it.
-        inside = dx * dx + dy * dy + dz * dz <= reach
-        dx, dy, dz = dx if inside else 0.0, dy if inside else 0.0, dz if inside else 0.0
-        number += 1.0 if inside else 0.0
+        squares[c] = dx * dx + dy * dy + dz * dz
+
+
+@nb.njit(error_model="numpy")
+def _moments(
+    around: Any,
+    count: int,
+    x: float,
+    y: float,
+    z: float,
+    squares: Any,
+    reach: float,
+    inside: Any,
+    moments: Any,
+) -> None:
+    """Set the covariance of the neighbours within a distance: xx, xy, xz, yy, yz, zz.
+
+    The neighbours are listed first, in ``inside``, and added one after the other: the sums are the
+    same to the bit wherever and however this is compiled.
+    """
+    number = 0
+    for c in range(count):
+        inside[number] = c
+        number += squares[c] <= reach
+    sx, sy, sz = 0.0, 0.0, 0.0
+    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(number):
+        c = inside[k]
+        dx, dy, dz = around[0, c] - x, around[1, c] - y, around[2, c] - z
         sx, sy, sz = sx + dx, sy + dy, sz + dz
         xx, xy, xz = xx + dx * dx, xy + dx * dy, xz + dx * dz
         yy, yz, zz = yy + dy * dy, yz + dy * dz, zz + dz * dz

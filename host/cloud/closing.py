@@ -84,7 +84,7 @@ class Closing(NamedTuple):
         return cls(np.empty(count), np.empty(count, np.bool_))
 
 
-@nb.njit(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+@nb.njit(error_model="numpy")
 def pull_neighbours(away: Any, count: int, position: Any, normal: Any, pull: Any) -> None:
     """Set the pull of each neighbour in a point's tangent plane.
 
@@ -163,7 +163,7 @@ def _number(_: Any, value: Any) -> Any:
     return nb.int64(nb.float32), code
 
 
-@nb.njit(error_model="numpy", fastmath=True)
+@nb.njit(error_model="numpy")
 def strongest(right: Any, up: Any, count: int, cosines: Any, sines: Any, most: Any) -> None:
     """Set the strongest pull in each direction, with its neighbour's number in the low bits.
 
@@ -186,7 +186,7 @@ def strongest(right: Any, up: Any, count: int, cosines: Any, sines: Any, most: A
         most[j] = _as_float(best)
 
 
-@nb.njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@nb.njit(error_model="numpy")
 def closing_radius(pull: Any, most: Any, sides: Any) -> tuple[float, bool]:
     """Return the distance of the furthest gap, and whether there is any gap.
 
