@@ -96,6 +96,8 @@ def _load(source: Source) -> list[Part]:
     count = sum(len(scene.geometry[name].vertices) for _, name in placed)
     if count > unpacked_limit(source.size) // VERTEX:
         raise InputError(f"promises {count:,} vertices, more than {source.size:,} bytes hold")
+    if not count and source.suffix in (".obj", ".stl"):  # trimesh passes over what it does not know
+        raise InputError(f"cannot be read as {source.suffix[1:].upper()}: it has no vertices")
     if not count:
         raise InputError("has no vertices")
     return [Part(scene.geometry[name], np.asarray(matrix)) for matrix, name in placed]

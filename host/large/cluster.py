@@ -26,6 +26,7 @@ __all__ = [
     "bytes_of",
     "draw_on_cluster",
     "draw_on_worker",
+    "hand_out",
     "lost_workers",
     "open_cluster",
 ]
@@ -80,7 +81,7 @@ def draw_on_cluster(
     """
     from distributed import as_completed
 
-    shared = client.scatter([plan, drawing], broadcast=True, hash=False)
+    shared = hand_out(client, plan, drawing)
     futures = [client.submit(draw_on_worker, *shared, part, pure=False) for part in plan.parts]
     tasks = list(futures)
     while len(futures) > 1:
@@ -101,6 +102,20 @@ def draw_on_cluster(
         client.cancel([*tasks, *sizes])
     check_shown(plan, drawing, joined)
     return joined, traffic
+
+
+def hand_out(client: Any, *values: Any) -> list[Any]:
+    """Return futures of values that each worker fetches once.
+
+    They are results of tasks, which Dask does again if a worker is lost. What is scattered would be
+    lost with the last worker that holds it.
+    """
+    return [client.submit(_same, value, pure=False) for value in values]
+
+
+def _same(value: Any) -> Any:
+    """Return a value, on a worker."""
+    return value
 
 
 @contextmanager

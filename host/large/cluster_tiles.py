@@ -17,7 +17,7 @@ from splatline.contract.frame import Frame
 from splatline.host.picture_tiles.frames import TileFrames
 from splatline.host.picture_tiles.grid import Grid
 
-from .cluster import Traffic, bytes_of, draw_on_worker, lost_workers
+from .cluster import Traffic, bytes_of, draw_on_worker, hand_out, lost_workers
 from .draw_parts import Drawing, PartFrames, Progress, check_shown, join_frames_of, join_parts
 from .joined_tiles import add_counts, first_counts, row_counts, tiles_of_row
 from .plan import Plan
@@ -83,7 +83,7 @@ class ClusterTiles:
         InputError
             If workers are lost again and again.
         """
-        shared = self._client.scatter(show, broadcast=True, hash=False)
+        (shared,) = hand_out(self._client, show)
         most = AHEAD * sum(self._client.nthreads().values())
         waiting: deque[Any] = deque()
         numbers = iter(range(self.grid.rows))
@@ -112,7 +112,7 @@ def draw_tiles_on_cluster(
     from distributed import as_completed
 
     grid = Grid.of(plan.view.width, plan.view.height, drawing.config, None)
-    shared = client.scatter([plan, drawing], broadcast=True, hash=False)
+    shared = hand_out(client, plan, drawing)
     parts = [client.submit(draw_on_worker, *shared, part, pure=False) for part in plan.parts]
     length = grid.columns * drawing.samples
     rows = [_submit_row(client, parts, number, length) for number in range(grid.rows)]
