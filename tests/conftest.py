@@ -31,11 +31,6 @@ _nir.Value.__new__ = _value
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
-def pytest_collection_modifyitems(items):
-    """The proofs first: one process does them while another compiles what numba is to compile."""
-    items.sort(key=lambda item: item.path.parent.name != "formal")
-
-
 def pytest_terminal_summary(terminalreporter):
     """Name the engines that Yosys counted, which takes minutes; ``make test`` has eight."""
     from tests.flow.area.counted import NOTE

@@ -14,7 +14,6 @@ from splatline.contract.raster_beats import to_beats
 from splatline.contract.register_map import register_map
 from splatline.flow.register_texts import c_header, json_map
 from splatline.flow.stream_texts import json_beat
-from splatline.flow.tops import TOPS
 from tests.support.random_frames import random_raster
 
 WIDEST_BEAT = EngineConfig(
@@ -101,9 +100,3 @@ def test_a_beat_of_12_bit_depths_is_32_bytes():
     """Four pixels of 36 bits, and the place."""
     assert json_beat(PLANE)["bits"] == 4 * 36 + 7 + 10 + 1
     assert json_beat(PLANE)["stream_bytes"] == 32
-
-
-@pytest.mark.parametrize("top", TOPS)
-def test_the_description_of_every_top_has_the_beat(top):
-    config = PRESETS["paper"]
-    assert TOPS[top](config, "splatline")[1]["beat"] == json_beat(config)

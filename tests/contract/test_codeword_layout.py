@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from splatline.contract.codeword_layout import codeword_stream_bytes
-from splatline.contract.presets import PAPER, PLANE, RGB24, SWIFT
+from splatline.contract.presets import PAPER, RGB24, SWIFT
 from splatline.contract.register_map import register_map
 from splatline.flow.register_texts import c_header, json_map
 from splatline.flow.stream_texts import json_codeword
-from splatline.flow.tops import TOPS
 from tests.support import codewords, plane_words
 
 CONFIGS = (PAPER, RGB24, SWIFT, *plane_words.CONFIGS)
@@ -110,8 +109,3 @@ def test_the_fields_of_a_code_word_fill_its_stream_without_a_gap(config):
     assert place == 8 * codeword["stream_bytes"]
     assert codeword["bits"] == (96 if config.plane else 64)
     assert json_map(register_map(config))["codeword"] == codeword
-
-
-@pytest.mark.parametrize("top", TOPS)
-def test_the_description_of_every_top_has_the_code_word(top):
-    assert TOPS[top](PLANE, "splatline")[1]["codeword"] == json_codeword(PLANE)

@@ -89,9 +89,9 @@ class Proof:
     changes
         What is rewritten for the proof itself, faults or not: what it takes for granted.
     slow
-        Left to CI and ``make formal``, as it takes too long for ``make test``.
+        It takes more than a few seconds, and runs after those that do not.
     long
-        And left to ``make formal`` alone, as it takes minutes.
+        Left to ``make formal``, as it takes minutes.
     """
 
     name: str

@@ -10,12 +10,13 @@ import os
 import re
 import sys
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from tests.formal.prove import TIMEOUT, Outcome, Proof, run
+from tests.formal.prove import TIMEOUT, Fault, Outcome, Proof, run
 
-__all__ = ["all_proofs", "main", "table"]
+__all__ = ["all_proofs", "in_order", "main", "table"]
 
 TAIL = 6
 """Of the log of a run that broke so many lines are told."""
@@ -27,6 +28,18 @@ def all_proofs() -> list[Proof]:
     return [
         proof for name in names for proof in importlib.import_module(f"tests.formal.{name}").PROOFS
     ]
+
+
+def in_order(proofs: list[Proof], *, faults: bool) -> Iterator[tuple[Proof, Fault | None]]:
+    """Yield what to run: the quick proofs, a fault of each, the other proofs, the other faults."""
+    quick = [proof for proof in proofs if not proof.slow]
+    yield from ((proof, None) for proof in quick)
+    if faults:
+        yield from ((proof, fault) for proof in quick for fault in proof.faults[:1])
+    yield from ((proof, None) for proof in proofs if proof.slow)
+    if faults:
+        rest = ((proof, proof.faults[0 if proof.slow else 1 :]) for proof in proofs)
+        yield from ((proof, fault) for proof, left in rest for fault in left)
 
 
 def table(proofs: list[Proof]) -> str:
@@ -54,9 +67,7 @@ def main() -> int:
     parser.add_argument("words", nargs="*", help="run the proofs with one of these in their name")
     parser.add_argument("--no-faults", action="store_true", help="leave the planted faults out")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep RTLIL, logs and traces")
-    parser.add_argument(
-        "--ci", action="store_true", help="only those that CI runs beside those of `make test`"
-    )
+    parser.add_argument("--ci", action="store_true", help="all but those that take minutes")
     parser.add_argument(
         "--within", type=float, metavar="S", default=float("inf"),
         help="stop after so many seconds; proofs come before planted faults",
@@ -67,8 +78,9 @@ def main() -> int:
         proof
         for proof in all_proofs()
         if (not options.words or any(word in proof.name for word in options.words))
-        and (not options.ci or (proof.slow and not proof.long))
+        and not (options.ci and proof.long)
     ]
+    proofs.sort(key=lambda proof: (proof.long, proof.slow))
     if not proofs:
         parser.error(f"no proof has {' or '.join(options.words)} in its name")
     if options.list:
@@ -95,24 +107,24 @@ def main() -> int:
             return Outcome("broken", 0.0, f"{type(error).__name__}: {error}")
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        wholes = [pool.submit(job, proof, None) for proof in proofs]
-        faults = [() if options.no_faults else proof.faults for proof in proofs]
-        broken = [[pool.submit(job, proof, fault) for fault in faults[n]]
-                  for n, proof in enumerate(proofs)]  # fmt: skip
-        for n, proof in enumerate(proofs):
-            outcome = wholes[n].result()
+        futures = {
+            (proof.name, fault and fault.name): pool.submit(job, proof, fault)
+            for proof, fault in in_order(proofs, faults=not options.no_faults)
+        }
+        for proof in proofs:
+            outcome = futures[proof.name, None].result()
             if outcome is None:
                 print(f"{proof.name:32} left out, for want of time", flush=True)
                 continue
-            told_of = zip(faults[n], broken[n], strict=True)
-            ends = {fault.name: future.result() for fault, future in told_of}
+            faults = () if options.no_faults else proof.faults
+            ends = {fault.name: futures[proof.name, fault.name].result() for fault in faults}
             ends = {name: end for name, end in ends.items() if end is not None}
             found = [name for name, end in ends.items() if end.status == "fails"]
             line = f"{proof.name:32} {outcome.status:8} {proof.extent:22} {outcome.seconds:6.1f} s"
-            if faults[n]:
+            if faults:
                 line += f"   {len(found)} of {len(ends)} faults found"
-            if len(ends) < len(faults[n]):
-                line += f", {len(faults[n]) - len(ends)} not tried for want of time"
+            if len(ends) < len(faults):
+                line += f", {len(faults) - len(ends)} not tried for want of time"
             print(f"{line}\n    {proof.shows}", flush=True)
             if outcome.status != "holds":
                 wrong.append(f"{proof.name} {told(outcome)}")
@@ -123,7 +135,7 @@ def main() -> int:
             ]
     for text in wrong:
         print(text, file=sys.stderr)
-    run_count = sum(whole.result() is not None for whole in wholes)
+    run_count = sum(futures[proof.name, None].result() is not None for proof in proofs)
     print(f"{run_count} of {len(proofs)} proofs in {time.monotonic() - begin:.0f} s")
     return bool(wrong)
 

@@ -1,45 +1,13 @@
-"""The quick proofs hold, and each finds a planted fault; ``make formal`` runs all of them."""
+"""One planted fault is found, and the proofs fit the hardware; ``make formal`` runs them all."""
 
 import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from tests.formal import prove_all
-from tests.formal.joined import join
 from tests.formal.prove import TOOLS, Outcome, prepare_solver, run
-from tests.formal.prove_all import all_proofs, table
+from tests.formal.prove_all import all_proofs, in_order, table
 from tests.support.faults import rewrite
-
-QUICK = [proof for proof in all_proofs() if not proof.slow]
-TOGETHER = [p for p in QUICK if p.name.startswith("streams: ") and p.endless and p.depth == 4]
-
-
-@pytest.mark.parametrize("proof", [p for p in QUICK if p not in TOGETHER], ids=lambda p: p.name)
-def test_a_proof_holds(proof):
-    outcome = run(proof)
-    assert outcome.status == "holds", outcome.log
-
-
-def test_the_proofs_of_streams_hold(monkeypatch):
-    """In one run, since to start the tools takes longer than most of them."""
-    assert len(TOGETHER) == 16
-    outcome = run(join(TOGETHER, monkeypatch))
-    assert outcome.status == "holds", outcome.log
-
-
-@pytest.mark.parametrize(
-    ("proof", "fault"),
-    [
-        pytest.param(proof, fault, id=f"{proof.name}: {fault.name}")
-        for proof in QUICK
-        for fault in proof.faults[:1]
-    ],
-)
-def test_a_planted_fault_is_found(proof, fault):
-    outcome = run(proof, fault)
-    assert outcome.status == "fails", outcome.log
 
 
 def test_abc_finds_a_fault_wherever_its_folder_lies(tmp_path):
@@ -64,8 +32,20 @@ def test_every_proof_has_a_planted_fault():
     assert all(proof.faults for proof in all_proofs())
 
 
+def test_each_proof_and_each_fault_is_run_once_and_the_quick_ones_first():
+    proofs = all_proofs()
+    order = [(proof.name, fault and fault.name) for proof, fault in in_order(proofs, faults=True)]
+    every = [(p.name, f and f.name) for p in proofs for f in (None, *p.faults)]
+    assert len(set(order)) == len(order)
+    assert sorted(order, key=str) == sorted(every, key=str)
+    quick = {proof.name for proof in proofs if not proof.slow}
+    assert {name for name, _ in order[: 2 * len(quick)]} == quick
+    wholes = [(proof.name, None) for proof in proofs]
+    assert sorted(wholes) == sorted((p.name, f) for p, f in in_order(proofs, faults=False))
+
+
 def test_every_planted_fault_finds_its_line(monkeypatch):
-    """Those that ``make test`` does not run as well: hardware that is rewritten may lose them."""
+    """Hardware that is rewritten may lose them."""
     for proof in all_proofs():
         for fault in (None, *proof.faults):
             with monkeypatch.context() as patch:
