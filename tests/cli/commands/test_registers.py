@@ -1,4 +1,6 @@
 import json
+import shutil
+import subprocess
 
 import pytest
 
@@ -29,9 +31,24 @@ def test_the_registers_of_an_engine_with_planes_tell_its_code_words(run, folder)
     assert "#define SPLATLINE_CODEWORD_SLOPE_Y_LSB 74u" in (folder / "plane.h").read_text()
 
 
+def test_the_driver_is_written_into_a_folder_and_compiles(run, folder):
+    result = run("registers", "--preset", "plane", "--c-driver", "new/firmware")
+    assert result.exit_code == 0, result.stderr
+    names = ["splatline.h", "splatline_driver.c", "splatline_driver.h"]
+    assert sorted(path.name for path in (folder / "new/firmware").iterdir()) == names
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    command = [compiler, "-std=c99", "-Wall", "-Werror", "-c", "splatline_driver.c"]
+    subprocess.run(command, cwd=folder / "new/firmware", check=True)
+
+
 @pytest.mark.parametrize(
     "arguments",
-    [("--c-header", "map.c"), ("--json", "map.yaml"), ("--markdown", "absent/map.md")],
+    [
+        ("--c-header", "map.c"),
+        ("--json", "map.yaml"),
+        ("--markdown", "absent/map.md"),
+        ("--c-driver", "/dev/null"),
+    ],
 )
 def test_a_file_that_cannot_be_written_is_refused(run, folder, arguments):
     result = run("registers", *arguments)

@@ -1,0 +1,12 @@
+"""A driver in freestanding C99, for whoever has no Python beside the engine.
+
+``splatline registers --c-driver FOLDER`` writes it, with the header of a preset's registers.
+"""
+
+from pathlib import Path
+
+__all__ = ["DRIVER"]
+
+FILES = ("splatline_driver.h", "splatline_driver.c")
+DRIVER = tuple(Path(__file__).with_name(name) for name in FILES)
+"""Where the files of the driver are."""
