@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from splatline.contract.presets import PRESETS
+from splatline.contract.variants import SHAPED
 from splatline.flow.area.budgets import read_budgets
 from splatline.flow.area.devices import smallest_device
 
@@ -20,7 +21,7 @@ def test_what_the_presets_take_is_what_is_recorded():
     rows = re.findall(
         rf"^\| `([\w-]+)` \|{cell}{cell} ([\d,]+) \| ([\d,]+) \| ([\d,]+) \|", TEXT, re.MULTILINE
     )
-    assert {name for name, *_ in rows} == {*PRESETS, "paper-rom"}
+    assert {name for name, *_ in rows} == {*PRESETS, *(config.name for config in SHAPED)}
     budgets = read_budgets()
     for name, *told in rows:
         taken = [number(count) for count in told]

@@ -48,8 +48,8 @@ class Target(NamedTuple):
 
 
 TARGETS = {
-    "small": Target("cycles an element", "cycles_per_element", 1.15, "fast", (2.0, 4.0)),
-    "large": Target("cycles an element", "cycles_per_element", 1.85, "fast", (6.0, 7.0)),
+    "small": Target("cycles an element", "cycles_per_element", 1.10, "fast", (2.0, 4.0)),
+    "large": Target("cycles an element", "cycles_per_element", 1.75, "fast", (6.0, 7.0)),
     "exact": Target("cycles a code word", "cycles_per_codeword", 1.1, "exact"),
     "bound": Target("cycles of the bound", "ratio", 1.08, below=True),
 }

@@ -29,7 +29,7 @@ NOTE = "counted anew"
 DIGESTS = Path(__file__).with_name("counted.json")
 ENGINES = [
     *((config, "engine") for name, config in sorted(PRESETS.items()) if name != "paper"),
-    (SHAPED[0], "engine"),
+    *((config, "engine") for config in SHAPED),
     *((PRESETS["paper"], top) for top in TOPS if top != "engine"),
 ]
 """All that has a budget but ``paper``, which test_synth.py synthesises always."""

@@ -12,7 +12,7 @@ from tests.flow.area.counted import counts_of
 def test_every_preset_has_a_budget():
     """``splatline synth --preset NAME --record`` gives it one."""
     tops = {budgets.budget_name("paper", top) for top in TOPS}
-    assert set(budgets.read_budgets()) == {*PRESETS, SHAPED[0].name, *tops}
+    assert set(budgets.read_budgets()) == {*PRESETS, *(config.name for config in SHAPED), *tops}
 
 
 def test_24_bit_colour_takes_no_more_block_ram():
@@ -22,10 +22,10 @@ def test_24_bit_colour_takes_no_more_block_ram():
 
 # The paper preset is synthesised in test_synth.py, with all there is to say of it.
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"paper"}))
-def test_a_preset_does_not_outgrow_its_budget(preset, record_property):
-    """A change that needs more says so: ``splatline synth --preset NAME --record``."""
+def test_a_preset_takes_exactly_its_budget(preset, record_property):
+    """A change that needs more or less says so: ``splatline synth --preset NAME --record``."""
     counts = counts_of(PRESETS[preset], note=record_property)
-    assert budgets.over_budget(counts, budgets.read_budgets()[preset]) == {}
+    assert counts == budgets.read_budgets()[preset]
 
 
 def test_the_paper_s_engine_on_its_pins_takes_no_more_than_the_paper_s(record_property):
@@ -61,12 +61,14 @@ def test_a_record_changes_one_preset_s_line(tmp_path, monkeypatch):
     assert budgets.read_budgets() == {"paper": {"lut4": 5}, "rgb24": {"lut4": 6}}
 
 
-def test_the_engine_with_its_rom_fits_the_paper_s_device_and_its_budget(record_property):
-    config = SHAPED[0]
+@pytest.mark.parametrize(("config", "more"), zip(SHAPED, (4, 27), strict=True))
+def test_an_engine_with_its_rom_takes_exactly_its_budget(config, more, record_property):
+    """The smaller ROM fits the paper's device."""
     counts = counts_of(config, note=record_property)
-    assert budgets.over_budget(counts, {kind: DEVICE[kind] for kind in counts}) == {}
-    assert budgets.over_budget(counts, budgets.read_budgets()[config.name]) == {}
-    assert counts["bram"] - budgets.read_budgets()["paper"]["bram"] == 4
+    assert counts == budgets.read_budgets()[config.name]
+    assert counts["bram"] - budgets.read_budgets()["paper"]["bram"] == more
+    over = budgets.over_budget(counts, {kind: DEVICE[kind] for kind in counts})
+    assert bool(over) == (config is SHAPED[1])
 
 
 def test_what_changed_is_counted_and_nothing_else(tmp_path, monkeypatch):
