@@ -66,7 +66,7 @@ def with_signs(cloud, up):
     two_sided = np.ones(len(cloud), np.bool_)
     estimated = cloud.turned(estimate_normals(cloud.positions), two_sided)
     yield "no sign", estimated
-    upward = turn_upward(estimated, np.eye(3)["xyz".index(up)])
+    upward = turn_upward(dataclasses.replace(estimated, up="z"), up)  # as a survey
     yield f"upward ({1 - upward.two_sided.mean():.1%})", upward
     agree = np.einsum("ij,ij->i", estimated.normals, cloud.normals) >= 0.0
     normals = np.where(agree[:, np.newaxis], estimated.normals, -estimated.normals)

@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.upward import upward_of
 from splatline.host.visibility.look_at import look_at
-from splatline.host.visibility.view import View, fit_view, orbit_axes
+from splatline.host.visibility.view import View, fit_view, focal_length, orbit_axes
 
-__all__ = ["Camera", "Eye", "fit_camera", "upward_of"]
+__all__ = ["Camera", "Eye", "fit_camera"]
 
 MOST_ELEVATION = 90.0
 """Degrees; the eye does not turn over the top."""
@@ -32,11 +33,6 @@ class Eye(Protocol):
     @property
     def upward(self) -> str | None:
         """The axis up if the eye looks down or is level; else None."""
-
-
-def upward_of(orbit: tuple[float, float], up: str) -> str | None:
-    """Return the axis up if an eye on an orbit looks down or is level, as ``View.looks_down``."""
-    return up if math.sin(math.radians(orbit[1])) >= 0.0 else None
 
 
 @dataclass(frozen=True)
@@ -118,7 +114,7 @@ class Camera:
         size
             Width and height of the image in pixels.
         """
-        unit = self.distance / self._focal(size)
+        unit = self.distance / focal_length(size, self.fov)
         return self._moved(-right * unit, -down * unit)
 
     def zoomed(self, factor: float, at: tuple[float, float], size: tuple[int, int]) -> Camera:
@@ -133,7 +129,7 @@ class Camera:
         size
             Width and height of the image in pixels.
         """
-        unit = self.distance / self._focal(size) * (1.0 - factor)
+        unit = self.distance / focal_length(size, self.fov) * (1.0 - factor)
         moved = self._moved((at[0] - 0.5 * size[0]) * unit, (at[1] - 0.5 * size[1]) * unit)
         return dataclasses.replace(moved, distance=self.distance * factor)
 
@@ -151,7 +147,7 @@ class Camera:
         size
             Width and height of the image in pixels.
         """
-        focal = self._focal(size)
+        focal = focal_length(size, self.fov)
         right = (at[0] - 0.5 * size[0]) * depth / focal
         down = (at[1] - 0.5 * size[1]) * depth / focal
         offset = np.array([right, down, depth - self.distance])
@@ -160,10 +156,6 @@ class Camera:
     def looking_at(self, target: tuple[float, float, float]) -> Camera:
         """Return the camera with another target, at the same distance and orbit."""
         return dataclasses.replace(self, target=target)
-
-    def _focal(self, size: tuple[int, int]) -> float:
-        """Return the focal length in pixels."""
-        return 0.5 * min(size) / math.tan(math.radians(self.fov) / 2.0)
 
     def _moved(self, right: float, down: float) -> Camera:
         """Return the camera moved in the image's plane, by lengths in the cloud's unit."""

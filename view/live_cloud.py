@@ -8,13 +8,12 @@ from collections.abc import Callable
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
-from splatline.host.cloud.bulk import far_points, select
+from splatline.host.cloud.bulk import far_points, without_far_points
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import Discs, measure_discs
 from splatline.host.cloud.upward import turn_upward
 from splatline.host.shading.materials import find_materials
 from splatline.host.visibility.block_index import Index, build_index
-from splatline.host.visibility.view import UP_AXES
 
 __all__ = ["LiveCloud", "Progress", "live_cloud"]
 
@@ -81,7 +80,7 @@ class LiveCloud:
             upward = upward if self.cloud.survey else None
             key = config.material_bits, upward
             if key not in self._indexes:
-                cloud = self.cloud if upward is None else turn_upward(self.cloud, UP_AXES[upward])
+                cloud = turn_upward(self.cloud, upward)
                 materials = find_materials(cloud, 1 << config.material_bits)
                 index = build_index(cloud, self.discs.radii, materials, self.discs.thin)
                 self._indexes[key] = index
@@ -110,10 +109,7 @@ def live_cloud(
     """
     far_away = 0
     if fit != "all":
-        far = far_points(cloud.positions)
-        far_away = int(far.sum())
-        if far_away:
-            cloud = select(cloud, ~far)
+        cloud, far_away = without_far_points(cloud)
     doing = f"Measuring the spacing of {len(cloud):,} points"
     share = None if progress is None else lambda part: progress(doing, part)
     return LiveCloud(cloud, measure_discs(cloud, splat_size, progress=share), far_away)

@@ -13,12 +13,13 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.upward import upward_of
 from splatline.host.files.atomic_write import atomic_write
 from splatline.host.files.wanted import ColourBy
 from splatline.host.visibility.view import View, fit_view
 from splatline.plots.figure import png_bytes
 
-from .camera import Camera, upward_of
+from .camera import Camera
 from .draw import Drawing, draw
 from .prepared import Drawable, prepare
 from .settings_of import settings_of

@@ -9,13 +9,14 @@ from typing import Any
 
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.cloud.upward import upward_of
 from splatline.host.files.colouring import check_map, colour_scene
 from splatline.host.files.listing import HEADERS, taken_for
 from splatline.host.files.readers import open_cloud_file, read_cloud
 from splatline.host.files.wanted import CLASSIFICATION, HEIGHT, INTENSITY, ColourBy
 from splatline.host.scenes.scenes import load_scene
 
-from .camera import Camera, fit_camera, upward_of
+from .camera import Camera, fit_camera
 from .events import DEFAULT_COLOUR
 from .live_cloud import LiveCloud, Progress, live_cloud
 

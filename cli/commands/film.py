@@ -104,7 +104,7 @@ def film(
     if keys is not None and not keys.is_file():
         raise InputError(f"{keys}: there is no such file; give turntable or a file of keyframes")
 
-    from splatline.cli.options.prepare import prepare_live
+    from splatline.cli.options.live import prepare_live
     from splatline.view.draw import BACKGROUND, Settings
     from splatline.view.film.film import make_film, plan_cameras
     from splatline.view.film.turntable import fit_turntable

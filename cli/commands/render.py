@@ -17,7 +17,8 @@ from splatline.cli.options.drawing import (
     fail_mismatch,
 )
 from splatline.cli.options.outputs import check_files, check_folder, require_suffix, write_json
-from splatline.cli.options.prepare import PreparedFrames, prepare
+from splatline.cli.options.prepare import prepare
+from splatline.cli.options.prepared import PreparedFrames
 from splatline.cli.options.request import RenderRequest
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics

@@ -22,7 +22,7 @@ from splatline.contract.errors import InputError
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from splatline.cli.options.prepare import Picture
+    from splatline.cli.options.prepared import Picture
     from splatline.contract.config import EngineConfig
     from splatline.contract.raster import Raster
     from splatline.host.picture_tiles.frames import TileFrames

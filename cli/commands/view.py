@@ -57,7 +57,7 @@ def view(
     if importlib.util.find_spec("aiohttp") is None:
         raise InputError(f"view needs aiohttp: {install_hint('view')}")
     _check(request)
-    from splatline.cli.options.prepare import subject_of
+    from splatline.cli.options.live import subject_of
     from splatline.view.choices import Choices
     from splatline.view.draw import Settings
     from splatline.view.server.run import serve

@@ -14,9 +14,9 @@ import click
 from splatline.cli.report.progress import Stages
 from splatline.contract.errors import InputError
 
-from .above import seen_from_above
 from .camera import see
 from .parameters import MEMORY
+from .prepared import PreparedFrames, PreparedTiles
 from .request import RenderRequest
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from splatline.host.large.cluster_tiles import ClusterTiles
     from splatline.host.large.draw_parts import Drawing, PartFrames
     from splatline.host.large.plan import Plan
-
-    from .prepare import PreparedFrames, PreparedTiles
 
 __all__ = ["LARGE_OPTIONS", "is_large", "prepare_large", "prepare_large_tiles"]
 
@@ -89,8 +87,6 @@ def prepare_large(
     """
     from splatline.host.large.draw_parts import frames_of
 
-    from .prepare import PreparedFrames
-
     plan, drawing = _planned(request, camera, stages, samples)
     joined, facts = _draw(plan, drawing, request, stages)
     return PreparedFrames(
@@ -111,8 +107,6 @@ def prepare_large_tiles(
 ) -> PreparedTiles:
     """Return the tiles of a request's cloud, drawn part by part; see ``prepare_tiles``."""
     from splatline.host.large.joined_tiles import tiles_of
-
-    from .prepare import PreparedTiles
 
     plan, drawing = _planned(request, camera, stages, samples)
     facts: dict[str, Any] = {"parts": len(plan.parts)}
@@ -146,6 +140,7 @@ def _planned(
     request: RenderRequest, camera: dict[str, Any], stages: Stages, samples: int
 ) -> tuple[Plan, Drawing]:
     """Return the plan of a request's cloud, and how its parts are drawn."""
+    from splatline.host.cloud.upward import upward_of
     from splatline.host.large.draw_parts import Drawing
     from splatline.host.large.plan import make_plan
     from splatline.host.shading.light_sets import LIGHTS
@@ -168,7 +163,7 @@ def _planned(
         lighting=LIGHTS[request.lights],
         splat_size=request.splat_size,
         memory=_memory(request),
-        up=seen_from_above(request, camera, plan.view),
+        up=upward_of(camera["orbit"], camera["up"]),
     )
     return plan, drawing
 

@@ -2,111 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from splatline.cli.report.progress import Stages
 
-from .above import seen_from_above
 from .camera import see, with_camera
 from .large import is_large, prepare_large, prepare_large_tiles
+from .prepared import PreparedFrames, PreparedTiles
 from .request import RenderRequest
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from splatline.contract.frame import Frame
     from splatline.host.cloud.cloud import Cloud
     from splatline.host.cloud.spacing import Discs
     from splatline.host.files.wanted import ColourBy
-    from splatline.host.large.cluster_tiles import ClusterTiles
-    from splatline.host.large.joined_tiles import JoinedTiles
-    from splatline.host.picture_tiles.frames import TiledPicture
     from splatline.host.scenes.scenes import Scene
     from splatline.host.visibility.view import View
-    from splatline.view.live_cloud import LiveCloud
-    from splatline.view.subject import Subject
 
-    Picture: TypeAlias = TiledPicture | JoinedTiles | ClusterTiles
-    """A picture in tiles."""
-
-__all__ = [
-    "PreparedFrames",
-    "PreparedTiles",
-    "measure_in_stages",
-    "prepare",
-    "prepare_live",
-    "prepare_tiles",
-    "read_in_stages",
-    "subject_of",
-]
-
-
-@dataclass(frozen=True)
-class PreparedFrames:
-    """The frames of a render request.
-
-    Parameters
-    ----------
-    frames
-        One frame for each sample of a pixel.
-    view
-        The camera.
-    camera
-        Orbit, field of view, up axis and zoom that were used, for the statistics; of a camera that
-        looks at a point also target and distance.
-    dropped
-        Points left out when the cloud was read, by reason.
-    colour_key
-        What the colours stand for; see ``Cloud.colour_key``.
-    notes
-        What a person should know about the cloud, each in one line.
-    far_away
-        Points far from the rest that are not drawn.
-    facts
-        Further statistics.
-    cloud, radii
-        The points, and the radius of each one's disc in the cloud's unit: shape (n,). None for a
-        cloud that is drawn in parts.
-    """
-
-    frames: list[Frame]
-    view: View
-    camera: dict[str, Any]
-    dropped: dict[str, int]
-    colour_key: dict[str, Any]
-    notes: list[str]
-    far_away: int = 0
-    facts: dict[str, Any] = field(default_factory=dict)
-    cloud: Cloud | None = None
-    radii: npt.NDArray[np.float64] | None = None
-
-
-@dataclass(frozen=True)
-class PreparedTiles:
-    """The tiles of a render request.
-
-    Parameters
-    ----------
-    picture
-        The tiles; their frames are made as they are asked for, or lie in memory.
-    camera, dropped, colour_key, notes, far_away
-        See :class:`PreparedFrames`.
-    facts
-        Returns further statistics, once the tiles are drawn.
-    """
-
-    picture: Picture
-    camera: dict[str, Any]
-    dropped: dict[str, int]
-    colour_key: dict[str, Any]
-    notes: list[str]
-    far_away: int = 0
-    facts: Callable[[], dict[str, Any]] = dict
+__all__ = ["cloud_of", "prepare", "prepare_tiles"]
 
 
 @dataclass(frozen=True)
@@ -117,14 +33,13 @@ class _View:
     ----------
     cloud, discs, view
         The points, their discs and the camera.
-    camera, far_away
+    far_away
         See :class:`PreparedFrames`.
     """
 
     cloud: Cloud
     discs: Discs
     view: View
-    camera: dict[str, Any]
     far_away: int
 
     @property
@@ -200,54 +115,10 @@ def prepare_tiles(
     )
 
 
-def subject_of(request: RenderRequest) -> Subject:
-    """Return what a live view of a request looks at."""
-    from splatline.view.subject import Subject
-
-    request, camera, _ = with_camera(request, Stages())
-    return Subject(
-        path=request.path,
-        scene=request.scene,
-        name=request.name,
-        format=request.format,
-        sample=request.sample,
-        keep=request.keep,
-        fit=request.fit,
-        splat_size=request.splat_size,
-        orbit=camera["orbit"],
-        fov=camera["fov"],
-        up=camera["up"],
-        target=request.target,
-        distance=request.distance,
-    )
-
-
-def prepare_live(request: RenderRequest, stages: Stages) -> tuple[LiveCloud, dict[str, Any]]:
-    """Return the cloud of a request, ready to be drawn again and again, and its camera's values.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, or a value is out of range.
-    """
-    from splatline.view.live_cloud import live_cloud
-
-    request, camera, scene = with_camera(request, stages)
-    cloud = _cloud_of(request, scene, stages)
-    with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
-        live = live_cloud(
-            cloud,
-            fit=request.fit,
-            splat_size=request.splat_size,
-            progress=lambda text, part: share(part or 0.0),
-        )
-    return live, camera
-
-
-def _cloud_of(request: RenderRequest, scene: Scene | None, stages: Stages) -> Cloud:
+def cloud_of(request: RenderRequest, scene: Scene | None, stages: Stages) -> Cloud:
     """Return the cloud of a request in memory, in the colours that are asked for."""
     if request.path is not None:
-        return read_in_stages(
+        return _read(
             request.path,
             stages,
             request.colour,
@@ -267,21 +138,19 @@ def _view_of(
     request: RenderRequest, camera: dict[str, Any], scene: Scene | None, stages: Stages
 ) -> _View:
     """Read the cloud of a request and fit its view."""
-    from splatline.host.cloud.upward import turn_upward
+    from splatline.host.cloud.bulk import without_far_points
+    from splatline.host.cloud.upward import turn_upward, upward_of
 
-    cloud = _cloud_of(request, scene, stages)
+    cloud = cloud_of(request, scene, stages)
     far_away = 0
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):
-            cloud, far_away = _bulk(cloud)
-
-    discs = measure_in_stages(cloud, stages, request.splat_size)
+            cloud, far_away = without_far_points(cloud)
+    discs = _measure(cloud, stages, request.splat_size)
     with stages.stage("view", "Fitting the view"):
         view = see(cloud, camera, request.size, discs.radii)
-        up = seen_from_above(request, camera, view)
-        if up is not None:
-            cloud = turn_upward(cloud, up)
-    return _View(cloud, discs, view, camera, far_away)
+        cloud = turn_upward(cloud, upward_of(camera["orbit"], camera["up"]))
+    return _View(cloud, discs, view, far_away)
 
 
 def _encode(
@@ -318,7 +187,7 @@ def _far_note(far_away: int) -> list[str]:
     return [f"{points} far from the rest, and not in the picture; see --fit all"]
 
 
-def read_in_stages(
+def _read(
     path: Path,
     stages: Stages,
     colour: ColourBy | None = None,
@@ -337,18 +206,9 @@ def read_in_stages(
         )
 
 
-def measure_in_stages(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:
+def _measure(cloud: Cloud, stages: Stages, size: float | None = None) -> Discs:
     """Return a cloud's discs in the stage ``spacing``; see ``measure_discs``."""
     from splatline.host.cloud.spacing import measure_discs
 
     with stages.stage("spacing", f"Measuring the spacing of {len(cloud):,} points") as share:
         return measure_discs(cloud, size, progress=share)
-
-
-def _bulk(cloud: Cloud) -> tuple[Cloud, int]:
-    """Return the cloud without the points far from the rest, and their number."""
-    from splatline.host.cloud.bulk import far_points, select
-
-    far = far_points(cloud.positions)
-    number = int(far.sum())
-    return (select(cloud, ~far), number) if number else (cloud, 0)

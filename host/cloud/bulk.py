@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .cloud import Cloud
 
-__all__ = ["bounds", "far_points", "lost_points", "select"]
+__all__ = ["bounds", "far_points", "lost_points", "select", "without_far_points"]
 
 SHARE = 0.01
 """Share of the points at each end of an axis that the size of the bulk does not depend on."""
@@ -132,3 +132,10 @@ def select(cloud: Cloud, kept: npt.NDArray[Any]) -> Cloud:
         two_sided=cloud.two_sided[kept],
         radii=None if cloud.radii is None else cloud.radii[kept],
     )
+
+
+def without_far_points(cloud: Cloud) -> tuple[Cloud, int]:
+    """Return a cloud without its points far from the rest, and their number."""
+    far = far_points(cloud.positions)
+    number = int(np.count_nonzero(far))
+    return (select(cloud, ~far), number) if number else (cloud, 0)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
 
-from .neighbourhood import gather_candidates
+from .cells import CELL_POINTS
+from .neighbourhood import CANDIDATES, gather_candidates
 from .thinnest import thinnest
 
-__all__ = ["estimate_in_cell", "take_around"]
+__all__ = ["Workspace", "estimate_in_cell", "new_workspace", "take_around"]
 
 NEIGHBOURS = 16
 """Points of a neighbourhood with the point itself, where the surface is smooth."""
@@ -53,6 +54,41 @@ WITHIN = 3.0
 far from the bulk."""
 
 
+class Workspace(NamedTuple):
+    """Arrays that are used again for each cell.
+
+    Parameters
+    ----------
+    found, around
+        The candidates of the cell's neighbourhood, and their positions (see ``take_around``).
+    squares, moments, vector
+        Squares of their distances from a point: shape (``CANDIDATES``,). The covariance of the
+        neighbours and the direction in which they are thinnest: shapes (6,) and (3,).
+    thin, flat, todo
+        Of each point of a cell: what share of its neighbourhood's extent is off the plane, whether
+        the neighbourhood is a line, and whether it must grow: shape (``CELL_POINTS``,).
+    """
+
+    found: Any
+    around: Any
+    squares: Any
+    moments: Any
+    vector: Any
+    thin: Any
+    flat: Any
+    todo: Any
+
+
+@nb.njit
+def new_workspace() -> Workspace:
+    """Return room for a cell."""
+    return Workspace(
+        np.empty(CANDIDATES, np.int64), np.empty((3, CANDIDATES)), np.empty(CANDIDATES),
+        np.empty(6), np.empty(3), np.zeros(CELL_POINTS), np.zeros(CELL_POINTS, np.bool_),
+        np.zeros(CELL_POINTS, np.bool_),
+    )  # fmt: skip
+
+
 @nb.njit(error_model="numpy")
 def estimate_in_cell(
     search: Any,
@@ -61,15 +97,8 @@ def estimate_in_cell(
     stop: int,
     depth: int,
     needed: Any,
-    found: Any,
-    around: Any,
     count: int,
-    squares: Any,
-    moments: Any,
-    vector: Any,
-    thin: Any,
-    flat: Any,
-    todo: Any,
+    space: Workspace,
     normals: Any,
 ) -> None:
     """Set the normals of a cell's points that are needed.
@@ -84,19 +113,15 @@ def estimate_in_cell(
         The cell's first point and the one behind its last, and its level.
     needed
         Points whose normals are set: shape (m,), bool.
-    found, around, count
-        The candidates of the cell's neighbourhood, their positions (see ``take_around``), and how
-        many there are. The first two are overwritten.
-    squares, moments, vector
-        Overwritten: shapes (``CANDIDATES``,), (6,) and (3,).
-    thin, flat, todo
-        Overwritten; of each point of a cell: what share of its neighbourhood's extent is off the
-        plane, whether the neighbourhood is a line, and whether it must grow: shape
-        (``CELL_POINTS``,).
+    count
+        Candidates of the cell's neighbourhood.
+    space
+        Has the candidates and their positions. All of it is overwritten.
     normals
         Set: shape (m, 3), float32, of unit length; the sign means nothing.
     """
     keys, levels, table, table_levels, _, _ = search
+    found, around, squares, moments, vector, thin, flat, todo = space
     # In units of the cell's size, so that no square over- or underflows.
     scale = float(1 << depth)
     left = 0
@@ -123,28 +148,18 @@ def estimate_in_cell(
                 keys, levels, table, table_levels, start, depth - wider, WIDER_POINTS, found
             )
             take_around(positions, found, count, start, scale, around)
-        left = _grow(
-            positions, around, count, start, stop, scale, REACH * 4.0**wider, squares, found,
-            moments, vector, thin, flat, todo, normals,
-        )  # fmt: skip
+        left = _grow(positions, count, start, stop, scale, REACH * 4.0**wider, space, normals)
 
 
 @nb.njit(error_model="numpy")
 def _grow(
     positions: Any,
-    around: Any,
     count: int,
     start: int,
     stop: int,
     scale: float,
     reach: float,
-    squares: Any,
-    found: Any,
-    moments: Any,
-    vector: Any,
-    thin: Any,
-    flat: Any,
-    todo: Any,
+    space: Workspace,
     normals: Any,
 ) -> int:
     """Set a cell's normals from all that is around; return how many points are still to do.
@@ -152,6 +167,7 @@ def _grow(
     Points of a cell have the same neighbourhood, so it is measured about the first of them. A point
     far from the bulk, which counts in an outermost cell, has its own.
     """
+    found, around, squares, moments, vector, thin, flat, todo = space
     left = 0
     has_middle = False
     x, y, z, least, middle, most = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

@@ -9,9 +9,9 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from .cell_normals import estimate_in_cell, take_around
+from .cell_normals import estimate_in_cell, new_workspace, take_around
 from .cell_radii import close_in_cell
-from .cells import CELL_POINTS, Cells, parts_of, search_of
+from .cells import Cells, parts_of, search_of
 from .closing import COSINES, DIRECTIONS, SINES, Closing
 from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
 
@@ -69,10 +69,8 @@ def _measure(
     """Measure the cells of one part; see :func:`measure_cells`."""
     keys, levels, table, table_levels, starts, depths = search
     for chunk in nb.prange(len(cuts) - 1):
-        found, around = np.empty(CANDIDATES, np.int64), np.empty((3, CANDIDATES))
-        squares, moments, vector = np.empty(CANDIDATES), np.empty(6), np.empty(3)
-        share, flat = np.zeros(CELL_POINTS), np.zeros(CELL_POINTS, np.bool_)
-        todo = np.zeros(CELL_POINTS, np.bool_)
+        space = new_workspace()
+        found = space.found
         away = np.empty((3, CANDIDATES), np.float32)
         pull = np.empty((2, CANDIDATES), np.float32)
         most, sides = np.empty(DIRECTIONS, np.float32), np.empty((2, DIRECTIONS + 1), np.float32)
@@ -90,11 +88,10 @@ def _measure(
             if closes:
                 take_around(positions, found, count, start, scale, away)
             if estimates:
-                take_around(positions, found, count, start, scale, around)
+                take_around(positions, found, count, start, scale, space.around)
                 estimate_in_cell(
-                    search, positions, start, stop, depth, needed, found, around, count,
-                    squares, moments, vector, share, flat, todo, normals,
-                )  # fmt: skip
+                    search, positions, start, stop, depth, needed, count, space, normals
+                )
             if closes:
                 close_in_cell(
                     positions, normals, start, stop, depth, few, away, count, cosines, sines,

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from .bulk import bounds
 from .cloud import Cloud
 
-__all__ = ["turn_upward"]
+__all__ = ["turn_upward", "upward_of"]
 
 COLUMN_POINTS = 16
 """Points of a column, if they covered the cloud's bounding box evenly."""
@@ -27,8 +27,21 @@ STEEPEST = 0.1
 _Floats = npt.NDArray[np.float64]
 
 
-def turn_upward(cloud: Cloud, up: npt.ArrayLike) -> Cloud:
-    """Return a cloud whose estimated normals point up where it has one layer.
+def upward_of(orbit: tuple[float, float], up: str) -> str | None:
+    """Return the axis up if an eye on an orbit looks down or is level; else None.
+
+    Parameters
+    ----------
+    orbit
+        Azimuth and elevation of the eye in degrees.
+    up
+        The axis that points up: x, y, z, or one of these with a minus.
+    """
+    return up if math.sin(math.radians(orbit[1])) >= 0.0 else None
+
+
+def turn_upward(cloud: Cloud, up: str | None) -> Cloud:
+    """Return a survey whose estimated normals point up where it has one layer.
 
     What is scanned from above is a height field nearly everywhere: its upper side is the outer one.
     A column of the cloud has one layer if all its points lie close to one plane, which is not
@@ -38,14 +51,15 @@ def turn_upward(cloud: Cloud, up: npt.ArrayLike) -> Cloud:
     Parameters
     ----------
     cloud
-        The cloud. Points that are not ``two_sided`` keep their normals.
+        The cloud. It is returned as it is if it is no survey. Points that are not ``two_sided``
+        keep their normals.
     up
-        The direction up: shape (3,), a unit vector along an axis.
+        See :func:`upward_of`. None: the ground is seen from below, and shows its back; the cloud is
+        returned as it is.
     """
-    upward = np.asarray(up, np.float64)
-    if not cloud.two_sided.any():
+    if up is None or not cloud.survey or not cloud.two_sided.any():
         return cloud
-    axis = int(np.abs(upward).argmax())
+    axis, sign = "xyz".index(up[-1]), -1.0 if up.startswith("-") else 1.0
     across = [k for k in range(3) if k != axis]
     low, high = bounds(cloud.positions)
     spans = (high - low)[across]
@@ -59,7 +73,7 @@ def turn_upward(cloud: Cloud, up: npt.ArrayLike) -> Cloud:
     columns = np.zeros((sides[0] * sides[1], 9))
     columns[:, 7], columns[:, 8] = np.inf, -np.inf
     normals, two_sided = cloud.normals.copy(), cloud.two_sided.copy()
-    frame = np.array([*across, axis]), low, scale, sides[1], float(upward[axis])
+    frame = np.array([*across, axis]), low, scale, sides[1], sign
     _add_points(cloud.positions, normals, *frame, columns)
     _measure_thickness(cloud.positions, *frame, columns)
     _turn(cloud.positions, *frame, columns, THICKEST * width, normals, two_sided)

@@ -29,6 +29,7 @@ __all__ = [
     "hand_out",
     "lost_workers",
     "open_cluster",
+    "wait_for",
 ]
 
 LOCAL = "local"
@@ -79,8 +80,6 @@ def draw_on_cluster(
         If a file is damaged, or a worker has it not; if workers are lost again and again, or
         nothing is in view.
     """
-    from distributed import as_completed
-
     shared = hand_out(client, plan, drawing)
     futures = [client.submit(draw_on_worker, *shared, part, pure=False) for part in plan.parts]
     tasks = list(futures)
@@ -92,10 +91,8 @@ def draw_on_cluster(
         tasks += [future for future in futures if future not in tasks]
     sizes = [client.submit(_bytes, future, pure=False) for future in tasks]
     try:
+        wait_for(sizes, progress)
         with lost_workers():
-            for done, _ in enumerate(as_completed(sizes, raise_errors=True), 1):
-                if progress is not None:
-                    progress("parts", done / len(sizes))
             joined = futures[0].result()
             traffic = Traffic(len(tasks), sum(client.gather(sizes)))
     finally:
@@ -197,6 +194,22 @@ def lost_workers() -> Iterator[None]:
             "workers were lost again and again while they drew one part; do they have enough"
             f" memory? ({error.last_worker.address})"
         ) from None
+
+
+def wait_for(futures: Sequence[Any], progress: Progress | None) -> None:
+    """Wait until all futures are done; tell the stage ``parts`` the share of them.
+
+    Raises
+    ------
+    InputError
+        If a task raised it, or workers are lost again and again.
+    """
+    from distributed import as_completed
+
+    with lost_workers():
+        for done, _ in enumerate(as_completed(futures, raise_errors=True), 1):
+            if progress is not None:
+                progress("parts", done / len(futures))
 
 
 def draw_on_worker(plan: Plan, drawing: Drawing, part: Part) -> PartFrames:

@@ -17,9 +17,9 @@ from splatline.contract.frame import Frame
 from splatline.host.picture_tiles.frames import TileFrames
 from splatline.host.picture_tiles.grid import Grid
 
-from .cluster import Traffic, bytes_of, draw_on_worker, hand_out, lost_workers
+from .cluster import Traffic, bytes_of, draw_on_worker, hand_out, lost_workers, wait_for
 from .draw_parts import Drawing, PartFrames, Progress, check_shown, join_frames_of, join_parts
-from .joined_tiles import add_counts, first_counts, row_counts, tiles_of_row
+from .joined_tiles import add_counts, counts_without_rows, row_counts, tiles_of_row
 from .plan import Plan
 
 __all__ = ["ClusterTiles", "draw_tiles_on_cluster"]
@@ -109,21 +109,17 @@ def draw_tiles_on_cluster(
 
     See :func:`splatline.host.large.cluster.draw_on_cluster`. ``progress`` tells of the parts alone.
     """
-    from distributed import as_completed
-
     grid = Grid.of(plan.view.width, plan.view.height, drawing.config, None)
     shared = hand_out(client, plan, drawing)
     parts = [client.submit(draw_on_worker, *shared, part, pure=False) for part in plan.parts]
     length = grid.columns * drawing.samples
     rows = [_submit_row(client, parts, number, length) for number in range(grid.rows)]
     told = [client.submit(_without_frames, part, pure=False) for part in parts]
+    wait_for(told, progress)
     with lost_workers():
-        for done, _ in enumerate(as_completed(told, raise_errors=True), 1):
-            if progress is not None:
-                progress("parts", done / len(told))
         whole = join_parts(client.gather(told))
     check_shown(plan, drawing, whole)
-    counts = first_counts(plan, drawing, whole)
+    counts = counts_without_rows(plan, drawing, whole)
     return ClusterTiles(
         grid, drawing.config, counts, whole, Traffic(len(parts), 0), rows, client, shared
     )

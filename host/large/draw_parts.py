@@ -67,7 +67,7 @@ class Drawing:
     memory
         Bytes that may be used for a part.
     up
-        The direction in which estimated normals point; None: they have no sign. See
+        The axis along which a survey's estimated normals point; None: they have no sign. See
         ``turn_upward``.
     """
 
@@ -78,7 +78,7 @@ class Drawing:
     lighting: Lighting = dataclasses.field(default_factory=Lighting)
     splat_size: float | None = None
     memory: int = 2 << 30
-    up: tuple[float, float, float] | None = None
+    up: str | None = None
 
     def in_tiles(self, plan: Plan) -> bool:
         """Return whether a plan's picture is larger than the engine's image."""
@@ -138,8 +138,7 @@ def draw_part(
     if cloud is None:
         return PartFrames((), points=sum(dropped.values()), dropped=dropped)
     discs = measure_discs(cloud, drawing.splat_size, progress=told("spacing"))
-    if drawing.up is not None:
-        cloud = turn_upward(cloud, drawing.up)
+    cloud = turn_upward(cloud, drawing.up)
     frames, counts = _frames(plan, drawing, cloud, discs, told("encode"))
     return PartFrames(
         frames=tuple(None if frame is None else join_frames([frame]) for frame in frames),

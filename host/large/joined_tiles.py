@@ -11,13 +11,21 @@ from splatline.contract.frame import Frame
 from splatline.host.encode.read_stream import read_stream
 from splatline.host.encode.stand_ins import number_of
 from splatline.host.encode.tile import Tile
+from splatline.host.picture_tiles.counts import first_counts
 from splatline.host.picture_tiles.frames import TileFrames, words_of_others
 from splatline.host.picture_tiles.grid import Grid
 
 from .draw_parts import OVERDRAWN, Drawing, PartFrames
 from .plan import Plan
 
-__all__ = ["JoinedTiles", "add_counts", "first_counts", "row_counts", "tiles_of", "tiles_of_row"]
+__all__ = [
+    "JoinedTiles",
+    "add_counts",
+    "counts_without_rows",
+    "row_counts",
+    "tiles_of",
+    "tiles_of_row",
+]
 
 Shown = TypeVar("Shown")
 
@@ -44,7 +52,7 @@ def tiles_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> JoinedTiles:
         tiles_of_row(grid, row, joined.frames[row * length : (row + 1) * length])
         for row in range(grid.rows)
     ]
-    counts = first_counts(plan, drawing, joined)
+    counts = counts_without_rows(plan, drawing, joined)
     for row in tiles:
         add_counts(counts, row_counts(row), drawing.config)
     return JoinedTiles(grid, drawing.config, counts, tiles)
@@ -68,30 +76,20 @@ def tiles_of_row(grid: Grid, number: int, frames: Sequence[Frame | None]) -> lis
     ]
 
 
-def first_counts(plan: Plan, drawing: Drawing, joined: PartFrames) -> dict[str, Any]:
+def counts_without_rows(plan: Plan, drawing: Drawing, joined: PartFrames) -> dict[str, Any]:
     """Return the statistics of a picture without those of its rows; see :func:`row_counts`."""
+    skips = drawing.skips - {OVERDRAWN}
     return {
-        "points": joined.points,
-        "dropped": joined.dropped,
+        **first_counts(joined.points, joined.dropped, drawing.quality, skips),
         "culled": joined.culled,
         "elements": joined.elements,
-        "quality": drawing.quality,
-        "skips": sorted(drawing.skips - {OVERDRAWN}),
-        "shapes": "table",
-        "bits_sent": {"table": 0},
-        "codewords": 0,
-        "control_words": 0,
-        "words_twice": 0,
-        "tiles": 0,
-        "tiles_empty": 0,
         "depth_range": list(plan.depth_range),
-        "seconds": {},
     }
 
 
 def row_counts(tiles: Sequence[TileFrames]) -> dict[str, int]:
     """Return the statistics of a row of tiles."""
-    drawn = [tile for tile in tiles if any(map(_exists, tile.frames))]
+    drawn = [tile for tile in tiles if any(frame is not None for frame in tile.frames)]
     made = [(tile.tile, frame) for tile in drawn for frame in tile.frames if frame is not None]
     return {
         "codewords": sum(len(frame.codewords) for _, frame in made),
@@ -107,11 +105,6 @@ def add_counts(counts: dict[str, Any], row: dict[str, int], config: EngineConfig
     for name, number in row.items():
         counts[name] += number
     counts["bits_sent"]["table"] += config.codeword_bits * row["codewords"]
-
-
-def _exists(frame: Frame | None) -> bool:
-    """Return whether a sample draws anything in a tile."""
-    return frame is not None
 
 
 def _twice(tile: Tile, frame: Frame) -> int:

@@ -124,7 +124,7 @@ class PieceFile:
             If the file cannot be read.
         """
         with open_cloud_file(self.path, Wanted(self._by, keep=self._keep)) as source:
-            if path_in_rows(self.path):
+            if _is_in_rows(self.path):
                 with parser_errors(source):
                     self._rows = ply_rows(source)
                 if self._rows is not None:
@@ -238,7 +238,7 @@ class PieceFile:
         return Colouring(fixed, None, normals, key)
 
 
-def path_in_rows(path: Path) -> bool:
+def _is_in_rows(path: Path) -> bool:
     """Return whether a file may be a binary PLY that is read by rows: it is not compressed."""
     return path.suffix.lower() == IN_ROWS
 

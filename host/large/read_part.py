@@ -14,6 +14,7 @@ from splatline.host.cloud.cloud import Cloud
 from splatline.host.files.assemble import assemble_cloud
 from splatline.host.files.columns import Columns
 from splatline.host.files.copc import Octree
+from splatline.host.files.source import usual_up
 
 from .nodes import choose_nodes
 from .octree_parts import code_ranges, codes_in_node
@@ -21,7 +22,7 @@ from .pieces import Colouring, PieceFile, colours_of, rows_of
 from .plan import Part, Plan
 from .thin import CELLS, Grid, Thinner
 
-__all__ = ["CELLS", "FIXED_BYTES", "POINT_BYTES", "PartCloud", "cells_of_memory", "read_part"]
+__all__ = ["FIXED_BYTES", "POINT_BYTES", "PartCloud", "cells_of_memory", "read_part"]
 
 CELL_BYTES = 250
 """Most memory that a cell takes: as a point of a cloud, while its disc is measured."""
@@ -119,6 +120,7 @@ def read_part(
         ),
         file.path.stem,
         origin=plan.origin,
+        up=usual_up(file.path),
         progress=None if progress is None else lambda share: progress("normals", share),
     )
     return PartCloud(cloud, cloud.dropped)

@@ -34,6 +34,7 @@ from splatline.host.visibility.splats import Splats
 from splatline.host.visibility.view import View
 
 from .bins import Bin, bins_of_row
+from .counts import first_counts
 from .grid import Grid
 
 __all__ = ["TileFrames", "TiledPicture", "tile_picture", "words_of_others"]
@@ -262,7 +263,7 @@ def tile_picture(
     laps = clock.laps
     # A picture of one pixel a point is better than an empty one.
     for kept in dict.fromkeys((chosen, chosen - {"no_pixel"})):
-        counts = _first_counts(index, config, quality, kept)
+        counts = first_counts(len(index), index.cloud.dropped, quality, kept)
         picture = TiledPicture(grid, config, counts, quality, useful_skips(kept, quality), [])
         lights = lighting or Lighting()
         limits = picture.project(index, view, samples, lights, depth_range, progress)
@@ -271,29 +272,6 @@ def tile_picture(
             counts["depth_range"], counts["seconds"] = list(limits or (0.0, 0.0)), laps
             return picture
     raise nothing_in_view(index, picture.culled(), samples)
-
-
-def _first_counts(
-    index: Index, config: EngineConfig, quality: str, chosen: frozenset[str]
-) -> dict[str, Any]:
-    """Return the statistics of a picture of which nothing is made yet."""
-    return {
-        "points": len(index),
-        "dropped": index.cloud.dropped,
-        "culled": {},
-        "elements": 0,
-        "quality": quality,
-        "skips": sorted(chosen),
-        "shapes": "table",
-        "bits_sent": {"table": 0},
-        "codewords": 0,
-        "control_words": 0,
-        "words_twice": 0,
-        "tiles": 0,
-        "tiles_empty": 0,
-        "depth_range": [0.0, 0.0],
-        "seconds": {},
-    }
 
 
 def words_of_others(

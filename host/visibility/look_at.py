@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
-from .view import View, check_camera, orbit_axes
+from .view import View, check_camera, focal_length, orbit_axes
 
 __all__ = ["NEAR", "look_at"]
 
@@ -52,6 +52,5 @@ def look_at(
         raise InputError(f"the distance must be above 0, not {distance:g}")
     width, height = size
     axes = orbit_axes(orbit, up)
-    focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
     eye = point - distance * axes[2]
-    return View(eye, axes, focal * zoom, width, height, NEAR * distance)
+    return View(eye, axes, focal_length(size, fov) * zoom, width, height, NEAR * distance)

@@ -13,7 +13,15 @@ from splatline.host.cloud.cloud import Cloud
 
 from .fit_eye import fit_eye
 
-__all__ = ["LARGEST", "UP_AXES", "View", "check_camera", "fit_view", "orbit_axes"]
+__all__ = [
+    "LARGEST",
+    "UP_AXES",
+    "View",
+    "check_camera",
+    "fit_view",
+    "focal_length",
+    "orbit_axes",
+]
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
@@ -65,10 +73,6 @@ class View:
         """Column and line at which the view's axis meets the image."""
         return 0.5 * self.width + self.shift[0], 0.5 * self.height + self.shift[1]
 
-    def looks_down(self, up: str) -> bool:
-        """Return whether the view's axis points down, or is level; ``up`` is one of ``UP_AXES``."""
-        return float(self.axes[2] @ np.asarray(UP_AXES[up])) <= 0.0
-
 
 def fit_view(
     cloud: Cloud,
@@ -110,7 +114,7 @@ def fit_view(
     check_camera(orbit, fov, size, up, zoom)
     width, height = size
     axes = orbit_axes(orbit, up)
-    focal = 0.5 * min(width, height) / math.tan(math.radians(fov) / 2.0)
+    focal = focal_length(size, fov)
     eye, near = fit_eye(cloud.positions, axes, (width / focal, height / focal), radii)
     return View(eye, axes, focal * zoom, width, height, near)
 
@@ -130,6 +134,19 @@ def check_camera(
         raise InputError(f"the zoom must be above 0, not {zoom:g}")
     if not all(math.isfinite(angle) for angle in orbit):
         raise InputError(f"the orbit must be two finite angles, not {orbit}")
+
+
+def focal_length(size: tuple[int, int], fov: float) -> float:
+    """Return the focal length in pixels at which an image's shorter side spans an angle.
+
+    Parameters
+    ----------
+    size
+        Width and height of the image in pixels.
+    fov
+        The angle in degrees.
+    """
+    return 0.5 * min(size) / math.tan(math.radians(fov) / 2.0)
 
 
 def orbit_axes(orbit: tuple[float, float], up: str) -> npt.NDArray[np.float64]:
