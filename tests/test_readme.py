@@ -18,6 +18,10 @@ def test_it_is_short():
     assert max(map(len, lines)) <= 120
 
 
+def test_its_moving_picture_is_no_larger_than_2_mb():
+    assert (README.parent / "docs/terrain.webp").stat().st_size <= 2_000_000
+
+
 def test_a_picture_is_saved_as_shown(tmp_path, monkeypatch):
     (block,) = python_blocks(README)
     save_as_shown(block, tmp_path, monkeypatch)

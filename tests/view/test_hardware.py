@@ -9,7 +9,7 @@ from splatline.flow.area.budgets import read_budgets
 from splatline.flow.timing.clocks import read_clocks
 from splatline.sim.cycles.cycles import count_cycles
 from splatline.view.draw import Settings, draw
-from splatline.view.hardware import picture_numbers, preset_facts
+from splatline.view.hardware import PRESET_TITLES, picture_numbers, preset_facts
 from tests.view.views import ball
 
 SIZE = (128, 96)
@@ -27,7 +27,7 @@ def camera(live):
 
 def test_presets_have_the_recorded_areas_and_clocks():
     facts = {row["name"]: row for row in preset_facts()}
-    assert set(facts) == set(PRESETS)
+    assert set(facts) == set(PRESETS) == set(PRESET_TITLES)
     for name, row in facts.items():
         assert {kind: row[kind] for kind in ("lut4", "ff", "bram", "mult")} == read_budgets()[name]
         assert row["clock_mhz"] == read_clocks()[name]["median_mhz"]
