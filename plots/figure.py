@@ -85,8 +85,9 @@ def rgb_levels(rgb: npt.ArrayLike) -> npt.NDArray[np.uint8]:
 def depth_levels(raster: Drawn) -> npt.NDArray[np.uint16]:
     """Return the levels of a raster's depth, as :func:`save_depth` writes them."""
     background = raster.config.background_depth
-    nearness = background - raster.depth.astype(np.float64)
-    return np.rint(nearness * (65535.0 / background)).astype(np.uint16)
+    nearness = background - np.arange(background + 1.0)
+    levels = np.rint(nearness * (65535.0 / background)).astype(np.uint16)
+    return levels[raster.depth]
 
 
 def picture_set(
