@@ -27,11 +27,10 @@ STEP = 2.0
 
 @dataclass
 class Arrivals:
-    """Pictures that arrived: when, the width of each, and the time since the event that asked."""
+    """Pictures that arrived: when, and the width of each."""
 
     times: list[float] = field(default_factory=list)
     widths: list[int] = field(default_factory=list)
-    latencies: list[float] = field(default_factory=list)
 
 
 class Page:
@@ -67,23 +66,22 @@ class Page:
         await self._until_refined()
         return arrivals
 
-    async def steps(self, number: int, pause: float) -> Arrivals:
-        """Move the mouse by single steps while the button is down; time the picture of each.
+    async def steps(self, number: int, pause: float) -> list[float]:
+        """Move the mouse by single steps while the button is down; return each picture's latency.
 
-        The view rests before each step, for ``pause`` seconds.
+        Latencies are in seconds. The view rests before each step, for ``pause`` seconds.
         """
-        arrivals = Arrivals()
+        latencies = []
         await self._send("moving", value=True)
         for _ in range(number):
             await asyncio.sleep(pause)
             start = time.perf_counter()
             await self._send("turn", dx=STEP, dy=0)
-            header = await self._picture()
-            arrivals.latencies.append(time.perf_counter() - start)
-            arrivals.widths.append(header[3])
+            await self._picture()
+            latencies.append(time.perf_counter() - start)
         await self._send("moving", value=False)
         await self._until_refined()
-        return arrivals
+        return latencies
 
     async def _mouse(self) -> None:
         """Send positions of a mouse until it is cancelled."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
-import resource
 import statistics
 import time
 from collections.abc import Callable
@@ -97,8 +96,7 @@ async def _served(
         before = server.processor_seconds()
         turned = await page.turn(seconds)
         after = server.processor_seconds()
-        stepped = await page.steps(steps, PAUSE)
-        latencies = [1e3 * latency for latency in stepped.latencies]
+        latencies = [1e3 * latency for latency in await page.steps(steps, PAUSE)]
         processor = None if before is None or after is None else 1e3 * (after - before)
         return {
             "fps": len(turned.times) / seconds,
@@ -120,19 +118,13 @@ def _drawn(cloud: Cloud, size: tuple[int, int], repeats: int) -> dict[str, Any]:
     walls, processor = [], []
     for number in range(repeats + 2):
         moved = dataclasses.replace(camera, azimuth=camera.azimuth + A_TURN * number)
-        start, began = time.perf_counter(), _processor()
+        start, began = time.perf_counter(), time.process_time()
         _ = draw(live, moved, size).rgba
         if number >= 2:  # the first ones build the index and load compiled code
             walls.append(1e3 * (time.perf_counter() - start))
-            processor.append(1e3 * (_processor() - began))
+            processor.append(1e3 * (time.process_time() - began))
     return {
         "points": len(live.cloud),
         "draw_ms": statistics.median(walls),
         "draw_processor_ms": statistics.fmean(processor),
     }
-
-
-def _processor() -> float:
-    """Return the processor seconds of this process."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
