@@ -11,9 +11,9 @@ from splatline.host.files.colouring import check_map
 from splatline.host.files.wanted import ColourBy
 from splatline.host.pipeline import check_request
 
-from .command_line import hex_colour
 from .draw import Settings
 from .events import DEFAULT_COLOUR
+from .hex_colour import hex_colour
 
 __all__ = ["Choices"]
 

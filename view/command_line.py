@@ -9,12 +9,14 @@ from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.files.wanted import ColourBy
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS
+from splatline.plots.figure import BACKGROUND
 
 from .camera import Camera
-from .draw import BACKGROUND, Settings
+from .draw import Settings
+from .hex_colour import hex_colour
 from .subject import Subject
 
-__all__ = ["hex_colour", "render_command", "shell_text"]
+__all__ = ["render_command", "shell_text"]
 
 
 def render_command(
@@ -67,11 +69,6 @@ def render_command(
 def shell_text(words: list[str]) -> str:
     """Return arguments of ``splatline`` as a line for a shell."""
     return shlex.join(["splatline", *words])
-
-
-def hex_colour(colour: tuple[float, float, float]) -> str:
-    """Return a colour of whole bytes as ``#rrggbb``."""
-    return "#" + bytes(round(255.0 * level) for level in colour).hex()
 
 
 def _colour_options(colour: ColourBy | None) -> dict[str, str | None]:

@@ -14,6 +14,8 @@ from splatline.host.files.wanted import ColourBy
 from splatline.host.sample_positions import SAMPLES
 from splatline.host.shading.light_sets import LIGHTS
 
+from .hex_colour import read_hex
+
 __all__ = ["DEFAULT_COLOUR", "LARGEST", "PICTURES", "SMALLEST", "Event", "check_event"]
 
 SMALLEST, LARGEST = 16, 4096
@@ -98,11 +100,10 @@ def _samples(name: str, value: object) -> int:
 
 def _background(name: str, value: object) -> tuple[float, float, float]:
     """Return red, green and blue in 0..1 of ``#rrggbb``."""
-    digits = value[1:] if isinstance(value, str) and value.startswith("#") else ""
-    if len(digits) != 6 or not set(digits) <= set("0123456789abcdefABCDEF"):
+    read = read_hex(value) if isinstance(value, str) else None
+    if read is None:
         raise InputError(f"{name} must be a colour such as #171a1f")
-    red, green, blue = (byte / 255.0 for byte in bytes.fromhex(digits))
-    return red, green, blue
+    return read
 
 
 def _colour(name: str, value: object) -> ColourBy | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 
 from splatline.contract.config import EngineConfig
@@ -13,8 +12,10 @@ from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.pipeline import check_request
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
 from splatline.host.visibility.skips import DEFAULT_SKIPS, check_skips
+from splatline.plots.figure import BACKGROUND
 
-from .draw import BACKGROUND, Settings
+from .draw import Settings
+from .hex_colour import read_hex
 
 __all__ = ["settings_of"]
 
@@ -69,10 +70,10 @@ def _background(colour: str | Sequence[float] | None) -> tuple[float, float, flo
     if colour is None:
         return BACKGROUND
     if isinstance(colour, str):
-        if re.fullmatch("#[0-9a-fA-F]{6}", colour) is None:
+        read = read_hex(colour)
+        if read is None:
             raise InputError(f"{colour!r} is not a colour; write #rrggbb")
-        red, green, blue = (byte / 255.0 for byte in bytes.fromhex(colour[1:]))
-        return red, green, blue
+        return read
     levels = [float(level) for level in colour]
     if len(levels) != 3 or not all(0.0 <= level <= 1.0 for level in levels):
         raise InputError(f"the background must be red, green and blue in 0..1, not {colour!r}")
