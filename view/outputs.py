@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Output", "Picture", "SavedFile", "Superseded", "Tell"]
+from splatline.contract.errors import InputError
+
+__all__ = ["Output", "Picture", "SavedFile", "Superseded", "Tell", "error_message"]
 
 Tell = Callable[[str, float | None], None]
 """Told what is being done, and the share of it that is done; 1 ends it."""
@@ -52,3 +54,8 @@ class SavedFile:
 
 Output = dict[str, Any] | Picture | SavedFile
 """A message of the protocol, a picture, or a file."""
+
+
+def error_message(error: InputError) -> dict[str, Any]:
+    """Return an error as a message of one line."""
+    return {"type": "error", "text": " ".join(str(error).split())}

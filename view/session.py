@@ -17,7 +17,7 @@ from .command_line import render_command, shell_text
 from .easel import Easel, Sight
 from .events import Event
 from .live_cloud import LiveCloud
-from .outputs import Output, SavedFile, Superseded, Tell
+from .outputs import Output, SavedFile, Superseded, Tell, error_message
 from .pace import Pace
 from .saved import saved_picture, saved_words
 from .steering import steer
@@ -117,9 +117,13 @@ class Session:
             self.choices = dataclasses.replace(self.choices, colour=self._colour)
             self._told = None
 
-    def due(self) -> float | None:
+    def due(self, *, may_draw: bool = True) -> float | None:
         """Return the seconds until there is something to do; None: only an event brings some."""
-        if self._events or self._told is None:
+        if self._events:
+            return 0.0
+        if not may_draw:
+            return None
+        if self._told is None:
             return 0.0
         if self.live is None or self._easel.is_done(self.choices):
             return None
@@ -134,7 +138,7 @@ class Session:
             try:
                 outputs += self._apply(self._events.popleft())
             except InputError as error:
-                outputs.append(_trouble(error))
+                outputs.append(error_message(error))
         outputs += self._tell_settings()
         if may_draw:
             outputs += self._draw()
@@ -152,7 +156,7 @@ class Session:
             return []
         except InputError as error:
             self._easel.give_up()
-            return [_trouble(error)]
+            return [error_message(error)]
         if any(isinstance(output, dict) for output in outputs):
             self._told = None
         return [*outputs, *self._tell_settings()]
@@ -260,8 +264,3 @@ class Session:
         if what == "words":
             return saved_words(drawing, name)
         return saved_picture(drawing, name, self.choices.show)
-
-
-def _trouble(error: InputError) -> dict[str, Any]:
-    """Return an error as a message of one line."""
-    return {"type": "error", "text": " ".join(str(error).split())}

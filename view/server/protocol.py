@@ -54,7 +54,7 @@ of its picture, of kind 3 0); width and height of the payload; encoding (0 raw R
 (bit 0: refined); bytes of the payload. A picture smaller than the canvas is scaled up by the
 client, and one older than the last one shown is dropped.
 
-The server draws a frame only while fewer than ``MOST_UNSHOWN`` are not acknowledged. So a slow link
+The server draws a frame only while few are not acknowledged: see ``view.unshown``. So a slow link
 or page has no backlog, and what it gets next is the newest.
 """
 
@@ -75,7 +75,6 @@ __all__ = [
     "LARGEST_FRAME",
     "MAGIC",
     "MOST_BYTES",
-    "MOST_UNSHOWN",
     "PICTURE",
     "PNG",
     "RAW",
@@ -100,9 +99,6 @@ MOST_BYTES = 4096
 
 LARGEST_FRAME = 1 << 16
 """Bytes of a client's message that end the session."""
-
-MOST_UNSHOWN = 2
-"""Frames that may be under way or waiting in the client."""
 
 
 def read_message(text: str) -> Event:

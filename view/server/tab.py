@@ -14,11 +14,12 @@ from splatline.contract.errors import InputError
 from splatline.host.files.wanted import ColourBy
 from splatline.view.greeting import greeting
 from splatline.view.live_cloud import LiveCloud
-from splatline.view.outputs import Output, Picture, SavedFile
+from splatline.view.outputs import Output, Picture, SavedFile, error_message
 from splatline.view.session import Session
+from splatline.view.unshown import Unshown
 
 from .library import EVERY, Library
-from .protocol import MOST_UNSHOWN, file_bytes, picture_bytes, read_message
+from .protocol import file_bytes, picture_bytes, read_message
 from .turns import Turns
 
 __all__ = ["Tab"]
@@ -63,7 +64,7 @@ class Tab:
         session.call(self._tell_from_thread, turns.pass_on)
         self._loop = asyncio.get_running_loop()
         self._wake = asyncio.Event()
-        self._sent = self._shown = 0
+        self._unshown = Unshown()
         self._told_at = 0.0
         self._loading: asyncio.Task[None] | None = None
         self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
@@ -97,10 +98,10 @@ class Tab:
             try:
                 event = read_message(message.data)
             except InputError as error:
-                self._send_soon({"type": "error", "text": " ".join(str(error).split())})
+                self._send_soon(error_message(error))
                 continue
             if event.kind == "shown":
-                self._shown = max(self._shown, min(event.values["frame"], self._sent))
+                self._unshown.note_shown(event.values["frame"])
             else:
                 self._session.queue(event)
             self._wake.set()
@@ -113,8 +114,8 @@ class Tab:
             if self._session.needs_cloud and self._loading is None:
                 self._loading = asyncio.create_task(self._load())
             self._wake.clear()
-            may_draw = self._sent - self._shown < MOST_UNSHOWN
-            delay = self._session.due() if may_draw or self._session.waiting else None
+            may_draw = self._unshown.are_few
+            delay = self._session.due(may_draw=may_draw)
             if delay != 0.0:
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(self._wake.wait(), delay)
@@ -132,7 +133,7 @@ class Tab:
     def _encoded(self, output: Output) -> list[bytes | dict[str, Any]]:
         """Return the messages of an output."""
         if isinstance(output, Picture):
-            self._sent = max(self._sent, output.frame)
+            self._unshown.note_sent(output.frame)
             return [picture_bytes(output, png=self._png)]
         if isinstance(output, SavedFile):
             told = {"name": output.name, "mime": output.mime, "bytes": len(output.data)}
@@ -145,7 +146,7 @@ class Tab:
         try:
             live = await self._library.get(colour, self._tell_progress)
         except InputError as error:
-            self._send_soon({"type": "error", "text": " ".join(str(error).split())})
+            self._send_soon(error_message(error))
             if self._session.live is None:
                 return  # there is nothing to show; the task stays, lest it be read again
             self._session.refuse(colour)
