@@ -5,22 +5,14 @@ import json
 import struct
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
 from aiohttp import WSMsgType, web
 
-from splatline.view.server.pages import HEADERS
+from splatline.view.server.pages import HEADERS, page_files
 
-PAGE = Path(__file__).parents[2] / "view" / "page"
 PATIENCE = 20.0  # seconds
 MAGIC = 0x4C505330
-TYPES = {
-    ".html": "text/html",
-    ".css": "text/css",
-    ".js": "text/javascript",
-    ".svg": "image/svg+xml",
-}
 
 SETTINGS = {
     "type": "settings",
@@ -164,13 +156,12 @@ class ScriptedServer:
 
     async def _file(self, request):
         name = request.match_info.get("name", "index.html")
-        text = (PAGE / name).read_text()
+        kind, data = page_files()[name]
         if name in self.changed:
-            old, new = self.changed[name]
-            assert old in text, f"{name} holds no {old!r}"
-            text = text.replace(old, new)
-        kind = TYPES[Path(name).suffix]
-        return web.Response(text=text, content_type=kind, headers=HEADERS, charset="utf-8")
+            old, new = (text.encode() for text in self.changed[name])
+            assert old in data, f"{name} holds no {old!r}"
+            data = data.replace(old, new)
+        return web.Response(body=data, content_type=kind, headers=HEADERS)
 
     async def _socket(self, request):
         socket = web.WebSocketResponse(max_msg_size=4096)
@@ -191,6 +182,14 @@ def noise(width, height, seed=0):
     pixels = np.random.default_rng(seed).integers(0, 256, (height, width, 4), np.uint8)
     pixels[..., 3] = 255
     return pixels
+
+
+def start(serve, open_page, *form, **options):
+    """Start a server and open its page; return both when the page has told its size."""
+    server = serve()
+    page = open_page(server.address, *form, **options)
+    until(page.page, lambda: server.of_type("resize"))
+    return server, page
 
 
 def until(page, condition):

@@ -1,7 +1,6 @@
 """The page for everybody: names, contrast, the keyboard, and less motion for who asks for it."""
 
-from .conftest import WIDE
-from .scripted_server import HELLO, NUMBERS, SETTINGS, noise, until
+from .scripted_server import HELLO, NUMBERS, SETTINGS, noise, start, until
 
 LEAST_CONTRAST = 4.5  # WCAG 2.2, level AA, for text of ordinary size
 
@@ -40,9 +39,8 @@ CONTRAST = """() => {
 
 def busy_page(serve, open_page, **options):
     """Open a page on which everything is shown at once."""
-    server = serve()
-    page = open_page(server.address, WIDE, **options)
-    asked = until(page.page, lambda: server.of_type("resize"))[-1]
+    server, page = start(serve, open_page, **options)
+    asked = server.of_type("resize")[-1]
     server.say(
         {
             **SETTINGS,

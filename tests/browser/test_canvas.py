@@ -5,19 +5,25 @@ import io
 import numpy as np
 from PIL import Image
 
-from .scripted_server import SETTINGS, noise, until
+from .scripted_server import SETTINGS, noise, start, until
 
 
-def size_asked(page, server):
+def size_asked(server):
     """Return width and height that the page asked for."""
-    asked = until(page.page, lambda: server.of_type("resize"))[-1]
+    asked = server.of_type("resize")[-1]
     return asked["width"], asked["height"]
 
 
+def png(pixels):
+    """Return the bytes of a picture as a PNG."""
+    data = io.BytesIO()
+    Image.fromarray(pixels[..., :3]).save(data, "png")
+    return data.getvalue()
+
+
 def test_a_picture_is_shown_pixel_for_pixel(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    width, height = size_asked(page, server)
+    server, page = start(serve, open_page)
+    width, height = size_asked(server)
     assert (width, height) == page.canvas_size() == (952, 800)
     sent = noise(width, height)
     server.picture(1, sent)
@@ -26,20 +32,16 @@ def test_a_picture_is_shown_pixel_for_pixel(serve, open_page):
 
 
 def test_a_png_is_shown_pixel_for_pixel(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    sent = noise(*size_asked(page, server), seed=1)
-    data = io.BytesIO()
-    Image.fromarray(sent[..., :3]).save(data, "png")
-    server.picture(1, sent, png=data.getvalue())
+    server, page = start(serve, open_page)
+    sent = noise(*size_asked(server), seed=1)
+    server.picture(1, sent, png=png(sent))
     page.stage(frame=1)
     np.testing.assert_array_equal(page.pixels(), sent)
 
 
 def test_a_coarse_picture_is_scaled_to_the_whole_canvas(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    width, height = size_asked(page, server)
+    server, page = start(serve, open_page)
+    width, height = size_asked(server)
     coarse = np.full((height // 4, width // 4, 4), 255, np.uint8)
     coarse[: height // 8, : width // 8, :3] = 0  # the corner at the upper left
     server.picture(1, coarse, refined=False)
@@ -50,9 +52,8 @@ def test_a_coarse_picture_is_scaled_to_the_whole_canvas(serve, open_page):
 
 
 def test_a_frame_older_than_the_last_one_is_dropped(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    size = size_asked(page, server)
+    server, page = start(serve, open_page)
+    size = size_asked(server)
     newer, older = noise(*size, seed=2), noise(*size, seed=3)
     server.picture(5, newer)
     server.picture(4, older)
@@ -61,12 +62,9 @@ def test_a_frame_older_than_the_last_one_is_dropped(serve, open_page):
 
 
 def test_a_png_that_is_overtaken_is_dropped(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    slow = noise(*size_asked(page, server), seed=4)
-    data = io.BytesIO()
-    Image.fromarray(slow[..., :3]).save(data, "png")
-    server.picture(1, slow, png=data.getvalue())
+    server, page = start(serve, open_page)
+    slow = noise(*size_asked(server), seed=4)
+    server.picture(1, slow, png=png(slow))
     server.picture(2, np.full((16, 16, 4), 255, np.uint8))  # drawn while the other is decoded
     until(page.page, lambda: len(server.of_type("shown")) == 2)
     assert [message["frame"] for message in server.of_type("shown")] == [2, 1]
@@ -74,9 +72,8 @@ def test_a_png_that_is_overtaken_is_dropped(serve, open_page):
 
 
 def test_every_frame_is_acknowledged_once(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    size = size_asked(page, server)
+    server, page = start(serve, open_page)
+    size = size_asked(server)
     for frame in (1, 2, 3):
         server.picture(frame, noise(*size, seed=frame))
     until(page.page, lambda: len(server.of_type("shown")) >= 3)
@@ -85,9 +82,8 @@ def test_every_frame_is_acknowledged_once(serve, open_page):
 
 
 def test_a_damaged_picture_is_one_line_and_is_acknowledged(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    size = size_asked(page, server)
+    server, page = start(serve, open_page)
+    size = size_asked(server)
     server.picture(1, noise(*size), png=b"no PNG")
     until(page.page, lambda: server.of_type("shown"))
     page.page.wait_for_selector("#toast:not([hidden])")
@@ -95,9 +91,7 @@ def test_a_damaged_picture_is_one_line_and_is_acknowledged(serve, open_page):
 
 
 def test_a_message_of_another_protocol_is_one_line(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    size_asked(page, server)
+    server, page = start(serve, open_page)
     for data in (b"", b"short", bytes(32), b"0PSL" + bytes(40)):
         server.raw(data)
         page.page.wait_for_selector("#toast:not([hidden])")
@@ -106,9 +100,8 @@ def test_a_message_of_another_protocol_is_one_line(serve, open_page):
 
 
 def test_the_second_picture_of_a_split_begins_at_the_seam(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    width, height = size_asked(page, server)
+    server, page = start(serve, open_page)
+    width, height = size_asked(server)
     left, right = noise(width, height, seed=6), noise(width, height, seed=7)
     server.say({**SETTINGS, "split": {"left": "paper", "right": "reference"}})
     server.picture(1, left)
@@ -136,11 +129,10 @@ def test_the_second_picture_of_a_split_begins_at_the_seam(serve, open_page):
 
 
 def test_another_size_of_the_window_is_another_size_of_the_picture(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    server.picture(1, noise(*size_asked(page, server)))
+    server, page = start(serve, open_page)
+    server.picture(1, noise(*size_asked(server)))
     page.stage(frame=1)
     page.page.set_viewport_size({"width": 1000, "height": 600})
-    until(page.page, lambda: size_asked(page, server) == (672, 600))
+    until(page.page, lambda: size_asked(server) == (672, 600))
     assert page.canvas_size() == (672, 600)
     assert page.pixels()[..., 3].min() == 255  # the old picture stands until there is a new one

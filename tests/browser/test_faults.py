@@ -4,6 +4,8 @@ import functools
 
 import pytest
 
+from splatline.view.server.pages import page_files
+
 from . import (
     scripted_server,
     test_accessible,
@@ -16,13 +18,13 @@ from . import (
 # Name of the fault: file, text, other text, and the test that must fail (with its parameters).
 FAULTS = {
     "a stale frame is drawn": (
-        "canvas.js",
+        "picture.js",
         "first ? header.frame <= this.last :",
         "first ? false :",
         test_canvas.test_a_frame_older_than_the_last_one_is_dropped,
     ),
     "an overtaken PNG is drawn": (
-        "canvas.js",
+        "picture.js",
         "if (header.frame !== this.last) return false; // a newer",
         "// a newer",
         test_canvas.test_a_png_that_is_overtaken_is_dropped,
@@ -58,56 +60,56 @@ FAULTS = {
         test_canvas.test_a_frame_older_than_the_last_one_is_dropped,
     ),
     "the seam shows the pictures on each other's side": (
-        "canvas.js",
+        "picture.js",
         "this.context.rect(from, 0, width - from, height)",
         "this.context.rect(0, 0, from, height)",
         test_canvas.test_the_second_picture_of_a_split_begins_at_the_seam,
     ),
     "the second picture of an old frame stays": (
-        "canvas.js",
+        "picture.js",
         "second.frame !== first.frame || ",
         "",
         test_canvas.test_the_second_picture_of_a_split_begins_at_the_seam,
     ),
     "the density of the display is forgotten in a drag": (
-        "canvas.js",
+        "gestures.js",
         "dx * scale, dy * scale",
         "dx, dy",
         test_gestures.test_a_drag_is_told_in_pixels_of_the_picture,
     ),
     "the first pixels of a drag are lost": (
-        "canvas.js",
+        "gestures.js",
         "if (this.travel <= SLACK) return;",
         "if (this.travel <= SLACK) return void this.pointers.set(event.pointerId, now);",
         test_gestures.test_a_drag_is_told_in_pixels_of_the_picture,
     ),
     "the right button turns": (
-        "canvas.js",
+        "gestures.js",
         "event.shiftKey || event.button > 0",
         "event.shiftKey",
         test_gestures.test_a_drag_turns_or_pans_by_its_length,
         {"button": "right", "key": None, "kind": "pan"},
     ),
     "the wheel zooms the wrong way": (
-        "canvas.js",
+        "gestures.js",
         "Math.exp(pixels * rate)",
         "Math.exp(-pixels * rate)",
         test_gestures.test_the_wheel_zooms_about_the_cursor,
     ),
     "the end of a drag is not told": (
-        "canvas.js",
+        "gestures.js",
         "if (this.moving) this.#endMotion();",
         "",
         test_gestures.test_a_drag_that_leaves_the_window_ends_when_the_button_is_released,
     ),
     "a pinch zooms the wrong way": (
-        "canvas.js",
+        "gestures.js",
         "this.#zoom(ratio,",
         "this.#zoom(1 / ratio,",
         test_gestures.test_two_fingers_pan_and_pinch,
     ),
     "the finger that stays turns": (
-        "canvas.js",
+        "gestures.js",
         'this.mode = "none";',
         "",
         test_gestures.test_the_finger_that_stays_after_a_pinch_does_nothing,
@@ -199,6 +201,7 @@ def test_a_fault_is_found(fault, serve, open_page, monkeypatch):
     from playwright.sync_api import Error
 
     file, text, other, check, *parameters = FAULTS[fault]
+    assert page_files()[file].data.decode().count(text) == 1
     monkeypatch.setattr(scripted_server, "PATIENCE", 1.5)
     pages = []
 

@@ -3,7 +3,7 @@
 import pytest
 
 from .conftest import NARROW, WIDE
-from .scripted_server import HELLO, SETTINGS, until
+from .scripted_server import HELLO, SETTINGS, start, until
 
 MIDDLE = (476, 400)
 MOVES = ("turn", "pan", "zoom", "look", "orbit", "reset", "set", "save")
@@ -17,10 +17,6 @@ LIFT = """() => {
     const values = {pointerId: fingers[1], clientX: 270, clientY: 300, bubbles: true};
     document.querySelector("canvas").dispatchEvent(new PointerEvent("pointerup", values));
 }"""
-
-
-def ready(server, page):
-    until(page.page, lambda: server.of_type("resize"))
 
 
 def total(messages, *names):
@@ -38,9 +34,7 @@ def total(messages, *names):
     ],
 )
 def test_a_drag_turns_or_pans_by_its_length(serve, open_page, button, key, kind):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    server, page = start(serve, open_page)
     if key:
         page.page.keyboard.down(key)
     page.drag(MIDDLE, (536, 370), button=button)
@@ -56,9 +50,7 @@ def test_a_drag_turns_or_pans_by_its_length(serve, open_page, button, key, kind)
 
 
 def test_a_drag_is_told_in_pixels_of_the_picture(serve, open_page):
-    server = serve()
-    page = open_page(server.address, {**WIDE, "device_scale_factor": 2})
-    ready(server, page)
+    server, page = start(serve, open_page, {**WIDE, "device_scale_factor": 2})
     assert server.of_type("resize")[-1] == {"type": "resize", "width": 1904, "height": 1600}
     page.drag(MIDDLE, (486, 405))
     until(page.page, lambda: server.of_type("moving")[1:])
@@ -66,9 +58,7 @@ def test_a_drag_is_told_in_pixels_of_the_picture(serve, open_page):
 
 
 def test_a_drag_that_leaves_the_window_ends_when_the_button_is_released(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    server, page = start(serve, open_page)
     page.drag(MIDDLE, (1270, 10))
     until(page.page, lambda: server.of_type("moving")[1:])
     assert total(server.of_type("turn"), "dx", "dy") == (794, -390)
@@ -78,9 +68,7 @@ def test_a_drag_that_leaves_the_window_ends_when_the_button_is_released(serve, o
 
 
 def test_the_wheel_zooms_about_the_cursor(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    server, page = start(serve, open_page)
     page.page.mouse.move(200, 300)
     page.page.mouse.wheel(0, -100)
     nearer = until(page.page, lambda: server.of_type("zoom"))[0]
@@ -95,9 +83,7 @@ def test_the_wheel_zooms_about_the_cursor(serve, open_page):
 
 
 def test_a_double_click_looks_at_a_point(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    server, page = start(serve, open_page)
     page.page.mouse.dblclick(321, 123)
     assert until(page.page, lambda: server.of_type("look")) == [
         {"type": "look", "x": 321, "y": 123}
@@ -112,9 +98,7 @@ def test_a_double_click_looks_at_a_point(serve, open_page):
 
 
 def test_keys(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    server, page = start(serve, open_page)
     expected = {
         "r": {"type": "reset"},
         "1": {"type": "orbit", "azimuth": 0, "elevation": 0},
@@ -136,9 +120,7 @@ def test_keys(serve, open_page):
 
 
 def test_arrow_keys_turn_and_pan_and_signs_zoom(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    server, page = start(serve, open_page)
     for key in ("ArrowLeft", "ArrowDown", "Shift+ArrowUp", "+", "-"):
         page.page.keyboard.press(key)
         page.page.wait_for_timeout(30)
@@ -152,7 +134,7 @@ def test_arrow_keys_turn_and_pan_and_signs_zoom(serve, open_page):
 def test_keys_belong_to_the_control_that_has_the_focus(serve, open_page):
     server = serve(greeting=(HELLO, {**SETTINGS, "preset": "paper"}))
     page = open_page(server.address)
-    ready(server, page)
+    until(page.page, lambda: server.of_type("resize"))
     page.page.focus("#preset")
     page.page.keyboard.press("r")  # chooses `rgb24`, and does not reset the view
     page.page.focus("#samples input")
@@ -163,9 +145,7 @@ def test_keys_belong_to_the_control_that_has_the_focus(serve, open_page):
 
 
 def test_help_opens_by_key_and_closes(serve, open_page, screenshot):
-    server = serve()
-    page = open_page(server.address)
-    ready(server, page)
+    _, page = start(serve, open_page)
     page.page.keyboard.press("?")
     page.page.wait_for_selector("#help[open]")
     screenshot(page, "help")
@@ -177,9 +157,7 @@ def test_help_opens_by_key_and_closes(serve, open_page, screenshot):
 
 
 def test_a_finger_turns(serve, open_page):
-    server = serve()
-    page = open_page(server.address, NARROW)
-    ready(server, page)
+    server, page = start(serve, open_page, NARROW)
     page.touch("touchStart", (100, 200))
     for x in range(110, 151, 10):
         page.touch("touchMove", (x, 210))
@@ -192,9 +170,7 @@ def test_a_finger_turns(serve, open_page):
 
 
 def test_two_fingers_pan_and_pinch(serve, open_page):
-    server = serve()
-    page = open_page(server.address, NARROW)
-    ready(server, page)
+    server, page = start(serve, open_page, NARROW)
     page.touch("touchStart", (150, 300), (250, 300))
     for step in range(1, 11):  # the middle goes down by 50, and the distance doubles
         page.touch("touchMove", (150 - 5 * step, 300 + 5 * step), (250 + 5 * step, 300 + 5 * step))
@@ -211,9 +187,7 @@ def test_two_fingers_pan_and_pinch(serve, open_page):
 
 
 def test_the_finger_that_stays_after_a_pinch_does_nothing(serve, open_page):
-    server = serve()
-    page = open_page(server.address, NARROW)
-    ready(server, page)
+    server, page = start(serve, open_page, NARROW)
     page.page.evaluate(NOTE_FINGERS)
     page.touch("touchStart", (150, 300), (250, 300))
     page.touch("touchMove", (140, 300), (260, 300))
@@ -228,9 +202,7 @@ def test_the_finger_that_stays_after_a_pinch_does_nothing(serve, open_page):
 
 
 def test_a_double_tap_looks_at_a_point(serve, open_page):
-    server = serve()
-    page = open_page(server.address, NARROW)
-    ready(server, page)
+    server, page = start(serve, open_page, NARROW)
     for _ in range(2):
         page.touch("touchStart", (120, 220))
         page.touch("touchEnd")

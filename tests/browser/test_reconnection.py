@@ -1,12 +1,10 @@
 """A server that dies and comes back."""
 
-from .scripted_server import HELLO, SETTINGS, ScriptedServer, noise, until
+from .scripted_server import HELLO, SETTINGS, ScriptedServer, noise, start, until
 
 
 def test_the_page_connects_again_and_restores_its_settings(serve, open_page, screenshot):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     server.say({**SETTINGS, "lights": "front", "samples": 4})
     server.picture(7, noise(952, 800, seed=1))
     page.stage(frame=7)
@@ -34,9 +32,7 @@ def test_the_page_connects_again_and_restores_its_settings(serve, open_page, scr
 
 
 def test_another_cloud_begins_with_its_own_settings(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     server.close()
     page.page.wait_for_selector("#link:not([hidden])")
     again = serve(server.port, ({**HELLO, "name": "another"}, SETTINGS))
@@ -58,9 +54,7 @@ def test_attempts_become_rarer(serve, open_page):
 
 
 def test_what_is_done_meanwhile_is_no_error(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     server.close()
     page.page.wait_for_selector("#link:not([hidden])")
     page.drag((300, 300), (500, 500))

@@ -3,7 +3,7 @@
 import pytest
 
 from .conftest import NARROW, WIDE
-from .scripted_server import HELLO, NUMBERS, SETTINGS, noise, until
+from .scripted_server import HELLO, NUMBERS, SETTINGS, noise, start, until
 
 NO_VALUE = "\N{EN DASH}"
 
@@ -40,9 +40,7 @@ def test_an_error_before_there_is_a_cloud_stays_in_the_middle(serve, open_page):
 
 
 def test_a_later_error_is_a_line_that_can_be_closed(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     server.say({"type": "progress", "text": "Reading", "share": 0.5})
     server.say({"type": "error", "text": "no field <b>x</b>"})
     page.page.wait_for_selector("#toast:not([hidden])")
@@ -53,9 +51,7 @@ def test_a_later_error_is_a_line_that_can_be_closed(serve, open_page):
 
 
 def test_figures_in_hardware(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     server.say(NUMBERS)
     page.page.wait_for_selector("#fps:text('441')")
     pairs = page.page.locator("#figures > div").all_inner_texts()
@@ -91,9 +87,7 @@ def test_figures_in_hardware(serve, open_page):
 
 
 def test_nothing_in_view_is_said_until_something_is(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     server.say({**NUMBERS, "elements": 0, "left_out": {}, "cycles_per_element": None})
     page.page.wait_for_selector("#centre[data-state='empty']")
     assert page.text("#fps") == NO_VALUE
@@ -125,9 +119,7 @@ def test_nothing_in_view_is_said_until_something_is(serve, open_page):
     ],
 )
 def test_a_control_sets_its_setting(serve, open_page, act, name, value):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     act(page.page)
     until(page.page, lambda: server.of_type("set"))
     assert server.of_type("set") == [{"type": "set", "name": name, "value": value}]
@@ -180,9 +172,7 @@ def test_controls_show_what_holds_when_colours_are_offered_anew(serve, open_page
 
 
 def test_a_file_is_saved_under_its_name(serve, open_page):
-    server = serve()
-    page = open_page(server.address)
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page)
     with page.page.expect_download() as waiting:
         page.page.click("#save-words")
         until(page.page, lambda: server.of_type("save"))
@@ -206,9 +196,8 @@ def test_a_command_is_shown_where_the_clipboard_is_kept_from_the_page(serve, ope
 
 
 def test_a_narrow_window_has_a_sheet_and_scrolls_in_no_direction(serve, open_page, screenshot):
-    server = serve()
-    page = open_page(server.address, NARROW)
-    asked = until(page.page, lambda: server.of_type("resize"))[-1]
+    server, page = start(serve, open_page, NARROW)
+    asked = server.of_type("resize")[-1]
     assert (asked["width"], asked["height"]) == (780, 1520)
     server.say(NUMBERS)
     server.picture(1, noise(780, 1520))
@@ -228,9 +217,7 @@ def test_a_narrow_window_has_a_sheet_and_scrolls_in_no_direction(serve, open_pag
 
 @pytest.mark.parametrize("width", [320, 390, 760, 761, 1280])
 def test_nothing_reaches_out_of_the_window(serve, open_page, width):
-    server = serve()
-    page = open_page(server.address, {**WIDE, "viewport": {"width": width, "height": 800}})
-    until(page.page, lambda: server.of_type("resize"))
+    server, page = start(serve, open_page, {**WIDE, "viewport": {"width": width, "height": 800}})
     server.say({**SETTINGS, "split": {"left": "paper", "right": "reference"}})
     server.say({**NUMBERS, "psnr": 30.0})
     server.say({"type": "error", "text": "a long line " * 20})

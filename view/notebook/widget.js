@@ -1,4 +1,4 @@
-// The widget's part in the browser; it follows canvas.js in one module.
+// The widget's part in the browser; it follows modules of the page in one module: see widget.py.
 
 /** Show a view: a canvas, and below it what its picture takes in hardware. */
 function render({ model, el }) {
@@ -19,7 +19,7 @@ function render({ model, el }) {
     settings: (message) => canvas.settings(message),
     numbers: (message) => { line.textContent = numbersLine(message); },
     error: (message) => { line.textContent = message.text; },
-    file: (message, buffers) => saveFile(message, buffers[0]),
+    file: ({ name, mime }, buffers) => download(name, mime, buffers[0]),
   };
   const receive = (message, buffers) => answers[message.type]?.(message, buffers);
   model.on("msg:custom", receive);
@@ -35,15 +35,6 @@ function numbersLine({ codewords, cycles, fps, clock_mhz }) {
   const count = (value) => Math.round(value).toLocaleString("en");
   const rate = fps ? ` \u00b7 ${count(fps)} frames a second at ${count(clock_mhz)} MHz` : "";
   return `${count(codewords)} code words \u00b7 ${count(cycles)} cycles${rate}`;
-}
-
-/** Save a file as the browser saves downloads. */
-function saveFile({ name, mime }, data) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([data], { type: mime }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
 export default { render };

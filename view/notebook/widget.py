@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import re
+from collections.abc import Sequence
 from importlib import resources
 from typing import Any
 
@@ -13,24 +15,35 @@ import traitlets
 from splatline.contract.errors import InputError
 from splatline.view.draw import draw
 from splatline.view.events import check_event
-from splatline.view.outputs import Output, SavedFile
+from splatline.view.hex_colour import hex_colour
+from splatline.view.outputs import Output, SavedFile, error_message
 from splatline.view.outputs import Picture as Frame
 from splatline.view.picture import Picture
 from splatline.view.server.png import png_bytes
+from splatline.view.server.protocol import PICTURE, PNG, SECOND
 from splatline.view.session import Session
+from splatline.view.unshown import Unshown
 
 __all__ = ["CloudView"]
 
-VIEW = resources.files("splatline.view")
-
-MOST_UNSHOWN = 2
-"""Frames that may be under way or waiting in the browser."""
+MODULES = (
+    "page/gestures.js",
+    "page/picture.js",
+    "page/canvas.js",
+    "page/download.js",
+    "notebook/widget.js",
+)
+"""The widget's module, after those of the page that it needs."""
 
 BREATH = 0.01
 """Seconds between two pictures in which the kernel takes messages, so that the latest counts."""
 
-PNG = 1
-"""Encoding of a picture, as in the live view's protocol."""
+
+def _joined(modules: Sequence[str]) -> str:
+    """Return some modules as one: what they import of each other is in it."""
+    folder = resources.files("splatline.view")
+    texts = (folder.joinpath(name).read_text(encoding="utf-8") for name in modules)
+    return re.sub("^import .*;\n", "", "\n".join(texts), flags=re.MULTILINE)
 
 
 class CloudView(anywidget.AnyWidget):
@@ -51,10 +64,7 @@ class CloudView(anywidget.AnyWidget):
         Width and height in pixels of the page.
     """
 
-    _esm = "\n".join(
-        VIEW.joinpath(*place).read_text(encoding="utf-8")
-        for place in (("page", "canvas.js"), ("notebook", "widget.js"))
-    )
+    _esm = _joined(MODULES)
     width = traitlets.Int(512).tag(sync=True)
     height = traitlets.Int(512).tag(sync=True)
     background = traitlets.Unicode("#171a1f").tag(sync=True)
@@ -62,15 +72,14 @@ class CloudView(anywidget.AnyWidget):
     def __init__(self, session: Session, size: tuple[int, int]) -> None:
         self._session = session
         self._size = size
-        self._sent = self._shown = 0
+        self._unshown = Unshown()
         self._last: list[Frame] = []
         self._timer: asyncio.TimerHandle | None = None
         try:
             self._loop: asyncio.AbstractEventLoop | None = asyncio.get_running_loop()
         except RuntimeError:
             self._loop = None
-        levels = session.choices.settings.background
-        colour = "#" + "".join(f"{round(255.0 * level):02x}" for level in levels)
+        colour = hex_colour(session.choices.settings.background)
         super().__init__(width=size[0], height=size[1], background=colour)
         self.on_msg(self._receive)
 
@@ -109,10 +118,10 @@ class CloudView(anywidget.AnyWidget):
             try:
                 event = check_event(message)
             except InputError as error:
-                self.send({"type": "error", "text": " ".join(str(error).split())})
+                self.send(error_message(error))
                 return
             if event.kind == "shown":
-                self._shown = max(self._shown, min(event.values["frame"], self._sent))
+                self._unshown.note_shown(event.values["frame"])
             else:
                 self._session.queue(event)
         self._wake(0.0)
@@ -141,16 +150,14 @@ class CloudView(anywidget.AnyWidget):
 
     def work(self) -> float | None:
         """Apply all events and draw what is due; return the seconds until there is more to do."""
-        may_draw = self._sent - self._shown < MOST_UNSHOWN
-        for output in self._session.work(may_draw=may_draw):
+        for output in self._session.work(may_draw=self._unshown.are_few):
             self._answer(output)
-        may_draw = self._sent - self._shown < MOST_UNSHOWN
-        return self._session.due() if may_draw or self._session.waiting else None
+        return self._session.due(may_draw=self._unshown.are_few)
 
     def _answer(self, output: Output) -> None:
         """Send an output of the session."""
         if isinstance(output, Frame):
-            self._sent = max(self._sent, output.frame)
+            self._unshown.note_sent(output.frame)
             self._last = [*self._last, output] if output.second else [output]
             self._send_frame(output)
         elif isinstance(output, SavedFile):
@@ -164,7 +171,7 @@ class CloudView(anywidget.AnyWidget):
         height, width = frame.rgba.shape[:2]
         header = {
             "type": "picture",
-            "kind": 2 if frame.second else 1,
+            "kind": SECOND if frame.second else PICTURE,
             "frame": frame.frame,
             "width": width,
             "height": height,

@@ -1,6 +1,7 @@
 // The page: what the server says goes to the canvas, the panel and the figures, and back.
 
 import { attachCanvas, DIRECTIONS } from "./canvas.js";
+import { byId } from "./dom.js";
 import { count } from "./format.js";
 import { showNotes, showNumbers } from "./numbers.js";
 import { bindOverlay, hideCard, showEmpty, showError, showFailure, showLink, showProgress } from "./overlay.js";
@@ -10,7 +11,6 @@ import { bindSheet } from "./sheet.js";
 import { keepConnected, socketAddress } from "./socket.js";
 import { bindSeam } from "./split.js";
 
-const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const RESTORED = ["preset", "quality", "samples", "lights", "background", "colour", "show", "split"];
 
 /** @type {any} */
@@ -94,7 +94,7 @@ const link = keepConnected(socketAddress(), {
 });
 
 /** Note what the canvas shows. */
-function drawn(/** @type {import("./canvas.js").Header} */ header) {
+function drawn(/** @type {import("./picture.js").Header} */ header) {
   hideCard("loading");
   const stage = byId("stage").dataset;
   stage.frame = String(header.frame);

@@ -1,5 +1,6 @@
 // What the picture means in hardware: the words, the cycles, and what the engine takes.
 
+import { byId } from "./dom.js";
 import { count, measure, milliseconds } from "./format.js";
 
 /** Words for the reasons to leave points out; other reasons are shown as they come. */
@@ -11,8 +12,6 @@ const REASONS = {
   hidden: "wholly hidden",
   too_far: "far from the rest",
 };
-
-const byId = (/** @type {string} */ id) => document.getElementById(id);
 
 /**
  * Show the figures of a refined frame.

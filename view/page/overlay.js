@@ -1,6 +1,7 @@
 // What lies over the picture: loading, nothing in view, errors, and a lost connection.
 
-const byId = (/** @type {string} */ id) => document.getElementById(id);
+import { byId } from "./dom.js";
+
 const TOAST = 8000; // ms for which an error stays
 let leaving = 0;
 
@@ -11,7 +12,7 @@ let leaving = 0;
  * @param {number | null} share  0..1; null: unknown
  */
 export function showProgress(text, share) {
-  const bar = /** @type {HTMLProgressElement} */ (byId("progress"));
+  const bar = byId("progress");
   card("loading", text);
   bar.hidden = false;
   if (share === null) bar.removeAttribute("value");
@@ -31,10 +32,10 @@ export function showFailure(/** @type {string} */ text) {
   card("error", text);
 }
 
-/** Take the card in the middle away; given a state, only if it is in that state. */
-export function hideCard(/** @type {string} */ state = "") {
+/** Take the card in the middle away if it is in a state. */
+export function hideCard(/** @type {string} */ state) {
   const centre = byId("centre");
-  if (!state || centre.dataset.state === state) {
+  if (centre.dataset.state === state) {
     centre.hidden = true;
     centre.dataset.state = "";
   }

@@ -1,6 +1,6 @@
 // The settings: what the server offers becomes controls; a change is sent, and what holds is shown.
 
-const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+import { byId } from "./dom.js";
 
 const PATIENCE = 3000; // ms for which a control shows what was asked for before it is told
 const SIDES = [

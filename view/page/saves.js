@@ -1,6 +1,7 @@
 // Files that the server sends, and the command line of the picture.
 
-const byId = (/** @type {string} */ id) => document.getElementById(id);
+import { byId } from "./dom.js";
+import { download } from "./download.js";
 
 /**
  * Bind the buttons that save.
@@ -20,11 +21,7 @@ export function bindSaves(send) {
       expected = file;
     },
     file(payload) {
-      const link = document.createElement("a");
-      link.href = URL.createObjectURL(new Blob([payload], { type: expected.mime }));
-      link.download = expected.name;
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+      download(expected.name, expected.mime, payload);
     },
     async command(text) {
       const shown = byId("command");

@@ -4,7 +4,7 @@ const MAGIC = 0x4c505330;
 const HEADER = 32; // bytes before a payload
 const WAITS = [250, 500, 1000, 2000, 4000]; // ms before each new attempt; the last one again and again
 
-/** @typedef {import("./canvas.js").Header} Header */
+/** @typedef {import("./picture.js").Header} Header */
 /** @typedef {object} Handlers
  * @property {() => void} opened  a connection stands; the server begins a new session
  * @property {(attempts: number) => void} closed  it ended, or could not be had that many times

@@ -40,7 +40,7 @@ class Page:
             if found and found[-1][0]["refined"]:
                 return found[-1]
             time.sleep(0.05)
-            self.send({"type": "shown", "frame": self.widget._sent})
+            self.send({"type": "shown", "frame": self.widget._unshown.sent})
         raise AssertionError("no refined picture")
 
     def pictures(self):
@@ -108,9 +108,10 @@ def test_no_more_than_two_frames_are_under_way(view):
     page.send({"type": "hello"})
     turn = {"type": "turn", "dx": 1, "dy": 0}
     page.send(*[turn] * 10)
-    assert view._sent - view._shown == 2
+    assert not view._unshown.are_few
+    assert view._unshown.sent == 2
     assert page.send(turn) == [] or page.pictures() == []
-    page.send({"type": "shown", "frame": view._sent})
+    page.send({"type": "shown", "frame": view._unshown.sent})
     assert page.pictures()
 
 
