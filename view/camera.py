@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,24 +15,13 @@ from splatline.host.cloud.upward import upward_of
 from splatline.host.visibility.look_at import look_at
 from splatline.host.visibility.view import View, fit_view, focal_length, orbit_axes
 
-__all__ = ["Camera", "Eye", "fit_camera"]
+__all__ = ["Camera", "fit_camera"]
 
 MOST_ELEVATION = 90.0
 """Degrees; the eye does not turn over the top."""
 
 DIGITS = 6
 """Digits of a target's coordinates behind the first one of the distance."""
-
-
-class Eye(Protocol):
-    """Whatever knows what it sees of a cloud."""
-
-    def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
-        """Return what is seen of a cloud, on an image of a size in pixels."""
-
-    @property
-    def upward(self) -> str | None:
-        """The axis up if the eye looks down or is level; else None."""
 
 
 @dataclass(frozen=True)

@@ -19,19 +19,18 @@ from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.picture_tiles.frames import TiledPicture, tile_picture
 from splatline.host.pipeline import make_frames, total_counts
 from splatline.host.shading.light_sets import DEFAULT_LIGHTS, LIGHTS
+from splatline.host.visibility.block_index import Index
 from splatline.host.visibility.skips import DEFAULT_SKIPS
 from splatline.host.visibility.view import View
+from splatline.plots.figure import BACKGROUND, depth_levels
 from splatline.sim.golden.multisample import average
 from splatline.sim.golden.renderer import render
 
-from .camera import Eye
+from .camera import Camera
 from .live_cloud import LiveCloud
-from .pixels import rgba_bytes
+from .pixels import opaque, rgba_bytes
 
-__all__ = ["BACKGROUND", "Drawing", "Settings", "draw"]
-
-BACKGROUND = (23 / 255, 26 / 255, 31 / 255)
-"""RGB of the background, that of ``splatline render``."""
+__all__ = ["Drawing", "Settings", "draw", "draw_view"]
 
 
 @dataclass(frozen=True)
@@ -97,14 +96,8 @@ class Drawing:
 
         A grey is the upper byte of the level in the picture of ``splatline render --depth``.
         """
-        drawn = average(self.rasters)
-        background = drawn.config.background_depth
-        nearness = background - np.arange(background + 1.0)
-        greys = (np.rint(nearness * (65535.0 / background)).astype(np.uint32) >> 8).astype(np.uint8)
-        depth = drawn.depth
-        rgba = np.full((*depth.shape, 4), 255, np.uint8)
-        rgba[..., :3] = greys[depth][..., np.newaxis]
-        return rgba
+        levels = depth_levels(average(self.rasters))
+        return opaque((levels >> 8)[..., np.newaxis])
 
     def depth_at(self, column: int, line: int) -> float | None:
         """Return the distance along the view at a pixel, in the cloud's unit; None: background.
@@ -127,8 +120,20 @@ class Drawing:
 
 def draw(
     live: LiveCloud,
-    camera: Eye,
+    camera: Camera,
     size: tuple[int, int],
+    settings: Settings | None = None,
+    *,
+    check: Callable[[], None] = lambda: None,
+) -> Drawing:
+    """Draw what a camera sees on an image of a size in pixels; see :func:`draw_view`."""
+    return draw_view(live, camera.view(live.cloud, size), camera.upward, settings, check=check)
+
+
+def draw_view(
+    live: LiveCloud,
+    view: View,
+    upward: str | None,
     settings: Settings | None = None,
     *,
     check: Callable[[], None] = lambda: None,
@@ -139,11 +144,11 @@ def draw(
     ----------
     live
         The cloud.
-    camera
-        Where it is seen from.
-    size
-        Width and height of the image in pixels. An image that is larger than the engine's is drawn
-        in tiles, without seams.
+    view
+        What is seen of it. An image that is larger than the engine's is drawn in tiles, without
+        seams.
+    upward
+        The axis up if the view looks down or is level; else None.
     settings
         How it is drawn; None: as by default.
     check
@@ -155,42 +160,32 @@ def draw(
         If an option has no such value, or does not go with another.
     """
     settings = settings or Settings()
-    drawing = _draw(live, camera, size, settings, check)
+    index = live.index(settings.preset, upward)
+    drawing = _draw(index, view, settings, check)
     if drawing.counts["elements"] or not drawing.counts["culled"].get("no_pixel"):
         return drawing
     # As ``make_frames``: a picture of one pixel a point is better than an empty one.
     skips = settings.skips - {"no_pixel"}
-    return _draw(live, camera, size, replace(settings, skips=skips), check)
+    return _draw(index, view, replace(settings, skips=skips), check)
 
 
-def _draw(
-    live: LiveCloud,
-    camera: Eye,
-    size: tuple[int, int],
-    settings: Settings,
-    check: Callable[[], None],
-) -> Drawing:
-    """Draw a picture with the skips as they are; see :func:`draw`."""
+def _draw(index: Index, view: View, settings: Settings, check: Callable[[], None]) -> Drawing:
+    """Draw a picture with the skips as they are; see :func:`draw_view`."""
     config = settings.preset
-    view = camera.view(live.cloud, size)
-    cloud = live.index(config, camera.upward)
     options: dict[str, Any] = {
         "lighting": LIGHTS[settings.lights],
         "config": config,
         "quality": settings.quality,
         "skips": settings.skips,
         "may_be_empty": True,
+        "progress": lambda share: check(),
     }
-    if size[0] > config.max_width or size[1] > config.max_height:
-        picture = tile_picture(
-            cloud, view, settings.samples, progress=lambda share: check(), **options
-        )
+    if view.width > config.max_width or view.height > config.max_height:
+        picture = tile_picture(index, view, settings.samples, **options)
         frames, rasters, seconds = _draw_tiles(picture, settings.samples, check)
         counts = {**picture.counts, "samples": settings.samples}
     else:
-        frames = make_frames(
-            cloud, view, settings.samples, progress=lambda share: check(), **options
-        )
+        frames = make_frames(index, view, settings.samples, **options)
         start = time.perf_counter()
         rasters, counts = [render(frame) for frame in frames], total_counts(frames)
         seconds = time.perf_counter() - start
@@ -206,14 +201,15 @@ def _draw_tiles(
     frames: list[Frame] = []
     seconds = 0.0
     for row in picture.rows():
-        for tile, own in ((one.tile, one.frames) for one in row):
+        for own in row:
             check()
+            tile = own.tile
             columns, lines = tile.guard
             part = (
                 slice(tile.origin_y + lines, tile.bottom),
                 slice(tile.origin_x + columns, tile.right),
             )
-            for frame, raster in zip(own, rasters, strict=True):
+            for frame, raster in zip(own.frames, rasters, strict=True):
                 if frame is None:
                     continue
                 frames.append(frame)

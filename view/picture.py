@@ -12,15 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
-from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.upward import upward_of
 from splatline.host.files.atomic_write import atomic_write
 from splatline.host.files.wanted import ColourBy
-from splatline.host.visibility.view import View, fit_view
+from splatline.host.visibility.view import fit_view
 from splatline.plots.figure import png_bytes
 
 from .camera import Camera
-from .draw import Drawing, draw
+from .draw import Drawing, draw, draw_view
 from .prepared import Drawable, prepare
 from .settings_of import settings_of
 
@@ -123,24 +122,9 @@ def render(
     live = prepared.live
     if camera is None:
         options = prepared.camera(orbit=orbit, fov=fov, up=up, zoom=zoom)
-        return Picture(draw(live, _Fitted(live.discs.radii, options), size, chosen))
+        view = fit_view(live.cloud, size=size, radii=live.discs.radii, **options)
+        upward = upward_of(options["orbit"], options["up"])
+        return Picture(draw_view(live, view, upward, chosen))
     if any(option is not None for option in (orbit, fov, up, zoom)):
         raise InputError("give a camera, or orbit, fov, up and zoom, not both")
     return Picture(draw(live, camera, size, chosen))
-
-
-@dataclasses.dataclass(frozen=True)
-class _Fitted:
-    """A camera that sees the whole of a cloud: options of ``fit_view``."""
-
-    radii: npt.NDArray[np.float64]
-    options: dict[str, Any]
-
-    @property
-    def upward(self) -> str | None:
-        """The axis up if the view looks down or is level; else None."""
-        return upward_of(self.options["orbit"], self.options["up"])
-
-    def view(self, cloud: Cloud, size: tuple[int, int]) -> View:
-        """Return the fitted view."""
-        return fit_view(cloud, size=size, radii=self.radii, **self.options)

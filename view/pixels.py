@@ -1,8 +1,9 @@
-"""A raster's pixels as bytes: what a PNG of the same picture holds, made fast."""
+"""Pixels as bytes of red, green, blue and alpha."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numba as nb
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from splatline.contract.raster import Raster
 
-__all__ = ["rgba_bytes"]
+__all__ = ["opaque", "rgba_bytes"]
 
 
 def rgba_bytes(
@@ -43,6 +44,13 @@ def rgba_bytes(
         step = number, len(rasters)
         _add(raster.depth, raster.colour, empty, channels, clear, step, total, out)
     return out
+
+
+def opaque(levels: npt.NDArray[np.integer[Any]]) -> npt.NDArray[np.uint8]:
+    """Return levels of 0 to 255, shape (height, width, 3 or 1), with an alpha of 255."""
+    rgba = np.full((*levels.shape[:2], 4), 255, np.uint8)
+    rgba[..., :3] = levels
+    return rgba
 
 
 @nb.njit(parallel=True, cache=True, error_model="numpy")

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from splatline.contract.presets import PAPER
 from splatline.host.shading.light_sets import LIGHTS
+from splatline.plots.figure import rgb_levels
 from splatline.sim.golden.multisample import average
 from splatline.sim.reference import reference
 from splatline.sim.reference.metrics import psnr
@@ -17,6 +18,7 @@ from splatline.sim.reference.metrics import psnr
 from .camera import Camera
 from .draw import Drawing, Settings, draw
 from .live_cloud import LiveCloud
+from .pixels import opaque
 
 __all__ = ["Exact", "draw_exact", "draw_paper"]
 
@@ -36,15 +38,14 @@ class Exact:
     @property
     def rgba(self) -> npt.NDArray[np.uint8]:
         """The picture: shape (height, width, 4), uint8."""
-        return _opaque(np.rint(np.clip(self.picture.rgb, 0.0, 1.0) * 255.0).astype(np.uint8))
+        return opaque(rgb_levels(self.picture.rgb))
 
     def depth_rgba(self, depth_range: tuple[float, float]) -> npt.NDArray[np.uint8]:
         """Return the depth as greys, near is white, over a range of distances along the view."""
         near, far = depth_range
         share = (self.picture.depth - near) / max(far - near, np.finfo(np.float64).tiny)
         bright = np.where(np.isnan(share), 0.0, 1.0 - np.clip(share, 0.0, 1.0))
-        greys = np.rint(255.0 * bright).astype(np.uint8)
-        return _opaque(np.repeat(greys[..., np.newaxis], 3, axis=2))
+        return opaque(rgb_levels(bright[..., np.newaxis]))
 
     def psnr(self, drawing: Drawing) -> float | None:
         """Return an engine's peak signal to noise ratio in dB; None: no error."""
@@ -82,10 +83,3 @@ def draw_paper(
     return draw(
         live, camera, size, replace(settings, preset=PAPER, quality="paper", samples=1), check=check
     )
-
-
-def _opaque(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Return a picture with an alpha of 255."""
-    rgba = np.full((*rgb.shape[:2], 4), 255, np.uint8)
-    rgba[..., :3] = rgb
-    return rgba
