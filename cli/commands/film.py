@@ -105,14 +105,15 @@ def film(
         raise InputError(f"{keys}: there is no such file; give turntable or a file of keyframes")
 
     from splatline.cli.options.live import prepare_live
-    from splatline.view.draw import BACKGROUND, Settings
+    from splatline.plots.figure import BACKGROUND
+    from splatline.view.draw import Settings
     from splatline.view.film.film import make_film, plan_cameras
     from splatline.view.film.turntable import fit_turntable
 
     stages = Stages()
     live, camera = prepare_live(request, stages)
     home = fit_turntable(live.cloud, live.discs.radii, size=request.size, **camera)
-    cameras, fps = plan_cameras(home, path, seconds, fps)
+    cameras = plan_cameras(home, path, seconds, fps)
     settings = Settings(
         request.preset,
         request.quality,

@@ -15,7 +15,7 @@ from splatline.host.cloud.cloud import Cloud
 
 from .lighting import Lighting
 
-__all__ = ["Materials", "find_materials", "material_tables", "materials_of"]
+__all__ = ["Materials", "find_materials", "material_tables", "materials_of", "median_cut"]
 
 MOST_MATERIALS = 128
 """Entries of the ``paper`` engine's table."""
@@ -104,19 +104,32 @@ def _marked(lookup: npt.NDArray[np.uint8]) -> npt.NDArray[np.int64]:
     return numbers[lookup[numbers] != 0]
 
 
-def _find_palette(colours: npt.NDArray[np.uint8], most: int) -> npt.NDArray[np.uint8]:
-    """Return the palette of a sample of a cloud's colours: shape (``most``, 3)."""
+def median_cut(colours: npt.NDArray[np.uint8], most: int, rounds: int = 0) -> npt.NDArray[np.uint8]:
+    """Return a palette of colours by Pillow's median cut, improved by rounds of its k-means.
+
+    Parameters
+    ----------
+    colours
+        Shape (n, 3), uint8.
+    most, rounds
+        Most entries, and the rounds.
+    """
     from PIL import Image
 
     image = Image.fromarray(np.ascontiguousarray(colours)[np.newaxis])
-    reduced = image.quantize(most, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    flat = reduced.getpalette()
-    assert flat is not None  # a quantised image always has one
+    reduced = image.quantize(
+        most, Image.Quantize.MEDIANCUT, kmeans=rounds, dither=Image.Dither.NONE
+    )
+    return np.array(reduced.getpalette(), np.uint8).reshape(-1, 3)[:most]
+
+
+def _find_palette(colours: npt.NDArray[np.uint8], most: int) -> npt.NDArray[np.uint8]:
+    """Return the palette of a sample of a cloud's colours: shape (``most``, 3)."""
     keys, counts = np.unique(
         colours[:, 0].astype(np.int64) << 16 | colours[:, 1].astype(np.int64) << 8 | colours[:, 2],
         return_counts=True,
     )
-    palette = np.array(flat[: 3 * most], np.float64).reshape(-1, 3)
+    palette = median_cut(colours, most).astype(np.float64)
     return _refine(palette, _colours_of(keys), counts)
 
 

@@ -8,10 +8,9 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 from splatline.host.files.atomic_write import atomic_stream, tell_unwritable
@@ -23,7 +22,7 @@ from splatline.view.prepared import Drawable, prepare
 from splatline.view.settings_of import settings_of
 
 from .ahead import ahead
-from .form import Form
+from .form import Form, Pixels, Write
 from .keyframes import read_path
 from .palette import find_palette
 from .turntable import fit_turntable, turntable
@@ -46,8 +45,6 @@ MOST_FRAMES = 100_000
 
 PALETTE_FRAMES = 12
 """Frames that the palette of a GIF is made from."""
-
-_Pixels = npt.NDArray[np.uint8]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -121,7 +118,7 @@ def film(
     options = prepared.camera(orbit=orbit, fov=fov, up=up, zoom=zoom)
     live = prepared.live
     home = fit_turntable(live.cloud, live.discs.radii, size=size, **options)
-    cameras, fps = plan_cameras(home, path, seconds, fps)
+    cameras = plan_cameras(home, path, seconds, fps)
     return make_film(
         live, cameras, output, size=size, fps=fps, fidelity=fidelity, settings=chosen,
         progress=progress,
@@ -154,8 +151,8 @@ def check_film(
 
 def plan_cameras(
     home: Camera, path: str | os.PathLike[str], seconds: float | None, fps: float
-) -> tuple[list[Camera], float]:
-    """Return the camera of each frame, and the frames a second that make the length exact.
+) -> list[Camera]:
+    """Return the camera of each frame.
 
     Parameters
     ----------
@@ -169,7 +166,7 @@ def plan_cameras(
     count = max(1, round(min(length * fps, MOST_FRAMES + 1.0)))
     if count > MOST_FRAMES:
         raise InputError(f"a film has at most {MOST_FRAMES:,} frames, not {length * fps:,.0f}")
-    return (turntable(home, count) if way is None else way.cameras(count)), fps
+    return turntable(home, count) if way is None else way.cameras(count)
 
 
 def make_film(
@@ -194,20 +191,19 @@ def make_film(
     cameras
         A camera for each frame.
     output, size, fps, fidelity, progress
-        As of :func:`film`.
+        As of :func:`film`; :func:`check_film` takes them.
     settings
         As of ``draw``.
 
     Raises
     ------
     InputError
-        If there is no such film, or the file cannot be written.
+        If the file cannot be written.
     """
-    check_film(output, size, fps, fidelity, None)
     settings = settings or Settings()
     form = Form(size, len(cameras), fps, fidelity)
     picture = partial(_pixels, live, size, settings)
-    write: Callable[[Iterator[_Pixels], IO[bytes], Form], None]
+    write: Write
     suffix = Path(output).suffix.lower()
     if suffix == ".gif":
         some = np.unique(np.linspace(0, len(cameras) - 1, PALETTE_FRAMES).round().astype(int))
@@ -228,14 +224,14 @@ def make_film(
     return Film(Path(output), len(cameras), len(cameras) / fps, size_in_bytes)
 
 
-def _pixels(live: LiveCloud, size: tuple[int, int], settings: Settings, camera: Camera) -> _Pixels:
+def _pixels(live: LiveCloud, size: tuple[int, int], settings: Settings, camera: Camera) -> Pixels:
     """Return a frame: shape (height, width, 3), uint8."""
     return np.ascontiguousarray(draw(live, camera, size, settings).rgba[..., :3])
 
 
 def _told(
-    frames: Iterator[_Pixels], count: int, progress: Callable[[float], None] | None
-) -> Iterator[_Pixels]:
+    frames: Iterator[Pixels], count: int, progress: Callable[[float], None] | None
+) -> Iterator[Pixels]:
     """Yield frames, and tell the share of them that are done."""
     for number, frame in enumerate(frames, 1):
         if progress is not None:

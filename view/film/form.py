@@ -1,11 +1,19 @@
-"""What a film is like: its size, its rate and its length."""
+"""What a film is like: its frames, its size, its rate and its length."""
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
+from collections.abc import Callable, Iterator
+from typing import IO, TypeAlias
 
-__all__ = ["Form"]
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Form", "Pixels", "Write"]
+
+Pixels: TypeAlias = npt.NDArray[np.uint8]
+"""A frame: shape (height, width, 3), uint8, C-contiguous."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,3 +47,7 @@ class Form:
         """
         ends = [round(unit * number / self.fps) for number in range(self.count + 1)]
         return [end - begin for begin, end in itertools.pairwise(ends)]
+
+
+Write: TypeAlias = Callable[[Iterator[Pixels], IO[bytes], Form], None]
+"""Writes frames to a stream, as a film of a form."""

@@ -8,6 +8,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.shading.materials import median_cut
+
 __all__ = ["BAYER", "SKIPPED", "Palette", "find_palette", "index_frame"]
 
 SKIPPED = 255
@@ -65,7 +67,6 @@ def find_palette(frames: list[npt.NDArray[np.uint8]], background: tuple[int, int
     background
         Red, green and blue of the background, which the palette has as it is.
     """
-    from PIL import Image
     from scipy.spatial import cKDTree
 
     pixels = np.concatenate([frame.reshape(-1, 3) for frame in frames])
@@ -73,11 +74,7 @@ def find_palette(frames: list[npt.NDArray[np.uint8]], background: tuple[int, int
     if not len(pixels):
         pixels = np.array([background], np.uint8)
     some = pixels[np.linspace(0, len(pixels) - 1, min(len(pixels), PIXELS)).astype(np.int64)]
-    image = Image.fromarray(np.ascontiguousarray(some[np.newaxis]))
-    made = image.quantize(
-        SKIPPED - 1, Image.Quantize.MEDIANCUT, kmeans=REFINEMENTS, dither=Image.Dither.NONE
-    )
-    entries = np.array(made.getpalette("RGB"), np.uint8).reshape(-1, 3)[: SKIPPED - 1]
+    entries = median_cut(some, SKIPPED - 1, REFINEMENTS)
     known = np.concatenate([np.array([background], np.uint8), entries])
     colours = np.zeros((256, 3), np.uint8)
     colours[: len(known)] = known

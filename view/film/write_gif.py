@@ -15,7 +15,7 @@ from splatline.contract.errors import InputError
 from .palette import BAYER, SKIPPED, SPREAD, Palette, index_frame
 
 if TYPE_CHECKING:
-    from .form import Form
+    from .form import Form, Pixels
 
 __all__ = ["check_gif", "write_gif"]
 
@@ -35,12 +35,7 @@ def check_gif(form: Form) -> None:
         raise InputError(f"a GIF has at most {FASTEST} frames a second, not {form.fps:g}")
 
 
-def write_gif(
-    frames: Iterator[npt.NDArray[np.uint8]],
-    stream: IO[bytes],
-    form: Form,
-    palette: Palette,
-) -> None:
+def write_gif(frames: Iterator[Pixels], stream: IO[bytes], form: Form, palette: Palette) -> None:
     """Write a film that everything shows, in 255 colours.
 
     Pillow encodes each frame. Its own way to save many frames holds all of them, so the blocks
@@ -48,12 +43,8 @@ def write_gif(
 
     Parameters
     ----------
-    frames
-        Pictures: shape (height, width, 3), uint8, C-contiguous.
-    stream
-        Where the file is written.
-    form
-        Size and rate.
+    frames, stream, form
+        As of ``Write``.
     palette
         The colours of all frames.
     """

@@ -9,13 +9,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-import numpy as np
-import numpy.typing as npt
-
 from splatline.contract.errors import InputError, install_hint
 
 if TYPE_CHECKING:
-    from .form import Form
+    from .form import Form, Pixels
 
 __all__ = ["check_mp4", "write_mp4"]
 
@@ -45,7 +42,7 @@ def check_mp4(form: Form) -> None:
         raise InputError(f"an MP4 needs PyAV: {hint}; or write a .webp or a .gif") from None
 
 
-def write_mp4(frames: Iterator[npt.NDArray[np.uint8]], stream: IO[bytes], form: Form) -> None:
+def write_mp4(frames: Iterator[Pixels], stream: IO[bytes], form: Form) -> None:
     """Write a film that players, browsers and slides show: H.264, 4:2:0, tagged as BT.709.
 
     The index stands first in the file, so that a browser need not fetch it whole to begin. It is
@@ -53,12 +50,8 @@ def write_mp4(frames: Iterator[npt.NDArray[np.uint8]], stream: IO[bytes], form: 
 
     Parameters
     ----------
-    frames
-        Pictures: shape (height, width, 3), uint8, C-contiguous.
-    stream
-        Where the file is written.
-    form
-        Size, rate and fidelity.
+    frames, stream, form
+        As of ``Write``.
     """
     import av
 

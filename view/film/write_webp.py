@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import IO, TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
 if TYPE_CHECKING:
-    from .form import Form
+    from .form import Form, Pixels
 
 __all__ = ["write_webp"]
 
@@ -18,17 +16,13 @@ LOSSLESS = 100
 """Fidelity from which on nothing is lost."""
 
 
-def write_webp(frames: Iterator[npt.NDArray[np.uint8]], stream: IO[bytes], form: Form) -> None:
+def write_webp(frames: Iterator[Pixels], stream: IO[bytes], form: Form) -> None:
     """Write a film that browsers show as a picture; with fidelity 100 its pixels are the frames'.
 
     Parameters
     ----------
-    frames
-        Pictures: shape (height, width, 3), uint8, C-contiguous.
-    stream
-        Where the file is written.
-    form
-        Size, rate and fidelity.
+    frames, stream, form
+        As of ``Write``.
     """
     lossless = form.fidelity >= LOSSLESS
     _Reel(frames, form.count).save(
@@ -50,7 +44,7 @@ class _Reel(Image.Image):
     So Pillow holds one frame at a time, where a list of images would hold all.
     """
 
-    def __init__(self, frames: Iterator[npt.NDArray[np.uint8]], count: int) -> None:
+    def __init__(self, frames: Iterator[Pixels], count: int) -> None:
         super().__init__()
         self.n_frames = count
         self._frames = frames
