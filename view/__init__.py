@@ -1,5 +1,5 @@
 """Pictures that move: a live view in the browser, a widget in a notebook, films.
 
-It imports ``contract``, ``host``, ``sim`` (golden, cycles, reference) and the figures of ``flow``.
-Start with ``draw``: a live cloud, a camera and settings in, a picture out.
+It imports ``contract``, ``host``, ``sim`` (golden, cycles, reference), ``plots`` and the figures of
+``flow``. Start with ``draw``: a live cloud, a camera and settings in, a picture out.
 """

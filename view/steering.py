@@ -45,14 +45,13 @@ def steer(
     elif event.kind == "pan":
         moved = camera.panned(values["dx"], values["dy"], size)
     elif event.kind == "zoom":
-        least, most = NEAREST * home.distance, FARTHEST * home.distance
-        wanted = min(max(camera.distance * values["factor"], least), most)
+        wanted = _distance_near(camera.distance * values["factor"], home)
         moved = camera.zoomed(wanted / camera.distance, (values["x"], values["y"]), size)
     elif event.kind == "orbit":
         orbit = {"azimuth": values["azimuth"], "elevation": values["elevation"]}
         moved = dataclasses.replace(camera, **orbit).turned(0.0, 0.0)
     elif event.kind == "camera":
-        wanted = min(max(values["distance"], NEAREST * home.distance), FARTHEST * home.distance)
+        wanted = _distance_near(values["distance"], home)
         moved = dataclasses.replace(camera, **{**values, "distance": wanted}).turned(0.0, 0.0)
     elif event.kind == "look":
         moved = _look(values["x"] / size[0], values["y"] / size[1], camera, seen)
@@ -75,6 +74,11 @@ def _look(across: float, down: float, camera: Camera, seen: Seen | None) -> Came
         return camera
     depth = drawing.depth_at(math.floor(at[0]), math.floor(at[1]))
     return camera if depth is None else camera.looking_at(seen_by.point_at(at, depth, size))
+
+
+def _distance_near(distance: float, home: Camera) -> float:
+    """Return the distance that comes nearest to a wished one."""
+    return min(max(distance, NEAREST * home.distance), FARTHEST * home.distance)
 
 
 def _kept_near(camera: Camera, home: Camera) -> Camera:

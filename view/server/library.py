@@ -87,15 +87,16 @@ class Library:
 
     def _read(self, colour: ColourBy | None, loop: asyncio.AbstractEventLoop) -> LiveCloud:
         """Read the cloud, in a thread; others may draw in between."""
-        told = [("", -1.0)]
+        last_text, last_time = "", -1.0
 
         def progress(text: str, share: float | None) -> None:
+            nonlocal last_text, last_time
             if self._stopped.is_set():
                 raise Superseded
             self._turns.pass_on()
             now = time.perf_counter()
-            if text != told[0][0] or now - told[0][1] >= EVERY:
-                told[0] = text, now
+            if text != last_text or now - last_time >= EVERY:
+                last_text, last_time = text, now
                 loop.call_soon_threadsafe(self._tell, colour, text, share)
 
         try:
