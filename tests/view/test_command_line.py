@@ -25,6 +25,19 @@ def far_scan(tmp_path):
     return write_ball(tmp_path / "a ball.csv", size=12.5, middle=middle)
 
 
+def run_splatline(words, picture):
+    """Run a command line of splatline; return the picture that it writes."""
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 0, result.output
+    return np.asarray(Image.open(picture))
+
+
+def assert_shows_more_than(colours, written, shown):
+    """Check that a file holds a shown picture, and that its colours are more than so many."""
+    assert np.array_equal(written, shown.rgba[..., :3])
+    assert len(np.unique(written.reshape(-1, 3), axis=0)) > colours
+
+
 MOVES = [
     event("turn", dx=37.0, dy=-21.5),
     event("pan", dx=-11.25, dy=4.0),
@@ -68,13 +81,8 @@ def test_the_command_of_a_session_makes_its_picture(name, far_scan, monkeypatch,
     lengths = {name: len(words[words.index(name) + 1]) for name in ("--orbit", "--distance")}
     assert all(length <= len("-123.45,-12.34") for length in lengths.values())
     assert program == "splatline"
-    result = CliRunner().invoke(main, words)
-    assert result.exit_code == 0, result.output
-    written = np.asarray(Image.open("a ball.png"))
-    assert np.array_equal(written, shown.rgba[..., :3])
+    assert_shows_more_than(10, run_splatline(words, "a ball.png"), shown)
     assert (shown.rgba[..., 3] == 255).all()
-    # It shows something, and more than the background.
-    assert len(np.unique(written.reshape(-1, 3), axis=0)) > 10
 
 
 def test_a_point_far_away_is_drawn_as_one_pixel_as_by_render(far_scan, monkeypatch, tmp_path):
@@ -89,11 +97,7 @@ def test_a_point_far_away_is_drawn_as_one_pixel_as_by_render(far_scan, monkeypat
     session._clock = lambda: 2e3
     shown = last_picture(session)
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(main, session.command())
-    assert result.exit_code == 0, result.output
-    written = np.asarray(Image.open("far.png"))
-    assert np.array_equal(written, shown.rgba[..., :3])
-    assert len(np.unique(written.reshape(-1, 3), axis=0)) > 1
+    assert_shows_more_than(1, run_splatline(session.command(), "far.png"), shown)
 
 
 def test_the_depth_is_that_of_render(far_scan, monkeypatch, tmp_path):
@@ -104,8 +108,7 @@ def test_the_depth_is_that_of_render(far_scan, monkeypatch, tmp_path):
     session.work()
     shown = last_picture(session)
     monkeypatch.chdir(tmp_path)
-    assert CliRunner().invoke(main, session.command()).exit_code == 0
-    levels = np.asarray(Image.open("ball-depth.png")).astype(np.uint32)
+    levels = run_splatline(session.command(), "ball-depth.png")
     assert levels.max() > 256
     assert np.array_equal(levels >> 8, shown.rgba[..., 0])
     session.queue(event("save", what="png"))
@@ -129,8 +132,4 @@ def test_a_survey_is_drawn_as_by_render_from_above_and_below(elevation, monkeypa
     session._clock = lambda: 2e3
     shown = last_picture(session)
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(main, session.command())
-    assert result.exit_code == 0, result.output
-    written = np.asarray(Image.open("survey.png"))
-    assert np.array_equal(written, shown.rgba[..., :3])
-    assert len(np.unique(written.reshape(-1, 3), axis=0)) > 3
+    assert_shows_more_than(3, run_splatline(session.command(), "survey.png"), shown)

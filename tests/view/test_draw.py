@@ -11,24 +11,12 @@ from splatline.sim.golden.multisample import average
 from splatline.view.draw import Settings, draw
 from splatline.view.outputs import Superseded
 from splatline.view.pixels import rgba_bytes
-from tests.view.views import ball
-
-SIZE = (96, 80)
+from tests.view.views import SIZE, ball
 
 
 @pytest.fixture(scope="module")
-def subject():
-    return ball()
-
-
-@pytest.fixture(scope="module")
-def live(subject):
-    return subject.read(None)
-
-
-@pytest.fixture(scope="module")
-def camera(subject, live):
-    return subject.home(live, SIZE)
+def camera(live):
+    return ball().home(live, SIZE)
 
 
 @pytest.mark.parametrize("samples", [1, 4, 16])

@@ -8,7 +8,20 @@ from splatline.view.outputs import Picture
 from splatline.view.subject import Subject
 from tests.support.clouds import sphere
 
-__all__ = ["ball", "event", "last_picture", "pictures", "write_ball"]
+__all__ = [
+    "SIZE",
+    "Clock",
+    "ball",
+    "event",
+    "last_picture",
+    "pictures",
+    "set_to",
+    "texts",
+    "write_ball",
+]
+
+SIZE = (96, 80)
+"""Of the pictures of most tests."""
 
 
 def event(kind, **values):
@@ -16,9 +29,19 @@ def event(kind, **values):
     return check_event({"type": kind, **values})
 
 
+def set_to(name, value):
+    """Return an event that makes a choice."""
+    return event("set", name=name, value=value)
+
+
 def pictures(outputs):
     """Return the pictures among some outputs."""
     return [output for output in outputs if isinstance(output, Picture)]
+
+
+def texts(outputs, kind):
+    """Return the messages of one type."""
+    return [out for out in outputs if isinstance(out, dict) and out["type"] == kind]
 
 
 def last_picture(session):
@@ -39,6 +62,16 @@ def write_ball(path, points=1500, size=1.0, middle=(0.0, 0.0, 0.0)):
     head = "x,y,z,nx,ny,nz,red,green,blue,warmth"
     np.savetxt(path, columns, fmt="%.6f", delimiter=",", header=head, comments="")
     return path
+
+
+class Clock:
+    """A clock that is moved by hand."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
 
 
 class _Ball(Subject):
