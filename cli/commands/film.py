@@ -104,9 +104,7 @@ def film(
     if keys is not None and not keys.is_file():
         raise InputError(f"{keys}: there is no such file; give turntable or a file of keyframes")
 
-    from splatline.cli.options.live import prepare_live
-    from splatline.plots.figure import BACKGROUND
-    from splatline.view.draw import Settings
+    from splatline.cli.options.live import draw_settings, prepare_live
     from splatline.view.film.film import make_film, plan_cameras
     from splatline.view.film.turntable import fit_turntable
 
@@ -114,14 +112,7 @@ def film(
     live, camera = prepare_live(request, stages)
     home = fit_turntable(live.cloud, live.discs.radii, size=request.size, **camera)
     cameras = plan_cameras(home, path, seconds, fps)
-    settings = Settings(
-        request.preset,
-        request.quality,
-        int(samples),
-        request.skips,
-        request.lights,
-        BACKGROUND if background is None else background,
-    )
+    settings = draw_settings(request, int(samples), background)
     with stages.stage("film", f"Drawing {len(cameras):,} frames") as share:
         made = make_film(
             live, cameras, output, size=request.size, fps=fps, fidelity=fidelity,

@@ -57,22 +57,13 @@ def view(
     if importlib.util.find_spec("aiohttp") is None:
         raise InputError(f"view needs aiohttp: {install_hint('view')}")
     _check(request)
-    from splatline.cli.options.live import subject_of
+    from splatline.cli.options.live import draw_settings, subject_of
     from splatline.view.choices import Choices
-    from splatline.view.draw import Settings
     from splatline.view.server.run import serve
 
-    settings = Settings(
-        preset=request.preset,
-        quality=request.quality,
-        samples=int(samples),
-        skips=request.skips,
-        lights=request.lights,
-        **({} if background is None else {"background": background}),
-    )
     serve(
         subject_of(request),
-        Choices(settings, request.colour),
+        Choices(draw_settings(request, int(samples), background), request.colour),
         host=host,
         port=port,
         browser=browser,

@@ -1,4 +1,4 @@
-"""Clouds that are drawn again and again, of a render request: for a live view and for a film."""
+"""What a live view and a film take from a render request: the cloud, the camera, the settings."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from .prepare import cloud_of
 from .request import RenderRequest
 
 if TYPE_CHECKING:
+    from splatline.view.draw import Settings
     from splatline.view.live_cloud import LiveCloud
     from splatline.view.subject import Subject
 
-__all__ = ["prepare_live", "subject_of"]
+__all__ = ["draw_settings", "prepare_live", "subject_of"]
 
 
 def subject_of(request: RenderRequest) -> Subject:
@@ -59,3 +60,20 @@ def prepare_live(request: RenderRequest, stages: Stages) -> tuple[LiveCloud, dic
             progress=lambda text, part: share(part or 0.0),
         )
     return live, camera
+
+
+def draw_settings(
+    request: RenderRequest, samples: int, background: tuple[float, float, float] | None
+) -> Settings:
+    """Return how the pictures of a request are drawn; without a background, on the usual one."""
+    from splatline.plots.figure import BACKGROUND
+    from splatline.view.draw import Settings
+
+    return Settings(
+        preset=request.preset,
+        quality=request.quality,
+        samples=samples,
+        skips=request.skips,
+        lights=request.lights,
+        background=background or BACKGROUND,
+    )
