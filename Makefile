@@ -23,7 +23,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
 	@echo 'make render     the main job: a scene, drawn by the Verilog and checked -> build/render/'
-	@echo '                (SCENE=knot for the other scene, CLOUD=scan.ply for your own)'
+	@echo '                (SCENE=knot: the other scene, CLOUD=scan.ply: your own, PRESET=paper)'
 	@echo 'make film       the turning terrain of the README -> docs/terrain.webp'
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
@@ -78,7 +78,7 @@ film: setup
 
 render: setup
 	@$(VENV)/bin/splatline render $(if $(CLOUD),'$(CLOUD)',--scene $(SCENE)) --engine rtl \
-	  --out-dir build/render
+	  --preset $(PRESET) --out-dir build/render
 
 bench: setup
 	@$(VENV)/bin/splatline bench accuracy $(SCANS)

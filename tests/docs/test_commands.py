@@ -1,4 +1,4 @@
-"""Every command line of the README and the manual is one that ``splatline`` takes."""
+"""Every command line of the README and the manual is one that ``splatline`` or ``make`` takes."""
 
 import re
 import shlex
@@ -15,6 +15,10 @@ LINE = re.compile(r"^ {4,}(?:\S*bin/)?splatline +(\S.*?)(?: {2,}.*)?$", re.MULTI
 """A command in a block of code, without what is said of it on the right."""
 
 INLINE = re.compile(r"`splatline ([a-z][^`]*)`")
+
+MAKE = re.compile(r"(?:^ {4,}|`)make ([a-z][^`\n]*?)(?:`| {2,}|$)", re.MULTILINE)
+RULE = re.compile(r"^([a-z][\w-]*):.*\n((?:\t.*\n)*)", re.MULTILINE)
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
 
 def commands_of(page):
@@ -52,7 +56,30 @@ def test_every_command_is_taken(page):
             pytest.fail(f"splatline {line}: {error}")
 
 
+def check_make(arguments):
+    """Check that the target is in the Makefile, and that its recipe uses the variables."""
+    target, *variables = arguments
+    rules = dict(RULE.findall(MAKEFILE))
+    assert target in rules, f"no target {target}"
+    for variable in variables:
+        name = variable.partition("=")[0]
+        assert f"$({name})" in rules[target], f"{target} does not use {name}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_every_target_of_make_is_there(page):
+    for line in MAKE.findall(page.read_text(encoding="utf-8")):
+        check_make(shlex.split(line))
+
+
+@pytest.mark.parametrize("line", ["rendr", "lint PRESET=paper"])
+def test_a_target_that_there_is_not_is_noticed(line):
+    with pytest.raises(AssertionError):
+        check_make(shlex.split(line))
+
+
 def test_commands_are_found():
+    assert len(MAKE.findall((ROOT / "README.md").read_text(encoding="utf-8"))) >= 5
     assert len(commands_of(ROOT / "README.md")) >= 10
     assert sum(len(commands_of(page)) for page in PAGES) > 100
 
