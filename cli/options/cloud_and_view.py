@@ -106,7 +106,10 @@ _VIEW_OPTIONS = (
         help="Magnification about the middle of the picture; 1 fits the cloud.",
     ),
     click.option(
-        "--up", type=UP_AXES, show_default="the scene's, or y", help="Axis that points up."
+        "--up",
+        type=UP_AXES,
+        show_default="the scene's; z for LAS, LAZ, E57 and PTX; or y",
+        help="Axis that points up.",
     ),
     click.option(
         "--fov",
