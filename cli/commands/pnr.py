@@ -117,8 +117,9 @@ def _print(result: dict[str, Any]) -> None:
 
     met = result["slack_ns"] >= 0.0
     rates = result["rates_mhz"]
+    tried = f"{len(rates)} seeds" if len(rates) > 1 else "1 seed"
     facts: list[Any] = [
-        ("clock rate, median", f"{result['median_mhz']:.1f} MHz of {len(rates)} seeds"),
+        ("clock rate, median", f"{result['median_mhz']:.1f} MHz of {tried}"),
         ("clock rate, best", (f"{result['fmax_mhz']:.1f} MHz", "green" if met else "red")),
         ("of each seed", ", ".join(f"{n}: {rate:.1f}" for n, rate in rates.items())),
         (f"slack at {result['target_mhz']:g} MHz", f"{result['slack_ns']:.2f} ns"),
