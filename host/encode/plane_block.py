@@ -44,7 +44,7 @@ def encode_block(
     ones are their half rotation about a middle at a whole column and a whole or half line, with
     each end moved by a column where that is nearer to the truth. Of the middles next to the
     ellipse's centre, and of the two ways that either end may move, those with the fewest wrong
-    pixels are taken: 0 for seven elements of eight (decision 0070).
+    pixels are taken: 0 for seven elements of eight (decision 0099).
 
     Parameters
     ----------
