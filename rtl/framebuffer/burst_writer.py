@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import stream, wiring
-from amaranth.lib.fifo import SyncFIFOBuffered
+from amaranth.lib.fifo import SyncFIFO, SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 
 from splatline.rtl.bus.axi_write import AxiWriteSignature, Burst
@@ -28,8 +28,8 @@ class BurstWriter(wiring.Component):
     word is in the FIFO, and so is its first word: after that no channel waits for the engine. All
     bursts have ID 0, and their data leave in order. Responses are always taken.
 
-    **Latency**: 3 cycles from a burst's last word to its address and first beat. **Throughput**: a
-    word a cycle while fewer than ``outstanding`` bursts wait for their response.
+    **Latency**: 1 cycle from a burst's last word to its address, and 3 at most to its first beat.
+    **Throughput**: a word a cycle while fewer than ``outstanding`` bursts wait for their response.
 
     Parameters
     ----------
@@ -109,7 +109,8 @@ class BurstWriter(wiring.Component):
         ]
         with m.If(take):
             m.d.sync += start.eq(first)
-        m.submodules.addresses = queue = SyncFIFOBuffered(
+        # Its words are read without a clock: too few for a block RAM.
+        m.submodules.addresses = queue = SyncFIFO(
             width=bits + len(word.address), depth=self.outstanding
         )
         byte_bits = (self.data_bits // 8 - 1).bit_length()
