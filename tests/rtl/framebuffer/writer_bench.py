@@ -190,7 +190,7 @@ class Bench(StreamBench):
     async def finish(self):
         """Go on until the last picture is swapped."""
         done = lambda: self.swaps == len(self.pictures)  # noqa: E731
-        await self.run(done, most_cycles=20_000, drive=self.drive, observe=self.observe)
+        await self.run(done, most_cycles=6000, drive=self.drive, observe=self.observe)
 
 
 def layout(dut, width, height, *, pad=1, shift=0, background=0x1F1A17):
