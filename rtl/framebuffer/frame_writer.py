@@ -12,7 +12,7 @@ from splatline.rtl.bus.axi_stream import RegisterSlice
 from splatline.rtl.bus.axi_write import ADDRESS_BITS, AxiWriteSignature
 from splatline.rtl.layouts import RasterLayout
 
-from .burst_writer import BurstWriter
+from .burst_writer import BURSTS, BurstWriter
 from .colour_bytes import colour_bytes
 from .layouts import (
     DATA_BITS,
@@ -85,7 +85,7 @@ class FrameWriter(wiring.Component):
     Raises
     ------
     ValueError
-        If the bus or a burst is of another width, or if a word has more pixels than a beat.
+        If the bus or a burst has another size, or if a word has more pixels than a beat.
     """
 
     def __init__(
@@ -103,6 +103,8 @@ class FrameWriter(wiring.Component):
                 f"a bus of {data_bits} bits has {bus_pixels(data_bits)} pixels a word,"
                 f" and a beat of {config.name!r} has {config.raster_pixels}"
             )
+        if burst not in BURSTS:
+            raise ValueError(f"a burst must have 2, 4, .. 256 beats, not {burst!r}")
         self.config, self.data_bits = config, data_bits
         self.scan = RasterScan(config, data_bits)
         self.writer = BurstWriter(data_bits, burst, outstanding)

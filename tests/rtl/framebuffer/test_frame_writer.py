@@ -1,8 +1,9 @@
+# amaranth: UnusedElaboratable=no
 """The frame writer against the pixels of the PNG, by the bench beside it."""
 
 import numpy as np
 import pytest
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Cat, Fragment, Module, Signal
 from amaranth.sim import Simulator
 
 from splatline.contract.presets import LANES8, PAPER, PLANE, RGB24, SWIFT
@@ -73,5 +74,5 @@ def test_what_cannot_be_built_is_told(options, message):
 
 
 def test_a_word_has_at_most_a_beat_s_pixels():
-    FrameWriter(LANES8, 128)
-    FrameWriter(WORD2, 64)
+    for config, data_bits in ((LANES8, 128), (WORD2, 64)):
+        Fragment.get(FrameWriter(config, data_bits), None)

@@ -4,6 +4,7 @@ from splatline.contract.presets import PAPER
 from splatline.rtl.framebuffer.burst_writer import BurstWriter
 from splatline.rtl.framebuffer.frame_writer import FrameWriter
 from splatline.rtl.framebuffer.raster_scan import RasterScan
+from splatline.sim.cosim.simulator import available
 from tests.rtl.framebuffer import writer_bench
 from tests.rtl.framebuffer.writer_bench import BURST, OUTSTANDING
 from tests.support import planted
@@ -92,6 +93,7 @@ def test_each_fault_is_noticed():
     built = planted.build(
         lambda: FrameWriter(PAPER, 64, burst=BURST, outstanding=OUTSTANDING),
         [fault for _, *fault in FAULTS.values()],
+        simulator="icarus" if available("icarus") else "verilator",
     )
     numbers = {name: (test, n) for n, (name, (test, *_)) in enumerate(FAULTS.items(), 1)}
     assert planted.find_wrong(PAPER, built, writer_bench, numbers, whole=False) == []

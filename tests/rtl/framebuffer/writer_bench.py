@@ -232,7 +232,7 @@ async def lines_of_many_bursts(dut):
     """A line across 4 KB; memory at its full rate, and beats that come seldom."""
     rng = np.random.default_rng(3)
     settings = layout(dut, 150, 3, pad=0)
-    pictures = [picture(rng, 150, 3, lines, settings, 0.05) for lines in (3, 2, 0)]
+    pictures = [picture(rng, 150, 3, lines, settings, 0.3) for lines in (2, 1, 0)]
     await Bench(dut, 3, pictures, rates=(0.15, 1.0)).play()
 
 
