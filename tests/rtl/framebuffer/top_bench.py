@@ -137,7 +137,7 @@ class Bench:
         assert np.array_equal(memory, self.expected), np.flatnonzero(memory != self.expected)[:8]
 
 
-def frames(count, elements=40):
+def frames(count, elements=30):
     """Frames with the same tables, the second of them empty."""
     first, *others = (
         bus_words.clean(CONFIG, seed, elements, WIDTH, HEIGHT) for seed in range(count)
@@ -188,7 +188,7 @@ async def an_aborted_frame(dut):
     """It is whole, with background where no beat came, and the next one is right."""
     bench = Bench(dut, 2)
     await bench.reset()
-    frame = bus_words.clean(CONFIG, 20, 60, WIDTH, HEIGHT)
+    frame = bus_words.clean(CONFIG, 20, 45, WIDTH, HEIGHT)
     await bench.tables(frame)
     bench.send(frame.codewords)
     await bench.ready()
@@ -227,7 +227,7 @@ async def a_reset_in_mid_frame(dut):
     """The memory is drawn anew from buffer 0 on."""
     bench = Bench(dut, 3, stall=0.4)
     await bench.reset()
-    frame = bus_words.clean(CONFIG, 30, 60, WIDTH, HEIGHT)
+    frame = bus_words.clean(CONFIG, 30, 40, WIDTH, HEIGHT)
     await bench.tables(frame)
     bench.send(frame.codewords)
     await ClockCycles(dut.aclk, 900)
