@@ -28,7 +28,7 @@ class BurstWriter(wiring.Component):
     word is in the FIFO, and so is its first word: after that no channel waits for the engine. All
     bursts have ID 0, and their data leave in order. Responses are always taken.
 
-    **Latency**: 1 cycle from a burst's last word to its address, and 3 at most to its first beat.
+    **Latency**: 1 cycle from a burst's last word to its address, and 2 to its first beat.
     **Throughput**: a word a cycle while fewer than ``outstanding`` bursts wait for their response.
 
     Parameters

@@ -46,8 +46,9 @@ class FrameWriter(wiring.Component):
 
     No combinational path leads from an input to an output.
 
-    **Latency**: 5 cycles from a frame's first beat to the first word in the FIFO of bursts, and 2
-    from the last response to ``swap_valid``. **Throughput**: a bus word a cycle, and 2 cycles more
+    **Latency**: 5 cycles from a frame's first beat to the first word in the FIFO of bursts; 1 and 2
+    from a burst's last word to its address and its first beat; 2 from the last response to
+    ``swap_valid``. **Throughput**: a bus word a cycle, and 2 cycles more
     for each line, written or not.
 
     Parameters

@@ -31,8 +31,8 @@ class RasterScan(wiring.Component):
     A bus word waits for the beat that comes after it in the frame, or for the end beat. After the
     last line all beats are taken up to the end beat.
 
-    **Latency**: 3 cycles from a frame's first beat to its first word. **Throughput**: a bus word a
-    cycle; 2 cycles more for each line, written or not.
+    **Latency**: 4 cycles from ``start`` to the first word. **Throughput**: a bus word a cycle; 2
+    cycles more for each line, written or not.
 
     Parameters
     ----------

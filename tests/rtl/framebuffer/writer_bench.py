@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import cocotb
 import numpy as np
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import FallingEdge, Timer
 from cocotbext.axi import AxiRamWrite, AxiResp, AxiWriteBus
 
 from splatline.contract.raster import Raster
@@ -169,8 +169,8 @@ class Bench(StreamBench):
         assert np.array_equal(memory, self.expected), np.flatnonzero(memory != self.expected)[:8]
         if self.swaps and self.pictures[self.swaps - 1].settings != each.settings:
             self.held = {0: None, 1: None}
-        before = self.held[self.back]
-        lines = set(range(height)) if before is None else before | each.lines
+        before, drawn = self.held[self.back], each.lines & set(range(height))
+        lines = set(range(height)) if before is None else before | drawn
         words = {-(-4 * width // self.word)}
         found = {}
         for address, beats in self.written:
@@ -178,7 +178,7 @@ class Bench(StreamBench):
             found[line] = found.get(line, 0) + beats
         assert set(found) == lines, (sorted(found), sorted(lines))
         assert set(found.values()) <= words, "a word was written twice, or not"
-        self.held[self.back] = each.lines
+        self.held[self.back] = drawn
         self.written = []
 
     async def play(self):
@@ -288,3 +288,72 @@ async def resets_in_mid_frame(dut):
     bench.beats.sent, bench.beats.offering = 0, False
     bench.expected = np.frombuffer(bench.ram.read(0, MEMORY), np.uint8).copy()
     await bench.finish()
+
+
+@cocotb.test()
+async def beats_below_the_image(dut):
+    """An engine sends none. They are dropped, and the frame ends."""
+    rng = np.random.default_rng(6)
+    settings = layout(dut, 12, 4)
+    pictures = [picture(rng, 12, 7, 7, settings) for _ in range(2)]
+    for each in pictures:
+        each.settings = (*each.settings[:4], 3, each.settings[5])
+    await Bench(dut, 6, pictures).play()
+
+
+@cocotb.test()
+async def cycles_of_an_image_of_one_pixel(dut):
+    """The latencies that the docstrings say."""
+    settings = layout(dut, 1, 1)
+    bench = Bench(dut, 7, [picture(np.random.default_rng(7), 1, 1, 1, settings, 1.0)])
+    seen = {}
+    events = {
+        "beat": (dut.beats__valid, dut.beats__ready),
+        "address": (dut.m_axi__awvalid,),
+        "data": (dut.m_axi__wvalid,),
+        "response": (dut.m_axi__bvalid,),
+        "whole": (dut.swap_valid,),
+    }
+    observe = bench.observe
+
+    def note():
+        for name, signals in events.items():
+            if all(int(signal.value) for signal in signals):
+                seen.setdefault(name, bench.cycles)
+        observe()
+
+    bench.observe = note
+    await bench.play()
+    assert seen["address"] - seen["beat"] == 5 + 1
+    assert seen["data"] - seen["beat"] == 5 + 2
+    assert seen["whole"] - seen["response"] == 2
+
+
+@cocotb.test()
+async def nothing_passes_within_a_cycle(dut):
+    """No output depends on an input in the same cycle."""
+    rng = np.random.default_rng(8)
+    settings = layout(dut, 30, 5)
+    pictures = [picture(rng, 30, 5, 3, settings) for _ in range(2)]
+    bench = Bench(dut, 8, pictures, stall=0.2)
+    outputs = [
+        *(port for valid, _, *parts in bench.ports.values() for port in (valid, *parts)),
+        *(dut.beats__ready, dut.m_axi__bready, dut.swap_valid, dut.swap_index, dut.frame_done),
+    ]
+    inputs = [
+        *(dut.beats__valid, dut.swapped, dut.m_axi__awready, dut.m_axi__wready),
+        *(dut.m_axi__bvalid, dut.last_column, dut.last_line, dut.background),
+    ]
+    dut.swapped.value = 0
+    await bench.reset()
+    for _ in range(150):
+        await bench.step(bench.drive, bench.observe)  # to the middle of a cycle
+        before = [str(port.value) for port in outputs]
+        values = [port.value for port in inputs]
+        for port, value in zip(inputs, values, strict=True):
+            port.value = ~int(value) & (1 << len(port)) - 1 if value.is_resolvable else 0
+        await Timer(1, "ns")
+        assert [str(port.value) for port in outputs] == before
+        for port, value in zip(inputs, values, strict=True):
+            port.value = value
+        await Timer(1, "ns")
