@@ -12,7 +12,7 @@ from splatline.rtl.bus.axi_top import AxiTop
 from .register_texts import json_map
 from .verilog import convert, describe, header
 
-__all__ = ["generate_axi"]
+__all__ = ["MEANINGS", "describe_axi", "generate_axi"]
 
 MEANINGS = {
     "aclk": "clock of all buses, rising edge",
@@ -32,6 +32,14 @@ def generate_axi(config: EngineConfig = PAPER, name: str = "splatline") -> tuple
     also has the register map.
     """
     top = AxiTop(config)
+    return header(config) + convert(top, name), describe_axi(top, name, MEANINGS)
+
+
+def describe_axi(top: AxiTop, name: str, meanings: dict[str, str]) -> dict:
+    """Return the description of a top on AXI, with its registers.
+
+    ``meanings`` has the meaning of each bus and wire, by name.
+    """
     ports = []
     for port, member in top.signature.members.items():
         bus = next((bus for bus in top.buses if port.startswith(f"{bus}_")), port)
@@ -40,10 +48,7 @@ def generate_axi(config: EngineConfig = PAPER, name: str = "splatline") -> tuple
                 "name": port,
                 "direction": "input" if member.flow is In else "output",
                 "width": Shape.cast(member.shape).width,
-                "meaning": MEANINGS[bus],
+                "meaning": meanings[bus],
             }
         )
-    return header(config) + convert(top, name), {
-        **describe(top, name, ports=ports),
-        "registers": json_map(top.registers),
-    }
+    return {**describe(top, name, ports=ports), "registers": json_map(top.registers)}

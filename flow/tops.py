@@ -7,6 +7,7 @@ from collections.abc import Callable
 from splatline.contract.config import EngineConfig
 
 from .axi_verilog import generate_axi
+from .framebuffer_verilog import generate_framebuffer
 from .narrow_verilog import generate_pins
 from .verilog import generate
 
@@ -16,8 +17,10 @@ TOPS: dict[str, Callable[[EngineConfig, str], tuple[str, dict]]] = {
     "engine": generate,
     "pins": generate_pins,
     "axi": generate_axi,
+    "framebuffer": generate_framebuffer,
 }
-"""``engine``: the engine's own streams; ``pins``: the narrow top; ``axi``: the AXI top.
+"""``engine``: the engine's own streams; ``pins``: the narrow top; ``axi``: the AXI top;
+``framebuffer``: the AXI top that writes its pictures to memory.
 
 Each is a function of a configuration and a module's name. It returns the Verilog and its
 description.

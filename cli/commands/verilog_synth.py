@@ -25,10 +25,10 @@ __all__ = ["synth", "verilog"]
 
 TOP = click.option(
     "--top",
-    type=click.Choice(["engine", "pins", "axi"]),
+    type=click.Choice(["engine", "pins", "axi", "framebuffer"]),
     default="engine",
     help="engine: streams of full width. pins: the narrow top, which fits the pins of a package."
-    " axi: AXI4-Stream and AXI4-Lite.",
+    " axi: AXI4-Stream and AXI4-Lite. framebuffer: axi, with pictures in memory by AXI4.",
 )
 
 
@@ -46,7 +46,7 @@ TOP = click.option(
 @click.option(
     "--name",
     metavar="NAME",
-    show_default="splatline_PRESET, with _axi, _pins or _chainN behind",
+    show_default="splatline_PRESET, with _axi, _pins, _framebuffer or _chainN behind",
     help="Name of the top module; those of all others begin with it.",
 )
 @click.option(
@@ -70,7 +70,7 @@ def verilog(
     """Write the Verilog of an engine or a chain, and a JSON sidecar of the same name.
 
     The sidecar has the ports with their widths and meaning, the configuration, the latency and the
-    versions of the tools. With --top axi it has the registers too.
+    versions of the tools. With --top axi or framebuffer it has the registers too.
 
     \b
     Examples:
@@ -78,6 +78,7 @@ def verilog(
       splatline verilog --preset paper -o engine.v        engine.v and engine.json
       splatline verilog --top pins -o top.v               alone on an FPGA
       splatline verilog --top axi -o splatline_axi.v      in a block design
+      splatline verilog --top framebuffer -o screen.v     in front of a display
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
       splatline verilog --engines 8 -o chain.v            eight engines that draw one picture
       splatline verilog --preset swift --name painter     module painter, and painter__window ...

@@ -77,12 +77,12 @@ class AxiTop(wiring.Component):
         self.config = config
         self.engine = Engine(config) if engine is None else engine
         self.registers = register_map(config)
-        raster = AxiStreamSignature(raster_stream_bytes(config))
+        picture = self._picture_members()
         self.buses = {
             "s_axi_ctrl": In(AxiLiteSignature(self.registers.address_bits)),
             "s_axis_codewords": In(AxiStreamSignature(codeword_stream_bytes(config))),
-            "s_axis_initial": In(raster),
-            "m_axis_raster": Out(raster),
+            "s_axis_initial": In(AxiStreamSignature(raster_stream_bytes(config))),
+            **{name: member for name, member in picture.items() if not member.is_port},
         }
         super().__init__(
             {
@@ -94,6 +94,7 @@ class AxiTop(wiring.Component):
                     for name, wire in member.signature.members.items()
                 },
                 "irq": Out(1),
+                **{name: member for name, member in picture.items() if member.is_port},
             }
         )
 
@@ -161,7 +162,7 @@ class AxiTop(wiring.Component):
         with m.If(abort):
             m.d.sync += aborting.eq(1)
 
-        end_left, word_left = self._raster(m, aborting)
+        end_left, word_left, output_stalls = self._raster(m, values, aborting)
 
         check = self._check(m, registers, word_taken)
         self._report_packets(m, registers.events, codewords, initial)
@@ -179,7 +180,7 @@ class AxiTop(wiring.Component):
             "elements": check.element,
             "cycles": word_taken | drawing,
             "input_stalls": codewords.o.valid & ~codewords.o.ready,
-            "output_stalls": self.m_axis_raster_tvalid & ~self.m_axis_raster_tready,
+            "output_stalls": output_stalls,
             "words": word_left,
         }
         self._count(m, registers, counted)
@@ -198,10 +199,14 @@ class AxiTop(wiring.Component):
     def _registers(self, m):
         """Return the register file behind the AXI4-Lite port."""
         m.submodules.registers = registers = RegisterFile(self.registers)
-        for name, wire in self.buses["s_axi_ctrl"].signature.members.items():
-            port, inner = getattr(self, f"s_axi_ctrl_{name}"), getattr(registers.bus, name)
-            m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
+        self._join(m, "s_axi_ctrl", registers.bus)
         return registers
+
+    def _join(self, m, bus, part):
+        """Connect the ports of a bus to those of a part."""
+        for name, wire in self.buses[bus].signature.members.items():
+            port, inner = getattr(self, f"{bus}_{name}"), getattr(part, name)
+            m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
 
     def _check(self, m, registers, word_taken):
         """Return the check of code words, which sets bits of ERROR."""
@@ -270,10 +275,15 @@ class AxiTop(wiring.Component):
             wires["tready"].eq(slice_.i.ready),
         ]
 
-    def _raster(self, m, aborting):
+    def _picture_members(self):
+        """Return the buses and wires of the picture, by name."""
+        return {"m_axis_raster": Out(AxiStreamSignature(raster_stream_bytes(self.config)))}
+
+    def _raster(self, m, values, aborting):
         """Connect the engine's beats to their port; of an aborted frame only the end beat.
 
-        Return whether an end beat leaves in this cycle, and whether another beat does.
+        Return whether an end beat leaves in this cycle, whether another beat does, and whether one
+        waits.
         """
         beat = RasterLayout(self.config)
         m.submodules.raster_slice = slice_ = RegisterSlice(beat)
@@ -290,7 +300,8 @@ class AxiTop(wiring.Component):
             slice_.o.ready.eq(self.m_axis_raster_tready),
         ]
         left = slice_.o.valid & slice_.o.ready
-        return left & slice_.o.payload.end, left & ~slice_.o.payload.end
+        waits = self.m_axis_raster_tvalid & ~self.m_axis_raster_tready
+        return left & slice_.o.payload.end, left & ~slice_.o.payload.end, waits
 
 
 def _errors(registers, values):

@@ -35,10 +35,11 @@ PLUSARG = 'initial if (!$value$plusargs("fault=%d", planted)) planted = 0;'
 """What sets a register to the fault of a run."""
 
 
-def build(make, faults, edit=lambda text: text):
+def build(make, faults, edit=lambda text: text, **options):
     """Build a component, which ``make`` returns, with faults; it is called ``dut``.
 
-    Its port ``fault`` selects one. ``edit`` changes the Verilog besides.
+    Its port ``fault`` selects one. ``edit`` changes the Verilog besides; ``options`` are those of
+    ``simulator.build``.
     """
     with pytest.MonkeyPatch.context() as patch:
         planted = plant(patch, faults)
@@ -46,7 +47,7 @@ def build(make, faults, edit=lambda text: text):
     text = text.replace(PLUSARG, "").replace("planted <= planted;", "planted <= dut.fault;")
     text, count = re.subn(r"(?m)^(module dut\()([^;]*;)", r"\1fault, \2 input [7:0] fault;", text)
     assert count == 1
-    return simulator.build({"dut.v": text}, "dut")
+    return simulator.build({"dut.v": text}, "dut", **options)
 
 
 def find_wrong(config, built, bench, faults, *, whole=True):

@@ -43,6 +43,12 @@ def test_the_engine_on_its_buses_keeps_to_its_budget_and_fits(record_property):
     assert all(counts[kind] <= DEVICE[kind] for kind in counts)
 
 
+def test_the_engine_with_a_frame_buffer_keeps_to_its_budget(record_property):
+    counts = counts_of(PRESETS["paper"], "framebuffer", record_property)
+    recorded = budgets.read_budgets()[budgets.budget_name("paper", "framebuffer")]
+    assert budgets.over_budget(counts, recorded) == {}
+
+
 def test_what_is_over_budget_is_told_by_how_much():
     counts = {"lut4": 105, "ff": 9, "bram": 2, "mult": 1}
     allowed = {"lut4": 100, "ff": 9, "bram": 3, "mult": 0}
