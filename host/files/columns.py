@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from .colours import greys, harmonics_to_bytes, unpack_colours
 from .column_names import HINTS, NORMALS, POSITIONS, Names, kinds_of, no_field, plain_name
+from .empty_returns import EMPTY_NOTE, Empty, check_seen, empty_of, seen_rows
 from .ranges import Range, range_of
-from .wanted import HEIGHT, RGB, USUAL, ColourBy, Wanted
+from .wanted import EMPTY, HEIGHT, RGB, USUAL, ColourBy, Wanted
 
 __all__ = [
     "Columns",
@@ -95,6 +96,8 @@ class Meaning:
         What colours a point, if it was asked for.
     measured
         Columns of numbers whose ranges are wanted.
+    empty
+        Which points at exactly 0, 0, 0 are left out.
     """
 
     positions: Names
@@ -104,6 +107,7 @@ class Meaning:
     ignored: Names
     colour: ColourBy | None = None
     measured: Names = ()
+    empty: Empty = Empty.SEVERAL
 
     @property
     def names(self) -> Names:
@@ -172,11 +176,37 @@ def find_meaning(
     taken = {*positions, *normals, *colours}
     ignored = tuple(name for name in names if name not in taken)
     measured = [name for name in names if widths.get(name, 1)] if wanted.ranges else []
-    return Meaning(positions, normals, colours, kind, ignored, wanted.colour, tuple(measured))
+    return Meaning(
+        positions,
+        normals,
+        colours,
+        kind,
+        ignored,
+        wanted.colour,
+        tuple(measured),
+        empty_of(wanted),
+    )
 
 
 def gather(table: Mapping[str, Any], meaning: Meaning, notes: Sequence[str] = ()) -> Columns:
-    """Return the columns that a meaning names, taken from a table of arrays."""
+    """Return the columns that a meaning names, taken from a table of arrays.
+
+    Returns that found nothing are left out and counted, as ``meaning.empty`` has it.
+
+    Raises
+    ------
+    InputError
+        If all points are such.
+    """
+    seen = seen_rows(_columns_of(table, meaning.positions), meaning.empty)
+    dropped: dict[str, int] = {}
+    if seen is not None:
+        if meaning.empty is Empty.SEVERAL:
+            check_seen(seen)
+        table = {name: np.asarray(table[name])[seen] for name in meaning.names}
+        dropped[EMPTY] = len(seen) - int(np.count_nonzero(seen))
+    if seen is not None or meaning.empty is Empty.ALL:
+        notes = (*notes, EMPTY_NOTE)
     colours, values = _stack(table, meaning.colours), None
     if colours is not None:
         if meaning.kind.startswith("packed"):
@@ -203,6 +233,7 @@ def gather(table: Mapping[str, Any], meaning: Meaning, notes: Sequence[str] = ()
         used,
         meaning.ignored,
         (*notes, *_remarks(meaning)),
+        dropped,
         values=values,
         colour=meaning.colour,
         ranges={name: range_of(table[name]) for name in meaning.measured},
@@ -229,6 +260,14 @@ def _remarks(meaning: Meaning) -> list[str]:
         shown = ", ".join(missed[:4]) + (f" and {len(missed) - 4} more" if missed[4:] else "")
         lines.append(f"not used: {shown}")
     return lines
+
+
+def _columns_of(table: Mapping[str, Any], names: Names) -> list[npt.NDArray[Any]]:
+    """Return columns of one value a point each, also of one column of several values."""
+    columns = [np.asarray(table[name]) for name in names]
+    if len(columns) == 1 and columns[0].ndim == 2:
+        return list(columns[0].T)
+    return columns
 
 
 def _stack(table: Mapping[str, Any], names: Names) -> npt.NDArray[Any] | None:

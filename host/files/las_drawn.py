@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from .las_fields import Fields
 from .las_header import LasHeader
-from .wanted import NOISE, UNDRAWN, WITHHELD
+from .wanted import NOISE, WITHHELD
 
 __all__ = ["Drawn"]
 
@@ -46,7 +46,7 @@ class Drawn:
         self._noise = NOISE_CLASSES[: 1 + (header.form >= LONG_CLASS)]
         self.read = fields
         self._keep = keep
-        if header.minor >= FLAGS_SINCE and not keep >= {*UNDRAWN}:
+        if header.minor >= FLAGS_SINCE and not keep >= {WITHHELD, NOISE}:
             self._flags = Fields(header, ("withheld", "classification"))
             self.read = Fields(header, (*fields.names, *self._flags.names))
 

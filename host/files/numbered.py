@@ -13,8 +13,9 @@ from splatline.contract.errors import InputError
 from .colours import greys
 from .column_names import no_field, plain_name
 from .columns import Columns
+from .empty_returns import EMPTY_NOTE, check_seen, empty_of, seen_rows
 from .ranges import range_of
-from .wanted import HEIGHT, INTENSITY, RGB, USUAL, ColourBy, Wanted
+from .wanted import EMPTY, HEIGHT, INTENSITY, RGB, USUAL, ColourBy, Wanted
 
 __all__ = ["by_number"]
 
@@ -54,7 +55,13 @@ def by_number(
     InputError
         If the number of columns means nothing, or there is no column of what is to colour a point.
     """
+    seen = seen_rows([rows[:, i] for i in range(min(3, rows.shape[1]))], empty_of(wanted))
+    if seen is not None:
+        check_seen(seen)
+        rows, notes = rows[seen], (*notes, EMPTY_NOTE)
     found = _usual(rows, suffix, notes)
+    if seen is not None:
+        found.dropped[EMPTY] = len(seen) - len(rows)
     if wanted.ranges:
         ranges = {f"column {i + 1}": range_of(column) for i, column in enumerate(rows.T)}
         found = replace(found, ranges=ranges)

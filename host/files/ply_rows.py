@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,9 +11,10 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, Meaning, find_meaning, gather
+from .empty_returns import Empty
 from .gaussians import are_gaussians
 from .ply_header import read_header
-from .read_ply import points_of
+from .read_ply import has_faces, points_of
 from .source import Source
 from .wanted import Wanted
 
@@ -30,18 +32,21 @@ class PlyRows(NamedTuple):
         Number of rows.
     kind
         A row's type.
+    mesh
+        Whether the points are vertices of faces.
     """
 
     start: int
     points: int
     kind: np.dtype[np.void]
+    mesh: bool = False
 
     def meaning(self, wanted: Wanted) -> Meaning:
         """Return what the properties are taken for."""
         assert self.kind.names is not None
         meaning = find_meaning(list(self.kind.names), wanted=wanted)
         assert meaning is not None
-        return meaning
+        return replace(meaning, empty=Empty.KEPT) if self.mesh else meaning
 
     def read(
         self, source: Source, places: npt.NDArray[np.int64], length: int, meaning: Meaning
@@ -86,6 +91,6 @@ def ply_rows(source: Source) -> PlyRows | None:
             return None
         kind = element.dtype(header.order)
         if element is chosen:
-            return PlyRows(start, element.count, kind)
+            return PlyRows(start, element.count, kind, has_faces(header))
         start += element.count * kind.itemsize
     return None

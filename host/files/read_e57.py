@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -14,8 +15,9 @@ from splatline.contract.errors import InputError
 from .columns import Columns, Meaning, find_meaning, gather
 from .e57_header import field_names, opened_e57
 from .e57_poses import cartesian, moved
+from .empty_returns import EMPTY_NOTE, Empty, seen_rows
 from .source import Source
-from .wanted import Wanted
+from .wanted import EMPTY, Wanted
 
 __all__ = ["read_e57"]
 
@@ -39,7 +41,8 @@ def read_e57(source: Source) -> Columns:
     """Return the points of all scans, in the file's own coordinates.
 
     Spherical coordinates become Cartesian ones, and each scan is rotated and moved by its pose,
-    with its normals. Points that are marked as invalid are left out and counted. Scans without
+    with its normals. Points that are marked as invalid are left out and counted, and so are those
+    at exactly 0, 0, 0 before that if a scan has several. Scans without
     colours in a file with colours get ``NEUTRAL``.
 
     Raises
@@ -53,17 +56,17 @@ def read_e57(source: Source) -> Columns:
         fields = [field_names(libe57, scan["points"]) for scan in scans]
         meaning = _meaning(fields, source.wanted)
         tables: list[Table] = []
-        dropped = 0
+        dropped: Counter[str] = Counter()
         for scan, names in zip(scans, fields, strict=True):
-            table, invalid = _read_scan(libe57, image, scan, names, meaning)
+            table, left_out = _read_scan(libe57, image, scan, names, meaning)
             tables.append(table)
-            dropped += invalid
+            dropped.update(left_out)
             if source.progress is not None:
                 source.progress(sum(len(part[meaning.positions[0]]) for part in tables) / total)
     whole = {name: np.concatenate([part[name] for part in tables]) for name in meaning.names}
-    columns = gather(whole, meaning)
-    if dropped:
-        columns.dropped["invalid"] = dropped
+    notes = (EMPTY_NOTE,) if dropped[EMPTY] else ()
+    columns = gather(whole, replace(meaning, empty=Empty.KEPT), notes)
+    columns.dropped.update(+dropped)
     return columns
 
 
@@ -94,8 +97,8 @@ def _meaning(fields: Iterable[Names], wanted: Wanted) -> Meaning:
 
 def _read_scan(
     libe57: Any, image: Any, scan: Any, names: Names, meaning: Meaning
-) -> tuple[Table, int]:
-    """Return the valid points of a scan under the meaning's names, and how many are invalid."""
+) -> tuple[Table, dict[str, int]]:
+    """Return the valid points of a scan under the meaning's names, and the others by reason."""
     points = scan["points"]
     places = CARTESIAN if all(name in names for name in CARTESIAN) else SPHERICAL
     if any(name not in names for name in places):
@@ -126,9 +129,13 @@ def _read_scan(
     if state:
         valid = table[state] == 0
         table = {name: values[valid] for name, values in table.items()}
-    invalid = found - len(table[places[0]])
+    dropped = {"invalid": found - len(table[places[0]])}
     rows = _stack(table, places, 0)
-    rows = moved(scan, rows if places == CARTESIAN else cartesian(rows))
+    rows = rows if places == CARTESIAN else cartesian(rows)
+    if (seen := seen_rows(list(rows.T), meaning.empty)) is not None:
+        rows, table = rows[seen], {name: values[seen] for name, values in table.items()}
+        dropped[EMPTY] = len(seen) - len(rows)
+    rows = moved(scan, rows)
     result: Table = dict(zip(meaning.positions, rows.T, strict=True))
     if meaning.normals:
         turned = moved(scan, _stack(table, meaning.normals, len(rows)), turn_only=True)
@@ -136,7 +143,7 @@ def _read_scan(
     for name in others:
         if name not in meaning.normals:
             result[name] = table.get(name, np.full(len(rows), np.nan))
-    return result, invalid
+    return result, dropped
 
 
 def _kind(node: Any, name: str) -> str:

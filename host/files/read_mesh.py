@@ -12,6 +12,7 @@ import numpy as np
 from splatline.contract.errors import InputError
 
 from .columns import Columns, find_meaning, gather
+from .empty_returns import Empty
 from .glb_header import check_glb
 from .mesh_parts import Part, join, sample_parts
 from .obj_indices import check_obj
@@ -71,6 +72,7 @@ def read_mesh(source: Source) -> Columns:
             table |= dict(zip(names, array.T, strict=True))
     meaning = find_meaning(list(table), wanted=source.wanted)
     assert meaning is not None
+    meaning = replace(meaning, empty=Empty.KEPT)  # a vertex is no return
     return replace(gather(table, meaning), two_sided=columns.two_sided)
 
 

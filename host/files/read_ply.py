@@ -13,13 +13,14 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, bytes_left, find_meaning, gather
+from .empty_returns import Empty
 from .gaussians import are_gaussians, gaussian_columns
 from .numbers import as_declared, lines_of, load_rows
 from .ply_header import Element, Header, read_header
 from .ply_lists import list_rows
 from .source import Source
 
-__all__ = ["points_of", "read_ply"]
+__all__ = ["has_faces", "points_of", "read_ply"]
 
 _Table = dict[str, npt.NDArray[Any]]
 
@@ -47,8 +48,15 @@ def read_ply(source: Source) -> Columns:
     if are_gaussians(chosen.scalars):
         return gaussian_columns(table, chosen.scalars, bytes_left(left), source.wanted)
     lists = [item.name for item in chosen.properties if item.length is not None]
+    if has_faces(header):
+        meaning = replace(meaning, empty=Empty.KEPT)  # a vertex of a mesh is no return
     columns = gather(table, meaning, bytes_left(left))
     return replace(columns, ignored=(*columns.ignored, *lists))
+
+
+def has_faces(header: Header) -> bool:
+    """Return whether the points are the vertices of a mesh."""
+    return any(element.name == "face" and element.count for element in header.elements)
 
 
 def points_of(header: Header) -> Element:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -11,8 +12,10 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, find_meaning, gather
+from .empty_returns import Empty
 from .numbers import lines_of
 from .source import Source
+from .wanted import EMPTY
 
 __all__ = ["read_ptx", "read_ptx_header"]
 
@@ -38,8 +41,8 @@ def read_ptx(source: Source) -> Columns:
     """Return the points of all scans, each moved by the matrix before it.
 
     The matrix has the translation in its last row. Returns that found nothing, at 0 0 0 before the
-    transform, are left out and counted. Scans without colours in a file with colours get
-    ``NEUTRAL``.
+    transform, are left out and counted, each of them, unless they are to be kept. Scans without
+    colours in a file with colours get ``NEUTRAL``.
 
     Raises
     ------
@@ -54,9 +57,10 @@ def read_ptx(source: Source) -> Columns:
         if count > source.size // LEAST:
             raise InputError(f"promises {count:,} points, more than {source.size:,} bytes hold")
         rows = lines.points(count)
-        seen = rows[:, :3].any(axis=1)
-        empty += int(np.count_nonzero(~seen))
-        rows = rows[seen]
+        if EMPTY not in source.wanted.keep:
+            seen = rows[:, :3].any(axis=1)
+            empty += int(np.count_nonzero(~seen))
+            rows = rows[seen]
         rows[:, :3] = rows[:, :3] @ matrix[:3, :3] + matrix[3, :3]
         scans.append(rows)
     if not any(map(len, scans)):
@@ -70,9 +74,10 @@ def read_ptx(source: Source) -> Columns:
     names = NAMES[:width]
     meaning = find_meaning(names, wanted=source.wanted)
     assert meaning is not None
+    meaning = replace(meaning, empty=Empty.KEPT)  # these are moved by the transforms
     columns = gather({name: whole[:, i] for i, name in enumerate(names)}, meaning)
     if empty:
-        columns.dropped["empty"] = empty
+        columns.dropped[EMPTY] = empty
     return columns
 
 

@@ -9,6 +9,7 @@ from splatline.contract.errors import InputError
 
 __all__ = [
     "CLASSIFICATION",
+    "EMPTY",
     "HEIGHT",
     "INTENSITY",
     "NOISE",
@@ -23,11 +24,12 @@ __all__ = [
 RGB, HEIGHT, INTENSITY, CLASSIFICATION = "rgb", "height", "intensity", "classification"
 """Fields that need not have these names in a file; any other field is a column's name."""
 
-WITHHELD, NOISE = "withheld", "noise"
+WITHHELD, NOISE, EMPTY = "withheld", "noise", "empty"
 
 UNDRAWN = {
     WITHHELD: "points of LAS that are flagged as withheld",
     NOISE: "points of LAS that are classified as noise",
+    EMPTY: "points at exactly 0, 0, 0 if there are several, as of returns that found nothing",
 }
 """Points of files that are not drawn unless they are asked for, by name."""
 

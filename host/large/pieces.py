@@ -14,13 +14,14 @@ from splatline.host.files.colouring import colour_values, heights
 from splatline.host.files.colours import NEUTRAL, brightest, colours_to_bytes, robust_range
 from splatline.host.files.columns import Columns, gather
 from splatline.host.files.copc import Octree, copc_sample, copc_tables, read_octree
+from splatline.host.files.empty_returns import Empty
 from splatline.host.files.las_fields import Table
 from splatline.host.files.las_header import LasHeader, read_las_header
 from splatline.host.files.ply_rows import PlyRows, ply_rows
 from splatline.host.files.read_las import las_meaning, las_sample, las_tables
 from splatline.host.files.readers import open_cloud_file, parser_errors, read_columns
 from splatline.host.files.source import Progress, Source, format_suffix
-from splatline.host.files.wanted import HEIGHT, INTENSITY, RGB, ColourBy, Wanted
+from splatline.host.files.wanted import EMPTY, HEIGHT, INTENSITY, RGB, ColourBy, Wanted
 
 __all__ = ["Colouring", "PieceFile", "Sample", "colours_of", "rows_of"]
 
@@ -114,6 +115,7 @@ class PieceFile:
         self._colours = True
         self._in_pieces = format_suffix(path) in IN_PIECES
         self._rows: PlyRows | None = None
+        self._empty = Empty.SEVERAL
 
     def sample(self) -> Sample:
         """Return some points from all over the file.
@@ -152,7 +154,8 @@ class PieceFile:
                     meaning = las_meaning(header, Wanted(self._by), colours=self._colours)
                 bounds = header.low, header.high
                 in_pieces = self.octree is None
-                return Sample(gather(table, meaning), header.count, bounds, in_pieces)
+                columns = self._settled(gather(table, meaning))
+                return Sample(columns, header.count, bounds, in_pieces)
 
     def _sample_of_rows(self, source: Source, rows: PlyRows) -> Sample:
         """Return some points from all over a binary PLY file."""
@@ -165,7 +168,13 @@ class PieceFile:
             number, length = 1, rows.points
         starts = np.linspace(0, max(rows.points - length, 0), number).astype(np.int64)
         with parser_errors(source):
-            return Sample(rows.read(source, starts, length, meaning), rows.points, None, True)
+            columns = self._settled(rows.read(source, starts, length, meaning))
+            return Sample(columns, rows.points, None, True)
+
+    def _settled(self, sample: Columns) -> Columns:
+        """Settle by a sample which points at exactly 0, 0, 0 are left out of all pieces."""
+        self._empty = Empty.ALL if EMPTY in sample.dropped else Empty.KEPT
+        return sample
 
     def _sample(self, source: Source, header: LasHeader, names: Sequence[str]) -> Table:
         """Return some fields of some points from all over a LAS file."""
@@ -205,7 +214,7 @@ class PieceFile:
                 else:
                     tables = las_tables(source, header, meaning.names, PIECE, first, stop)
                 for table, dropped in tables:
-                    columns = gather(table, meaning)
+                    columns = gather(table, dataclasses.replace(meaning, empty=self._empty))
                     columns.dropped.update(dropped)
                     yield columns
 
@@ -213,7 +222,7 @@ class PieceFile:
         self, source: Source, rows: PlyRows, first: int, stop: int | None
     ) -> Iterator[Columns]:
         """Yield the points of a binary PLY file."""
-        meaning = rows.meaning(source.wanted)
+        meaning = dataclasses.replace(rows.meaning(source.wanted), empty=self._empty)
         end = rows.points if stop is None else stop
         for place in range(first, end, PIECE):
             with parser_errors(source):
