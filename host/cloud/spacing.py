@@ -70,9 +70,9 @@ def measure_discs(
     cloud
         The points; at least one.
     size
-        Diameter of all discs, in the cloud's unit. None: the cloud's own radii if it has them;
-        else the discs close the surface: each is ``COVER`` times as large as its closing radius
-        (see :func:`closing_radii`).
+        Diameter of all discs, in the cloud's unit. None: the discs close the surface: each is
+        ``COVER`` times as large as its closing radius (see :func:`closing_radii`). A cloud's own
+        radii count if at least half of them are as large as that; else none is smaller.
     progress
         Called now and then with the share of the work that is done.
 
@@ -81,14 +81,21 @@ def measure_discs(
     InputError
         If ``size`` is not a finite number above 0.
     """
-    if size is None and cloud.radii is not None:
-        return Discs(cloud.radii, np.zeros(len(cloud), np.bool_))
     if size is None:
         radii, thin = _close(cloud.cells, cloud.normals, cloud.closing, progress)
-        return Discs(COVER * radii, thin)
+        radii *= COVER
+        return Discs(radii, thin) if cloud.radii is None else _own(cloud.radii, radii, thin)
     if not (math.isfinite(size) and size > 0.0):
         raise InputError(f"the splat size must be above 0, not {size:g}")
     return Discs(np.full(len(cloud), 0.5 * size), np.zeros(len(cloud), np.bool_))
+
+
+def _own(own: _Floats, closing: _Floats, thin: npt.NDArray[np.bool_]) -> Discs:
+    """Return a cloud's own discs, none smaller than one that closes the surface if most are."""
+    small = own < closing
+    if 2 * np.count_nonzero(small) <= len(own):
+        return Discs(own, np.zeros(len(own), np.bool_))
+    return Discs(np.where(small, closing, own), thin & small)
 
 
 def closing_radii(

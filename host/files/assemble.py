@@ -109,7 +109,7 @@ def assemble_cloud(
     if estimate and missing.any():
         if progress is not None:
             progress(0.0)
-        if missing.all() and usual.all() and cloud.radii is None:
+        if missing.all() and usual.all():
             estimate_surface(cloud, progress=progress)
         else:
             normals[missing] = estimate_normals(

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 
 from .columns import Columns, find_meaning, gather
+from .empty_returns import Empty
 from .wanted import USUAL, Wanted
 
 __all__ = ["are_gaussians", "gaussian_columns"]
@@ -24,6 +25,10 @@ ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
 OPAQUE = 0.3
 """Least opacity of a splat that is drawn. Discs are opaque. Two splats of this opacity, one before
 the other, hide half of what is behind them: 1 - 0.7^2 = 0.51."""
+
+ROUND = 0.7
+"""A splat is round if its smallest standard deviation is more than this share of the middle one.
+Its shape tells no normal."""
 
 LARGEST = 1e100
 """Radii beyond this count as not finite: their squares would not be."""
@@ -43,7 +48,8 @@ def gaussian_columns(
     """Return discs for Gaussian splats.
 
     - Opacity is the logistic function of the file's number. Splats below ``OPAQUE`` are left out.
-    - The normal is the axis of the smallest scale; its sign means nothing.
+    - The normal is the axis of the smallest scale; its sign means nothing. That of a round splat
+      is missing, as of a point without one.
     - The disc has the area over which the Gaussian's opacity adds up: with standard deviations s
       and t along the two larger axes and opacity a, the integral of
       ``a exp(-(x/s)^2/2 - (y/t)^2/2)`` is ``2 pi a s t``, so the radius is ``sqrt(2 a s t)``. A
@@ -76,7 +82,7 @@ def gaussian_columns(
         raise InputError(f"none of its {len(kept):,} splats has an opacity of {OPAQUE} and a size")
     meaning = find_meaning(names, wanted=wanted)
     assert meaning is not None
-    meaning = replace(meaning, normals=())  # they are 0
+    meaning = replace(meaning, normals=(), empty=Empty.KEPT)  # their normals are 0
     rows = {name: np.asarray(table[name])[kept] for name in meaning.names}
     columns = gather(rows, meaning, notes)
     used = dict.fromkeys(OPACITY, "opacity") | dict.fromkeys(SCALES, "size")
@@ -88,9 +94,16 @@ def gaussian_columns(
     dropped = {"transparent": len(kept) - int(np.count_nonzero(seen))}
     if strange := int(np.count_nonzero(seen & ~kept)):
         dropped["without_size"] = strange
+    normals = _axes(_stack(table, ROTATION)[kept], order[kept, 0])
+    least = np.take_along_axis(deviations, order[:, :1], axis=1)[:, 0]
+    is_round = (least > ROUND * larger[:, 0])[kept]
+    normals[is_round] = 0.0
+    if is_round.any():
+        told = f"{np.count_nonzero(is_round):,} splats are round, so their normals are estimated"
+        columns = replace(columns, notes=(*columns.notes, told))
     return replace(
         columns,
-        normals=_axes(_stack(table, ROTATION)[kept], order[kept, 0]),
+        normals=normals,
         used=used,
         ignored=tuple(name for name in names if name not in used),
         dropped=dropped,

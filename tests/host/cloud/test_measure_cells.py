@@ -51,7 +51,7 @@ def test_progress_is_told_once_for_both(monkeypatch):
     assert (shares[0], shares[-1], later) == (0.0, 1.0, [])
 
 
-@pytest.mark.parametrize("case", ["normals", "some normals", "radii", "a stray"])
+@pytest.mark.parametrize("case", ["normals", "some normals", "a stray"])
 def test_nothing_is_kept_where_it_would_be_of_no_use(case):
     points = CLOUDS["volume"]
     normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
@@ -59,11 +59,7 @@ def test_nothing_is_kept_where_it_would_be_of_no_use(case):
         normals[::2] = 0.0
     if case == "a stray":
         points = np.append(points, [[1e6, 0, 0]], axis=0)
-    columns = Columns(
-        points,
-        normals if "normals" in case else None,
-        radii=np.ones(len(points)) if case == "radii" else None,
-    )
+    columns = Columns(points, normals if "normals" in case else None)
     assert assemble_cloud(columns, "test").closing is None
 
 
