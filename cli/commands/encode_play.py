@@ -11,6 +11,7 @@ from splatline.cli.options.drawing import background_option, draw, engine_option
 from splatline.cli.options.outputs import check_files, require_suffix, write_json
 from splatline.cli.options.prepare import prepare
 from splatline.cli.options.request import RenderRequest
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics
 
@@ -42,6 +43,7 @@ def encode(request: RenderRequest, output: Path) -> None:
     from splatline.host.frame_file import sidecar_path
 
     check_files((output, sidecar_path(output)), inputs=request.paths)
+    tell_compiling()
     stages = Stages()
     prepared = prepare(request, stages)
 
@@ -113,6 +115,7 @@ def play(
     from splatline.host.frame_file import sidecar_path
 
     check_files((output, depth, stats), inputs=[frame, sidecar_path(frame)])
+    tell_compiling()
     stages = Stages()
     with stages.stage("read", f"Reading {frame}"):
         from splatline.host.frame_file import load_frame

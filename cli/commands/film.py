@@ -11,6 +11,7 @@ from splatline.cli.options.drawing import background_option
 from splatline.cli.options.large import is_large
 from splatline.cli.options.outputs import check_files
 from splatline.cli.options.request import RenderRequest
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Stages
 from splatline.contract.errors import InputError
 from splatline.host.sample_positions import SAMPLES
@@ -108,6 +109,7 @@ def film(
     from splatline.view.film.film import make_film, plan_cameras
     from splatline.view.film.turntable import fit_turntable
 
+    tell_compiling()
     stages = Stages()
     live, camera = prepare_live(request, stages)
     home = fit_turntable(live.cloud, live.discs.radii, size=request.size, **camera)

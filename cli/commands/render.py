@@ -20,6 +20,7 @@ from splatline.cli.options.outputs import check_files, check_folder, require_suf
 from splatline.cli.options.prepare import prepare
 from splatline.cli.options.prepared import PreparedFrames
 from splatline.cli.options.request import RenderRequest
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Stages
 from splatline.cli.report.statistics import drawing_statistics
 from splatline.contract.errors import InputError
@@ -97,7 +98,7 @@ def render(
       splatline render scan.ply -o scan.png --orbit 30,20
       splatline render scan.ply --size 512x384 --fov 25 --up z --splat-size 0.05
       splatline render scan.ply --target 3.5,-2,0 --distance 8    look at a point
-      splatline render scan.laz                            a LAS or LAZ file of any size
+      splatline render scan.laz                            a LAS, LAZ or PLY file of any size
       splatline render tiles/*.laz --memory 2G             many files as one cloud
       splatline render tiles/*.laz --dask local            the same by all cores, with Dask
       splatline render part.stl --sample 1000000           points on the faces of a mesh
@@ -119,6 +120,7 @@ def render(
     numbers_of_set = out_dir / "stats.json" if out_dir is not None and out_dir.is_dir() else None
     check_files((output, depth, stats, numbers_of_set), inputs=request.paths)
 
+    tell_compiling()
     stages = Stages()
     if not fits_engine(request):
         options = TileOptions(

@@ -10,6 +10,7 @@ from splatline.cli.options.cloud_and_view import live_options
 from splatline.cli.options.drawing import background_option
 from splatline.cli.options.large import is_large
 from splatline.cli.options.request import RenderRequest
+from splatline.cli.report.compiling import tell_compiling
 from splatline.contract.errors import InputError, install_hint
 from splatline.contract.presets import PRESETS
 from splatline.host.sample_positions import SAMPLES
@@ -57,6 +58,7 @@ def view(
     if importlib.util.find_spec("aiohttp") is None:
         raise InputError(f"view needs aiohttp: {install_hint('view')}")
     _check(request)
+    tell_compiling()
     from splatline.cli.options.live import draw_settings, subject_of
     from splatline.view.choices import Choices
     from splatline.view.server.run import serve

@@ -1,0 +1,49 @@
+"""Tells on standard error that functions are being compiled, which happens once on a machine."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+__all__ = ["LINE", "tell_compiling"]
+
+LINE = "Compiling, once on this machine (half a minute) ..."
+
+SOON = 1.0
+"""Seconds of compiling before it is told. A kind of file may need a small function more."""
+
+_told = False
+
+
+def tell_compiling() -> None:
+    """Have a line printed if numba compiles for more than ``SOON`` seconds, once a process.
+
+    Numba tells when it compiles; what it loads from its cache is no such event.
+    """
+    global _told
+    if _told:
+        return
+    _told = True
+    from numba.core import event
+
+    class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
+        def __init__(self) -> None:
+            self.inside = 0
+            self.begun = self.spent = 0.0
+
+        def on_start(self, event: Any) -> None:
+            now = time.monotonic()
+            if not self.inside:
+                self.begun = now
+            self.inside += 1  # functions that are called are compiled within
+            if self.spent + now - self.begun > SOON:
+                self.spent = -float("inf")
+                print(LINE, file=sys.stderr, flush=True)
+
+        def on_end(self, event: Any) -> None:
+            self.inside -= 1
+            if not self.inside:
+                self.spent += time.monotonic() - self.begun
+
+    event.register("numba:compile", Listener())
