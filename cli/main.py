@@ -25,6 +25,12 @@ BAD_INPUT = 2
 TOOL_FAILED = 1
 """Exit code if Yosys, nextpnr or ecppack failed."""
 
+NO_MEMORY = (
+    "the cloud does not fit the memory; close other programs, or write it as LAS, LAZ or binary"
+    " PLY, which --memory reads in parts"
+)
+"""Message of a MemoryError."""
+
 INTERRUPTED = 130
 """Exit code of a run stopped with Ctrl-C, by the convention of shells (128 + SIGINT)."""
 
@@ -65,6 +71,8 @@ class Program(LazyGroup):
             code = _complain(str(error))
         except OSError as error:
             code = _complain(_file_trouble(error))
+        except MemoryError:
+            code = _complain(NO_MEMORY)
         except click.Abort:  # click raises it on Ctrl-C
             code = INTERRUPTED
         sys.exit(code)

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 
+from .available_memory import available_memory
 from .wanted import USUAL, Wanted
 
 __all__ = [
@@ -47,6 +48,9 @@ LARGE_PIECE = 1 << 24
 
 SURVEYS = (".las", ".laz", ".e57", ".ptx")
 """Formats of surveyors, whose z points up."""
+
+TEXTS = (".xyz", ".xyzn", ".xyzrgb", ".txt", ".asc", ".csv", ".pts", ".ptx")
+"""Formats of text alone."""
 
 UNPACKING = 0.5
 """Share of a compressed file's reading that is told when it is unpacked."""
@@ -171,7 +175,8 @@ def open_source(
             return
         with tempfile.TemporaryFile() as unpacked:
             packed = Source(stream, size, "", _part(progress, 0.0, UNPACKING))
-            _unpack(packed, cast(BinaryIO, unpacked), unpacked_limit(size))
+            fits = available_memory() if named in TEXTS else None
+            _unpack(packed, cast(BinaryIO, unpacked), unpacked_limit(size), fits)
             size = unpacked.seek(0, 2)
             unpacked.seek(0)
             if not size:
@@ -188,8 +193,12 @@ def _part(progress: Progress | None, first: float, last: float) -> Progress | No
     return lambda share: progress(first + share * (last - first))
 
 
-def _unpack(packed: Source, to: BinaryIO, limit: int) -> None:
-    """Write what a gzip file holds, and no more than ``limit`` bytes of it."""
+def _unpack(packed: Source, to: BinaryIO, limit: int, fits: int | None) -> None:
+    """Write what a gzip file holds, and no more than ``limit`` bytes of it.
+
+    Nor more than ``fits``, the bytes of memory for the points of a text: a point takes at least as
+    many as its line.
+    """
     written = 0
     try:
         with gzip.GzipFile(fileobj=packed.stream) as stream:
@@ -198,6 +207,11 @@ def _unpack(packed: Source, to: BinaryIO, limit: int) -> None:
                 if written > limit:
                     raise InputError(
                         f"unpacks to more than {limit:,} bytes; it is damaged, or no cloud"
+                    )
+                if fits is not None and written > fits:
+                    raise InputError(
+                        f"unpacks to more text than fits the memory, in which {fits:,} bytes are"
+                        " left; write it as LAZ or binary PLY"
                     )
                 to.write(piece)
                 packed.tell()

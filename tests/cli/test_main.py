@@ -7,7 +7,7 @@ from importlib import metadata
 import pytest
 
 from splatline.cli.commands import render as render_module
-from splatline.cli.main import COMMANDS
+from splatline.cli.main import COMMANDS, NO_MEMORY
 from splatline.contract.errors import InputError
 from splatline.contract.tool_error import ToolFailure
 from splatline.flow.tools import ToolError
@@ -119,6 +119,7 @@ def test_a_wrong_command_line_gets_one_line_and_code_2(run, folder, arguments, m
         (ToolFailure("it stopped\nthe log"), 1, "splatline: it stopped\nthe log\n"),
         (ToolError("Yosys failed:\nthe log"), 1, "splatline: Yosys failed:\nthe log\n"),
         (KeyboardInterrupt(), 130, "\n"),
+        (MemoryError(), 2, f"splatline: {NO_MEMORY}\n"),
     ],
 )
 def test_errors_are_told_without_a_traceback(run, folder, monkeypatch, error, code, message):
