@@ -77,29 +77,25 @@ def host(
       splatline bench host scan.ply --points 10000000
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     check_folder(out_dir)
-    from splatline.host.cloud.resample import resample
-
     from . import first_picture as firsts
     from .distances import DISTANCES, measure_distances
     from .page import page
     from .peers import PEERS
-    from .race import Subject, race
+    from .race import race
 
     subjects = _subjects(clouds, size)
-    cloud, view, radii = subjects[-1]
+    cloud, _, radii = subjects[-1]
     kinds = firsts.kinds(points) if first_picture else ()
     steps = 2 * len(subjects) + 2 * len(VIEWS) + len(DISTANCES) + len(kinds)
     steps += 3 * len(PEERS) + len(kinds) * len(firsts.PEERS) if peers else 0
     with Counter(steps) as counter:
-        large, small = resample(cloud, radii, points)
+        far = _resampled(subjects[-1], points)
         runs = _wholes(subjects, preset, repeats, counter.advance)
-        far = Subject(large, view, small)
         runs += _views(far, preset, repeats, counter.advance)
         distances = measure_distances(far, preset, repeats, counter.advance)
         rivals: list[dict[str, Any]] = []
         if peers:
-            medium, middling = resample(cloud, radii, min(MEDIUM, points))
-            racing = subjects[-1], Subject(medium, view, middling), far
+            racing = subjects[-1], _resampled(subjects[-1], min(MEDIUM, points)), far
             rivals = race(racing, preset, counter.advance)
         options = ("--preset", preset.name)
         first = firsts.first_pictures(cloud, radii, kinds, options, size, peers, counter.advance)
@@ -138,6 +134,17 @@ def _subjects(clouds: tuple[Path, ...], size: tuple[int, int]) -> list[Subject]:
         view = library.fit_view(cloud, size=size)
         found.append(Subject(cloud, view, library.splat_radii(cloud)))
     return found
+
+
+def _resampled(subject: Subject, points: int) -> Subject:
+    """Return more points of a cloud, with the discs that ``splatline render`` draws of them."""
+    from splatline.host.cloud.resample import resample
+    from splatline.host.cloud.spacing import measure_discs
+
+    from .race import Subject
+
+    cloud, _ = resample(subject.cloud, subject.radii, points)
+    return Subject(cloud, subject.view, measure_discs(cloud).radii)
 
 
 def _wholes(
