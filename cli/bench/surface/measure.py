@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["Sweep", "measure_clouds", "measure_scenes"]
 
 SCENES = ("knot", "terrain")
+
+DENSER = 4
+"""Points of a dense or noisy sample of a scan, for one of its own."""
 
 SEED = 1
 """Of points and of noise."""
@@ -95,7 +98,7 @@ def measure_scenes(
 def measure_clouds(
     clouds: Sequence[Path], preset: EngineConfig, advance: Callable[[str], None]
 ) -> list[dict[str, Any]]:
-    """Return pinholes and see-through pixels of clouds, in the default view."""
+    """Return pinholes and see-through pixels of clouds and of samples, in the default view."""
     from splatline.host.files.readers import read_cloud
     from splatline.host.visibility.view import fit_view
     from splatline.sim.reference.wholeness import wholeness
@@ -103,13 +106,39 @@ def measure_clouds(
     runs = []
     for path in clouds:
         advance(path.stem)
-        cloud = read_cloud(path)
-        raster, counts, splat = _draw(cloud, fit_view(cloud), preset)
-        runs.append(
-            {"cloud": path.stem, "points": len(cloud), "splat_pixels": splat, **wholeness(raster),
-             "elements": counts["elements"], "codewords": counts["codewords"]}
-        )  # fmt: skip
+        scan = read_cloud(path)
+        view = fit_view(scan)
+        for name, cloud in _samples_of(scan):
+            raster, counts, splat = _draw(cloud, view, preset)
+            runs.append(
+                {"cloud": name, "points": len(cloud), "splat_pixels": splat, **wholeness(raster),
+                 "elements": counts["elements"], "codewords": counts["codewords"]}
+            )  # fmt: skip
     return runs
+
+
+def _samples_of(scan: Cloud) -> Iterator[tuple[str, Cloud]]:
+    """Yield a scan, more points of its discs, and these with noise and without their normals."""
+    import numpy as np
+
+    from splatline.cli.bench.host.first_picture import NOISE
+    from splatline.host.cloud.normals import estimate_normals
+    from splatline.host.cloud.resample import resample
+    from splatline.host.cloud.spacing import splat_radii
+
+    yield scan.name, scan
+    dense, radii = resample(scan, splat_radii(scan), DENSER * len(scan))
+    yield f"{scan.name}, dense", dense
+    scale = NOISE * float(np.median(radii))
+    heights = np.random.default_rng(SEED + 1).normal(scale=scale, size=(len(dense), 1))
+    positions = dense.positions + heights * dense.normals
+    unknown = np.ones(len(dense), np.bool_)
+    yield (
+        f"{scan.name}, noisy",
+        dataclasses.replace(
+            dense, positions=positions, normals=estimate_normals(positions), two_sided=unknown
+        ),
+    )
 
 
 def _subject(name: str, size: tuple[int, int]) -> _Subject:

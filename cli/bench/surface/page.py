@@ -24,12 +24,22 @@ rendered without points (`sim/reference/true_surface.py`).
 - **Pinholes**: background pixels of which at least 7 of the 8 neighbours are drawn.
 - **See-through**: drawn pixels more than 25/511 of the depth range behind the median of their
   3 x 3 neighbours. Where a thin part ends before a far one, a true surface has some as well.
+- **Both**: pinholes and see-through pixels together.
 - **Behind**: drawn pixels as far behind all of the true surface in their neighbourhood.
 - **Holes**: background among the pixels that the true surface covers fully.
 
 Shares are of the pixels drawn, in percent; PSNR is in dB. Pixels are drawn with one sample, the
 truth with 16. The true terrain is shaded by smoothed normals; what is estimated from very many of
 its points has the grid's own facets, which lowers the PSNR.
+"""
+
+
+CLOUDS = """
+## Clouds
+
+512 x 512 pixels, the default view. Of each scan there are samples of its discs, four times as many
+points. *Dense* ones have their discs' normals. *Noisy* ones are moved along these normals by 0.7 of
+the median radius (standard deviation), and their normals are estimated.
 """
 
 
@@ -51,7 +61,7 @@ def page(report: dict[str, Any]) -> str:
     ]
     parts += ["\n## The goal\n", *_goal(report["runs"])]
     heads = ("noise", "normals", "density", "points", "splat, px", "PSNR", "silhouette IoU",
-             "pinholes", "see-through", "behind", "holes", "elements")  # fmt: skip
+             "pinholes", "see-through", "both", "behind", "holes", "elements")  # fmt: skip
     cases = dict.fromkeys((run["scene"], run["spread"]) for run in report["runs"])
     for scene, spread in cases:
         rows = [
@@ -60,9 +70,10 @@ def page(report: dict[str, Any]) -> str:
         name = f"{scene}, points {'spread evenly' if spread == 'even' else 'at random'}"
         parts += [f"\n## {name}\n", table(heads, rows, ("normals",))]
     if report["clouds"]:
-        heads = ("cloud", "points", "splat, px", "pinholes", "see-through", "elements", "words")
+        heads = ("cloud", "points", "splat, px", "pinholes", "see-through", "both", "elements",
+                 "words")  # fmt: skip
         parts += [
-            "\n## Clouds\n\n512 x 512 pixels, the default view.\n",
+            CLOUDS,
             table(heads, [_cloud(run) for run in report["clouds"]], 1),
         ]
     parts.append("\n![PSNR, holes and silhouette by density](surface.png)")
@@ -110,8 +121,14 @@ def _row(run: dict[str, Any]) -> tuple[str, ...]:
         f"{run['psnr_db']:.1f}",
         f"{run['silhouette_iou']:.4f}",
         *(
-            _percent(run[key])
-            for key in ("pinholes", "see_through", "behind_truth", "hole_fraction")
+            _percent(share)
+            for share in (
+                run["pinholes"],
+                run["see_through"],
+                run["pinholes"] + run["see_through"],
+                run["behind_truth"],
+                run["hole_fraction"],
+            )
         ),
         f"{run['elements']:,}",
     )
@@ -124,6 +141,7 @@ def _cloud(run: dict[str, Any]) -> tuple[str, ...]:
         f"{run['splat_pixels']:.2f}",
         _percent(run["pinholes"]),
         _percent(run["see_through"]),
+        _percent(run["pinholes"] + run["see_through"]),
         f"{run['elements']:,}",
         f"{run['codewords']:,}",
     )
