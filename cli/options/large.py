@@ -44,7 +44,8 @@ LARGE_OPTIONS = (
         show_default="a quarter of the machine's",
         help="Memory for the cloud, such as 2G. A LAS, LAZ or binary PLY file that needs more is"
         " read in parts: points of a pixel become one, or of more pixels if the memory asks for"
-        " it.",
+        " it. View, depths and colours are then those of a sample, and discs those of the points"
+        " that are left.",
     ),
 )
 """Options for large clouds, last one first."""
