@@ -26,7 +26,8 @@ once). Without them the goals that are missed would be met. Next would be compil
 load without numba; `splatline view` starts once for many pictures.
 
 The first run on a machine compiles for 42 s of processor time (measured once, with an empty
-cache). `make setup` does so and says it. After `pip install` the first command does, and says it."""
+cache). `make setup` does so and says it; after `pip install` the first command does, and says
+it."""
 """Why a goal is missed, and the first run of all."""
 
 LEAST = 5e-4
