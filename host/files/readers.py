@@ -105,7 +105,8 @@ def read_cloud(
 
     A mesh's vertices are points, or its faces are sampled. Positions are relative to the cloud's
     own centre. Missing normals are estimated, and points without a colour get one. Points without a
-    finite position are dropped and counted (see ``assemble_cloud``).
+    finite position are dropped and counted (see ``assemble_cloud``), and so are several points at
+    exactly 0, 0, 0 (see ``empty_returns``).
 
     Parameters
     ----------
