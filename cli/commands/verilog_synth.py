@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 from pathlib import Path
 
 import click
@@ -57,6 +58,13 @@ TOP = click.option(
     help="Write the contents of the shape ROM to files in this folder. The Verilog reads them with"
     " $readmemh by the same path. For presets with a ROM.",
 )
+@click.option(
+    "--bench",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Write a self-checking test bench in plain Verilog into this folder, and the engine beside"
+    " it unless -o says otherwise. Its README has the commands for Icarus and Verilator.",
+)
 @chain_options
 def verilog(
     preset: EngineConfig,
@@ -64,6 +72,7 @@ def verilog(
     top: str,
     name: str | None,
     contents: Path | None,
+    bench: Path | None,
     engines: int | None,
     link: str,
 ) -> None:
@@ -80,6 +89,7 @@ def verilog(
       splatline verilog --top axi -o splatline_axi.v      in a block design
       splatline verilog --top framebuffer -o screen.v     in front of a display
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
+      splatline verilog --bench bench                     with a test bench that needs no Python
       splatline verilog --engines 8 -o chain.v            eight engines that draw one picture
       splatline verilog --preset swift --name painter     module painter, and painter__window ...
     """  # noqa: D301  (click reads the backspace as "do not wrap")
@@ -87,9 +97,11 @@ def verilog(
         raise click.UsageError(
             f"a chain has whole streams: give --engines or --top {top}, not both"
         )
+    if bench is not None:
+        _prepare_bench(bench, top, engines, contents)
     if output is None:
         chained = "" if engines is None else f"_x{engines}"
-        output = Path(f"splatline_{preset.name}{chained}.v")
+        output = (bench or Path()) / f"splatline_{preset.name}{chained}.v"
     name = _module_name(name, preset, top, engines)
     require_suffix(output, ".v")
     sidecar = output.with_suffix(".json")
@@ -116,6 +128,23 @@ def verilog(
     write_text(output, text)
     write_json(sidecar, description)
     click.echo(f"{output}: {text.count(chr(10)):,} lines of Verilog; {sidecar}: its description")
+    if bench is not None:
+        from splatline.sim.cosim.standalone.write import write_bench
+
+        write_bench(preset, name, os.path.relpath(output, bench), bench)
+        click.echo(f"{bench / 'README'}: how to run the test bench")
+
+
+def _prepare_bench(bench: Path, top: str, engines: int | None, contents: Path | None) -> None:
+    """Make the folder of a test bench; raise if there is none for what was asked."""
+    if top != "engine" or engines is not None:
+        raise InputError("the test bench is for the top engine; leave --top and --engines out")
+    if contents is not None:
+        raise InputError(
+            "the test bench takes the Verilog with its ROM in it; leave --readmemh out"
+        )
+    check_folder(bench)
+    bench.mkdir(parents=True, exist_ok=True)
 
 
 def _module_name(name: str | None, preset: EngineConfig, top: str, engines: int | None) -> str:
