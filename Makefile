@@ -6,6 +6,7 @@ SCANS ?=
 PRESET ?= rgb24
 PROOFS ?=
 SECONDS ?= 60
+STAGE ?= lint lint_axi sim
 
 VENV := .venv
 READY := $(VENV)/.ready
@@ -18,7 +19,7 @@ export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .PHONY: help setup render film bench test test-browser fuzz formal lint types docs docs-links \
-  verilog synth clean distclean tools
+  verilog synth fusesoc clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -35,6 +36,8 @@ help:
 	@echo 'make docs       the manual -> build/site/ (docs-links: asks for the addresses in it too)'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
 	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'
+	@echo 'make fusesoc    splatline.core by FuseSoC: Verilator lint and the bench in Icarus -> build/fusesoc/'
+	@echo '                (STAGE=ecp5 for a bitstream, STAGE=ecp5_axi for a routed AXI top: minutes)'
 	@echo 'make clean      remove build/ and caches; distclean: .venv as well'
 
 setup: $(READY)
@@ -140,6 +143,19 @@ verilog: setup
 synth: setup
 	@mkdir -p build
 	@$(VENV)/bin/splatline synth --preset $(PRESET) --json build/synth_$(PRESET).json
+
+# FuseSoC looks for cores in every folder, and for tools on PATH under their plain names.
+fusesoc: $(VENV)/.fusesoc
+	@$(VENV)/bin/python -m splatline.flow.plain_tools build/fusesoc/tools
+	@touch build/FUSESOC_IGNORE
+	@for stage in $(STAGE); do \
+	  PATH="$(CURDIR)/build/fusesoc/tools:$(CURDIR)/$(VENV)/bin:$$PATH" fusesoc --cores-root . \
+	    run --build-root build/fusesoc/$$stage --target $$stage ::splatline:0.1.0 || exit 1; \
+	done
+
+$(VENV)/.fusesoc: $(READY)
+	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[fusesoc]'
+	@touch $@
 
 clean:
 	@rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis
