@@ -6,7 +6,7 @@ SCANS ?=
 PRESET ?= rgb24
 PROOFS ?=
 SECONDS ?= 60
-STAGE ?= lint lint_axi sim
+STAGE ?= lint lint_axi sim sim_axi
 
 VENV := .venv
 READY := $(VENV)/.ready
@@ -37,7 +37,7 @@ help:
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
 	@echo 'make synth      what it takes of an XC2V250 -> build/synth_$(PRESET).json'
 	@echo 'make fusesoc    splatline.core by FuseSoC: Verilator lint and the bench in Icarus -> build/fusesoc/'
-	@echo '                (STAGE=ecp5 for a bitstream, STAGE=ecp5_axi for a routed AXI top: minutes)'
+	@echo '                (STAGE=ecp5 for a bitstream, STAGE=ecp5_axi for a synthesised AXI top: minutes)'
 	@echo 'make clean      remove build/ and caches; distclean: .venv as well'
 
 setup: $(READY)

@@ -131,14 +131,14 @@ def verilog(
     if bench is not None:
         from splatline.sim.cosim.standalone.write import write_bench
 
-        write_bench(preset, name, os.path.relpath(output, bench), bench)
+        write_bench(preset, name, os.path.relpath(output, bench), bench, top)
         click.echo(f"{bench / 'README'}: how to run the test bench")
 
 
 def _prepare_bench(bench: Path, top: str, engines: int | None, contents: Path | None) -> None:
     """Make the folder of a test bench; raise if there is none for what was asked."""
-    if top != "engine" or engines is not None:
-        raise InputError("the test bench is for the top engine; leave --top and --engines out")
+    if top == "pins" or engines is not None:
+        raise InputError("the test bench is for --top engine and --top axi, and for one engine")
     if contents is not None:
         raise InputError(
             "the test bench takes the Verilog with its ROM in it; leave --readmemh out"

@@ -32,13 +32,13 @@ module bench;
     wire [31:0] tables_due = drawing ? 2 * `TABLES_OF_FRAME : `TABLES_OF_FRAME;
     wire [31:0] codewords_due = tables < tables_due ? codewords : drawing ? `CODEWORDS : `CODEWORDS_OF_FIRST;
 
-    source #(.WIDTH(`TABLE_BITS), .LENGTH(2 * `TABLES_OF_FRAME), .FILE("tables.hex"), .SEED(11)) table_source (
+    bench_source #(.WIDTH(`TABLE_BITS), .LENGTH(2 * `TABLES_OF_FRAME), .FILE("tables.hex"), .SEED(11)) table_source (
         .clk(clk), .rst(rst), .gaps(gaps), .due(tables_due), .taken(tables),
         .valid(table_valid), .payload(table_write), .ready(table_ready));
-    source #(.WIDTH(`CODEWORD_BITS), .LENGTH(`CODEWORDS), .FILE("codewords.hex"), .SEED(22)) codeword_source (
+    bench_source #(.WIDTH(`CODEWORD_BITS), .LENGTH(`CODEWORDS), .FILE("codewords.hex"), .SEED(22)) codeword_source (
         .clk(clk), .rst(rst), .gaps(gaps), .due(codewords_due), .taken(codewords),
         .valid(codeword_valid), .payload(codeword), .ready(codeword_ready));
-    source #(.WIDTH(`BEAT_BITS), .LENGTH(`INITIALS), .FILE("initial.hex"), .SEED(33)) initial_source (
+    bench_source #(.WIDTH(`BEAT_BITS), .LENGTH(`INITIALS), .FILE("initial.hex"), .SEED(33)) initial_source (
         .clk(clk), .rst(rst), .gaps(gaps), .due(drawing ? `INITIALS : 0), .taken(initials),
         .valid(initial_valid), .payload(initial_beat), .ready(initial_ready));
 
@@ -102,45 +102,4 @@ module bench;
             $fatal;
         end
     endtask
-endmodule
-
-// Offers the numbers of a file on a stream, each until it is taken, while fewer than `due` were taken.
-module source #(
-    parameter WIDTH = 64,
-    parameter LENGTH = 1,
-    parameter FILE = "words.hex",
-    parameter [31:0] SEED = 1
-) (
-    input clk,
-    input rst,
-    input gaps,
-    input [31:0] due,
-    output [31:0] taken,
-    output reg valid,
-    output reg [WIDTH-1:0] payload,
-    input ready
-);
-    reg [WIDTH-1:0] words [0:LENGTH-1];
-    initial $readmemh(FILE, words);
-
-    reg [31:0] random = SEED;
-    reg [31:0] offered = 0;
-    initial valid = 0;
-    assign taken = offered - valid;
-
-    always @(posedge clk) begin
-        random <= {random[30:0], random[31] ^ random[21] ^ random[1] ^ random[0]};
-        if (rst) begin
-            valid <= 0;
-            offered <= 0;
-        end else if (!valid || ready) begin
-            valid <= 0;
-            payload <= {WIDTH{1'bx}};
-            if (offered < due && (!gaps || random[8])) begin
-                valid <= 1;
-                payload <= words[offered];
-                offered <= offered + 1;
-            end
-        end
-    end
 endmodule

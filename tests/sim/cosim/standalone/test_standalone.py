@@ -53,6 +53,24 @@ def test_the_bench_passes(bench, preset):
 
 
 @needs_icarus
+@pytest.mark.parametrize("preset", ["paper", "plane"])
+def test_the_bench_of_the_axi_top_passes(tmp_path, preset):
+    options = ["verilog", "--preset", preset, "--top", "axi", "--bench", tmp_path]
+    assert CliRunner().invoke(main, options).exit_code == 0
+    done = run(command(tmp_path, "iverilog"), tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"^PASS: \d\d\d beats", done.stdout, re.MULTILINE)
+    # A packet of code words without its end: the top puts one in, and the picture is another.
+    words = tmp_path / "codewords.hex"
+    lines = words.read_text().splitlines()
+    lines[20] = "1" + lines[20][1:]
+    words.write_text("\n".join(lines) + "\n")
+    done = run("vvp bench.vvp", tmp_path)
+    assert done.returncode == 1, done.stdout
+    assert "FAIL: " in done.stdout
+
+
+@needs_icarus
 @pytest.mark.parametrize(
     ("planted", "says"),
     [
@@ -91,7 +109,7 @@ def test_no_icarus_is_needed_to_write(bench):
 
 
 @pytest.mark.parametrize(
-    "options", ["--top axi", "--top pins", "--engines 2", "--preset paper-rom --readmemh rom"]
+    "options", ["--top pins", "--engines 2", "--preset paper-rom --readmemh rom"]
 )
 def test_a_bench_that_there_is_not_is_refused(tmp_path, monkeypatch, options):
     monkeypatch.chdir(tmp_path)
