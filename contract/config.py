@@ -15,6 +15,7 @@ from .plane import LOW_BITS, PLANE_BITS, SIDES, Z_FRACTION, PlaneFields
 __all__ = [
     "BLOCK",
     "COMPACT",
+    "MEMORIES",
     "MOST_BEAT_BITS",
     "ROWS",
     "SHAPES",
@@ -39,6 +40,9 @@ WINDOWS: dict[str, dict[str, tuple[int, ...]]] = {
 
 SHAPES = {"none": -1, "small": BLOCK, "full": 2 * BLOCK}
 """The shape ROMs, and the largest size that each holds."""
+
+MEMORIES = ("dual", "simple")
+"""The kinds of block RAM that the hardware may use."""
 
 MOST_BEAT_BITS = 1024
 """Most bits of a raster beat: 128 bytes is the widest stream of common DMA cores."""
@@ -94,6 +98,11 @@ class EngineConfig(PlaneFields):
         its own. Such an engine has no shape ROM.
     slope_bits
         Bits of each of a plane's two slopes, in 3..8; counts with ``plane`` alone.
+    memory
+        What the block RAMs can do. ``dual``: both ports write (true dual port). ``simple``: one
+        port writes and the other reads, which every family of FPGAs infers. It is no part of the
+        contract: pictures, code words and registers are the same. ``simple`` takes more cycles
+        with an initial raster, and with ``pixels_per_word`` 8. With ``tiles`` alone.
 
     Raises
     ------
@@ -118,6 +127,7 @@ class EngineConfig(PlaneFields):
     shapes: str = "none"
     plane: bool = False
     slope_bits: int = 7
+    memory: str = "dual"
 
     def __post_init__(self) -> None:
         """Check every parameter, so that components need not."""
@@ -150,6 +160,10 @@ class EngineConfig(PlaneFields):
                 f"x_bits must be at least {self.pixel_bits + 2}"
                 f" for {self.pixels_per_word} pixels a word, not {self.x_bits}"
             )
+        if self.memory not in MEMORIES:
+            raise ValueError(f"memory must be {' or '.join(MEMORIES)}, not {self.memory!r}")
+        if self.memory == "simple" and self.window != "tiles":
+            raise ValueError("memory must be dual with blocks, not 'simple'")
         if self.shapes not in SHAPES:
             raise ValueError(f"shapes must be {', '.join(SHAPES)}, not {self.shapes!r}")
         self._check_codeword()
@@ -187,6 +201,19 @@ class EngineConfig(PlaneFields):
             return self
         suffix = "-rom" if shapes == "small" else f"-rom-{shapes}"
         return self.replace(name=self.name + suffix, shapes=shapes)
+
+    def with_memory(self, memory: str) -> EngineConfig:
+        """Return the engine with other block RAMs, named as ``rgb24-simple``, or itself.
+
+        Raises
+        ------
+        ValueError
+            If its window needs true dual-port memories.
+        """
+        if memory == self.memory:
+            return self
+        base = self.name.removesuffix("-simple")
+        return self.replace(name=base if memory == "dual" else f"{base}-{memory}", memory=memory)
 
     # The code word, bit 0 first.
 
@@ -387,9 +414,11 @@ class EngineConfig(PlaneFields):
     def flush_words(self) -> int:
         """Window words that leave lanes at one request: 1, or a pair with words of eight pixels.
 
-        The second word leaves a cycle later, through the port that otherwise writes.
+        The second word leaves a cycle later, through the port that otherwise writes, which must
+        read as well.
         """
-        return 2 if self.window == "tiles" and self.pixels_per_word == BLOCK else 1
+        pairs = self.window == "tiles" and self.pixels_per_word == BLOCK
+        return 2 if pairs and self.memory == "dual" else 1
 
     @property
     def clear_cycles(self) -> int:

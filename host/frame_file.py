@@ -61,7 +61,7 @@ def save_frame(
         "version": VERSION,
         "width": frame.width,
         "height": frame.height,
-        "config": dataclasses.asdict(frame.config),
+        "config": _describe_config(frame.config),
         "tables": {
             field.name: getattr(frame.tables, field.name).tolist()
             for field in dataclasses.fields(Tables)
@@ -160,6 +160,13 @@ def describe_frame(frame: Frame) -> dict[str, Any]:
 def _low_halves(frame: Frame) -> npt.NDArray[np.uint64]:
     """Return the low 64 bits of a frame's code words."""
     return frame.codewords[:, 0] if frame.config.plane else frame.codewords
+
+
+def _describe_config(config: EngineConfig) -> dict[str, Any]:
+    """Return what code words depend on: not the memories of the hardware that draws them."""
+    described = dataclasses.asdict(config)
+    del described["memory"]
+    return described
 
 
 def _frame_of(codewords: npt.NDArray[np.uint64], sidecar: dict[str, Any]) -> Frame:

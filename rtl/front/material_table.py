@@ -17,7 +17,8 @@ PORT_BITS = 36
 class MaterialTable(wiring.Component):
     """Holds the coefficients of each material.
 
-    A material of up to 36 bits is written through one port and read through the other. A wider one
+    A material of up to 36 bits, and any with simple memories, is written through one port and read
+    through the other. A wider one
     is cut into halves, which lie in one block RAM at different addresses. Each port writes and
     reads one half, so one block RAM is enough. A port has one address for both, so a write excludes
     a read. Tables are written between frames, when no material is read.
@@ -51,7 +52,7 @@ class MaterialTable(wiring.Component):
         """Build the circuit."""
         m = Module()
         bits = len(self.data)
-        parts = 1 if bits <= PORT_BITS else 2
+        parts = 1 if bits <= PORT_BITS or self.config.memory == "simple" else 2
         width = bits // parts
         m.submodules.ram = ram = memory.Memory(
             shape=width,

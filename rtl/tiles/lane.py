@@ -19,12 +19,12 @@ class LaneRequestLayout(data.StructLayout):
     """A request to a lane, at most one of three operations.
 
     ``draw``: depth-test the pixel at ``address``. ``clear``: read it and leave background there.
-    ``load``: write a pixel there without a depth test.
+    ``load``: write a pixel there without a depth test. With simple memories a load is a ``clear``.
     """
 
     def __init__(self, config: EngineConfig):
-        address = lane_address_bits(config)
-        super().__init__({"draw": 1, "clear": 1, "load": 1, "address": address})
+        load = {"load": 1} if config.memory == "dual" else {}
+        super().__init__({"draw": 1, "clear": 1, **load, "address": lane_address_bits(config)})
 
 
 class Lane(wiring.Component):
@@ -48,7 +48,11 @@ class Lane(wiring.Component):
     port may serve the next request in that cycle. Each port reads the pixel that it clears, so the
     block RAM must be read-first.
 
-    **Latency**: 1 cycle to ``old``, 2 to the memory, 1 for a load; of a pair 2 to ``odd``.
+    With simple memories there is one port that writes. A clear writes ``new`` whatever is there, so
+    a load is a clear whose ``new`` is the loaded pixel.
+
+    **Latency**: 1 cycle to ``old``, 2 to the memory; for a load 1, or 2 with simple memories; of a
+    pair 2 to ``odd``.
     **Throughput**: one request a cycle.
 
     Members
@@ -58,11 +62,11 @@ class Lane(wiring.Component):
     request : In(LaneRequestLayout)
         The request.
     new : In(PixelLayout)
-        The pixel to draw, in the cycle after the request; with planes, at the background's depth
-        after a clear.
+        The pixel to draw, in the cycle after the request; with planes or simple memories, at the
+        background's depth after a clear.
     loaded : In(PixelLayout)
         The pixel to load, in the cycle of the request; with ``flush_words`` 2 background at a
-        clear.
+        clear. Not with simple memories.
     old : Out(PixelLayout)
         The pixel before the last request that was taken.
     odd : Out(PixelLayout)
@@ -72,13 +76,15 @@ class Lane(wiring.Component):
     def __init__(self, config: EngineConfig):
         self.config = config
         self.pairs = config.flush_words == 2
+        self.simple = config.memory == "simple"
+        loaded = {} if self.simple else {"loaded": In(PixelLayout(config))}
         odd = {"odd": Out(PixelLayout(config))} if self.pairs else {}
         super().__init__(
             {
                 "enable": In(1),
                 "request": In(LaneRequestLayout(config)),
                 "new": In(PixelLayout(config)),
-                "loaded": In(PixelLayout(config)),
+                **loaded,
                 "old": Out(PixelLayout(config)),
                 **odd,
             }
@@ -96,18 +102,21 @@ class Lane(wiring.Component):
             # Nobody uses a pixel that was read while it was being written, but of a pair.
             attrs={"ram_style": "block", **({} if self.pairs else {"no_rw_check": 1})},
         )
-        read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
+        read, loads = ram.read_port(), [ram.write_port() for _ in range(not self.simple)]
+        write = ram.write_port()
         taken = Signal(LaneRequestLayout(config))
         difference = Signal(config.depth_bits + 3)
         with m.If(self.enable):
             m.d.sync += taken.eq(self.request)
+        m.d.comb += [read.addr.eq(self.request.address), read.en.eq(self.enable)]
+        for load in loads:
+            m.d.comb += [
+                # Of the same address and enable, so that the two are one port of the block RAM.
+                load.addr.eq(self.request.address),
+                load.en.eq(self.enable & self.request.load),
+                load.data.eq(self.loaded),
+            ]
         m.d.comb += [
-            read.addr.eq(self.request.address),
-            read.en.eq(self.enable),
-            # Of the same address and enable, so that the two are one port of the block RAM.
-            load.addr.eq(self.request.address),
-            load.en.eq(self.enable & self.request.load),
-            load.data.eq(self.loaded),
             self.old.eq(read.data),
             # new < old, as the carry of old - new - 1; the request rides on the same chain, because
             # the way from the memory to its own write enable is the longest there is.
@@ -118,14 +127,14 @@ class Lane(wiring.Component):
             write.data.colour.eq(self.new.colour),
             write.data.depth.eq(
                 self.new.depth
-                if config.plane
+                if config.plane or self.simple
                 else self.new.depth | taken.clear.replicate(config.depth_bits)
             ),
             # Written every cycle while standing still, the pixel comes out the same each time.
             write.en.eq(difference[-1]),
         ]
         if self.pairs:
-            self._clear_pairs(m, ram, load, write, taken, difference[-1])
+            self._clear_pairs(m, ram, *loads, write, taken, difference[-1])
         return m
 
     def _clear_pairs(self, m, ram, load, write, taken, passes):

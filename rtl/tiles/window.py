@@ -54,8 +54,10 @@ class Grants(NamedTuple):
 
     Parameters
     ----------
+    offered
+        A tile is offered, whether it is drawn or not.
     going
-        The offered tile is drawn.
+        It is drawn.
     loading
         The offered word of the initial raster is loaded.
     flushing
@@ -66,6 +68,7 @@ class Grants(NamedTuple):
         Rows of lanes without a tile.
     """
 
+    offered: Value
     going: Value
     loading: Value
     flushing: Value
@@ -89,6 +92,10 @@ class TileWindow(wiring.Component):
 
     Hazards: a tile stalls for one cycle if it shares a pixel with the tile before it. No tile goes
     while dirty bits are taken.
+
+    With simple memories a load takes the tile's way to the lanes, so it goes alone, and its pixels
+    are written a cycle later. Nobody asks for them before: their line counts as loaded once the
+    loader sees a beat of another line.
 
     With ``flush_words`` 2 a flush is for a pair of words. It uses its lanes for one cycle and
     ``raster`` for two, so a tile can go between two pairs. While dirty bits are taken, a tile can
@@ -254,6 +261,9 @@ class TileWindow(wiring.Component):
         if self.config.flush_words == 2:
             with m.If(readout.busy):
                 m.d.comb += flush_scan.flush.ready.eq(0)
+        if self.config.memory == "simple":
+            with m.If(offered):
+                m.d.comb += loading.eq(0)
         m.d.sync += stopped.eq(~running)
         flush_first, load_first = self._priorities(m, flush_scan, loader)
         # Registers, because every stage before the window waits for a tile to go.
@@ -264,7 +274,8 @@ class TileWindow(wiring.Component):
         with m.If(running):
             m.d.sync += drawn.eq(going)
         m.d.sync += refused.eq(serving & ~loading)
-        return Grants(going, loading, flushing, busy, lone=~(wanted & offered.replicate(SIDE)))
+        lone = ~(wanted & offered.replicate(SIDE))
+        return Grants(offered, going, loading, flushing, busy, lone)
 
     def _lanes(self, m):
         """Return the lanes, by residue of line and column."""
@@ -298,23 +309,28 @@ class TileWindow(wiring.Component):
         """Request of each lane its pixel of the tile, of the service or of the clearing."""
         tile = self.i.payload
         sweeping, sweep, _ = clearing
-        drawing = self._draw(m, readout.running)
+        simple = self.config.memory == "simple"
+        loaded = loader.o.payload.pixels
+        drawing = self._draw(m, readout.running, grants.offered, loaded.colour)
         cleared = (~service.serving | sweeping).replicate(self.config.depth_bits)
         for i, row in enumerate(lanes):
             loads, clears = grants.loading & service.row[i], grants.flushing & service.row[i]
+            written = clears | sweeping | loads if simple else clears | sweeping
             for j, lane in enumerate(row):
                 address = self._address(m, i, j, grants.busy, service.place)
                 m.d.comb += [
                     lane.enable.eq(readout.running),
                     lane.request.address.eq(Mux(sweeping, sweep, address)),
                     lane.request.draw.eq(grants.going & tile.mask[i][j]),
-                    lane.request.load.eq(loads),
-                    lane.request.clear.eq(clears | sweeping),
-                    lane.new.eq(drawing),
+                    *([] if simple else [lane.request.load.eq(loads)]),
+                    lane.request.clear.eq(written),
+                    lane.new.eq(drawing[j]),
                 ]
-                if self.config.plane:
+                if simple or self.config.plane:
                     depth = Signal(self.config.depth_bits, name=f"depth_{i}_{j}", reset_less=True)
-                    self._draw_depth(m, depth, tile.depth[i][j], readout.running, clears | sweeping)
+                    given = tile.depth[i][j] if self.config.plane else tile.z
+                    given = Mux(grants.offered, given, loaded.depth[j]) if simple else given
+                    self._draw_depth(m, depth, given, readout.running, clears | sweeping)
                     m.d.comb += lane.new.depth.eq(depth)
                 if self.config.flush_words == 2:
                     # Clearing after reset takes one pixel a cycle.
@@ -324,9 +340,23 @@ class TileWindow(wiring.Component):
                     ]
                 self._connect_pixels(m, i, j, lane, loader, readout, cleared)
 
-    def _draw(self, m, running):
-        """Return the pixel that the lanes draw: the depth and colour of the tile that goes."""
+    def _draw(self, m, running, offered, loaded):
+        """Return the pixel that the lanes of each column draw: depth and colour of the tile.
+
+        With simple memories it has the colour alone: the loaded one while no tile is offered.
+        """
         tile = self.i.payload
+        columns = range(self.config.pixels_per_word)
+        if self.config.memory == "simple":
+            pixels = [
+                Signal(PixelLayout(self.config), name=f"drawing_{j}", reset_less=True)
+                for j in columns
+            ]
+            with m.If(running):
+                m.d.sync += [
+                    pixels[j].colour.eq(Mux(offered, self.shade, loaded[j])) for j in columns
+                ]
+            return pixels
         drawing = Signal(PixelLayout(self.config), reset_less=True)
         with m.If(running):
             m.d.sync += drawing.colour.eq(self.shade)
@@ -334,7 +364,7 @@ class TileWindow(wiring.Component):
                 # An undefined depth on an idle input would make a lane's sum undefined, and with it
                 # the write enable of the clearing after reset.
                 m.d.sync += drawing.depth.eq(Mux(self.i.valid, tile.z, 0))
-        return drawing
+        return [drawing for _ in columns]
 
     def _draw_depth(self, m, depth, given, running, clears):
         """Set a lane's depth: that of its pixel, or at a clear the background's.
@@ -358,11 +388,12 @@ class TileWindow(wiring.Component):
     def _connect_pixels(self, m, i, j, lane, loader, readout, cleared):
         """Connect a lane to its pixel of the loader, and its outputs to the readout."""
         pixels = loader.o.payload.pixels
-        m.d.comb += [
-            lane.loaded.depth.eq(pixels.depth[j]),
-            lane.loaded.colour.eq(pixels.colour[j]),
-            readout.lanes[i][j].eq(lane.old),
-        ]
+        if self.config.memory == "dual":
+            m.d.comb += [
+                lane.loaded.depth.eq(pixels.depth[j]),
+                lane.loaded.colour.eq(pixels.colour[j]),
+            ]
+        m.d.comb += readout.lanes[i][j].eq(lane.old)
         if self.config.flush_words == 2:
             m.d.comb += [
                 lane.loaded.depth.eq(pixels.depth[j] | cleared),

@@ -1,6 +1,6 @@
 """A lane keeps the nearest pixel, whatever follows whatever."""
 
-from amaranth.hdl import Cat, Mux, Signal
+from amaranth.hdl import Cat, Const, Mux, Signal
 
 from splatline.contract.presets import PAPER, PLANE
 from splatline.rtl.layouts import PixelLayout
@@ -34,7 +34,9 @@ class LaneProperties(Properties):
             m.d.sync += asked.eq(dut.request)
         m.d.sync += [new.eq(dut.new), stood.eq(~dut.enable)]
         request = dut.request
-        wanted = Cat(request.draw, request.clear, request.load)
+        simple = config.memory == "simple"
+        load = Const(0) if simple else request.load
+        wanted = Cat(request.draw, request.clear, load)
         writing = (asked.draw | asked.clear) & (asked.address == request.address)
         self.given(m, "one_of_three", (wanted & (wanted - 1)) == 0)
         self.given(m, "waits", ~(wanted.any() & writing))
@@ -53,11 +55,12 @@ class LaneProperties(Properties):
         with m.If(mine & asked.draw & (dut.new.depth < pixel.depth)):
             m.d.comb += after.eq(dut.new)
         with m.If(mine & asked.clear):
-            m.d.comb += after.depth.eq(background)
+            m.d.comb += after.eq(dut.new) if simple else after.depth.eq(background)
         with m.If(dut.enable):
             m.d.sync += [pixel.eq(after), known.eq(known | (mine & asked.clear))]
-            with m.If(request.load & (request.address == address)):
-                m.d.sync += [pixel.eq(dut.loaded), known.eq(1)]
+            if not simple:
+                with m.If(load & (request.address == address)):
+                    m.d.sync += [pixel.eq(dut.loaded), known.eq(1)]
 
         def same(one, other):
             """A pixel of the background may have any colour."""
@@ -74,16 +77,23 @@ class LaneProperties(Properties):
         self.lemma(m, "kept", ~known | same(kept, due))
 
 
+ALWAYS = Fault("cleared where it is further", Lane, r"taken\.draw, taken\.clear", "taken.draw, 0")
+"""A clear whose pixel is compared."""
+
 FAULTS = (
     Fault("no depth test", Lane, r"en\.eq\(difference\[-1\]", "en.eq(taken.draw | taken.clear"),
     Fault("ties drawn", Lane, r"\+ ~Cat\(", "+ 1 + ~Cat("),
     Fault("does not stand still", Lane, r"m\.If\(self\.enable\)", "m.If(1)"),
     Fault("read while it stands still", Lane, r"en\.eq\(self\.enable\)", "en.eq(1)"),
+)
+"""What any lane must not do."""
+
+LOADS = (
     Fault("loaded while it stands still", Lane, r"self\.enable & (self\.request\.load)", r"\1"),
     Fault("loaded too late", Lane, r"load\.addr\.eq\(self\.request", "load.addr.eq(taken"),
     Fault("drawn over while loaded", Lane, r"taken\.clear\) \+", "taken.clear | taken.load) +"),
 )
-"""What any lane must not do."""
+"""Nor one whose other port loads."""
 
 
 def plan(name, config, *faults):
@@ -102,11 +112,9 @@ PROOFS = [
     plan(
         "lane: pixel",
         PAPER,
+        *LOADS,
         Fault("not cleared", Lane, r" \| taken\.clear\.replicate\(config\.depth_bits\)", ""),
     ),
-    plan(
-        "lane: planes",
-        PLANE,
-        Fault("cleared where it is further", Lane, r"taken\.draw, taken\.clear", "taken.draw, 0"),
-    ),
+    plan("lane: planes", PLANE, *LOADS, ALWAYS),
+    plan("lane: simple memories", PAPER.with_memory("simple"), ALWAYS),
 ]

@@ -29,6 +29,10 @@ SWEPT = Fault(
 """The lanes have been cleared but for their last pixel."""
 
 
+TINY_SIMPLE = TINY.with_memory("simple")
+"""The same with memories of one port that writes and one that reads."""
+
+
 TINY_PLANE = TINY.replace(plane=True)
 """The same with a depth in each lane."""
 
@@ -162,5 +166,22 @@ PROOFS = [
         Fault("another lane's depth", TileWindow, r"tile\.depth\[i\]\[j\]", "tile.depth[i][0]",
               "_connect_lanes"),
         config=TINY_PLANE,
+    ),
+    plan(
+        "window of tiles, simple memories",
+        "the same with an initial raster that takes the write port",
+        1,
+        14,
+        Fault("loaded beside a tile", TileWindow, r"m\.If\(offered\)", "m.If(0)", "_arbitrate"),
+        Fault("a tile's colour loaded", TileWindow, r"Mux\(offered, self\.shade, loaded\[j\]\)",
+              "self.shade", "_draw"),
+        Fault("a tile's depth loaded", TileWindow, r"Mux\(grants\.offered, given, .*\) if simple",
+              "given if simple", "_connect_lanes"),
+        Fault("background loaded", TileWindow, r"readout\.running, clears \| sweeping\)",
+              "readout.running, written)", "_connect_lanes"),
+        Fault("not loaded", TileWindow, r"sweeping \| loads if", "sweeping if", "_connect_lanes"),
+        Fault("loaded while dirty bits are taken", TileWindow,
+              r"(& ~stopped\s+)& ~flush_scan\.taking", r"\1", "_arbitrate"),
+        config=TINY_SIMPLE,
     ),
 ]  # fmt: skip
