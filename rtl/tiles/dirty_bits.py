@@ -91,6 +91,8 @@ class TileDirtyBits(wiring.Component):
         other_bit = Signal(1 << low_bits)
         m.d.comb += other_bit.eq(1 << other[1 : 1 + low_bits])
 
+        # An iCE40 has none, and Yosys does not make flip-flops of what asks for it.
+        styles = {"ram_style": "distributed"} if config.memory == "dual" else {}
         kept = [Signal(2 << low_bits, name=f"kept_{q}") for q in range(RESIDUES)]
         for parity in range(2):
             # The pair of this parity: the first word's, or the next one.
@@ -110,7 +112,7 @@ class TileDirtyBits(wiring.Component):
                     shape=1 << low_bits,
                     depth=stretches(config) << config.group_bits,
                     init=[],
-                    attrs={"ram_style": "distributed"},
+                    attrs=styles,
                 )
                 m.submodules[name] = ram
                 read, write = ram.read_port(domain="comb"), ram.write_port()

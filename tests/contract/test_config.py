@@ -2,7 +2,7 @@ import pytest
 
 from splatline.contract import config as config_module
 from splatline.contract.config import BLOCK, EngineConfig
-from splatline.contract.presets import DEFAULT, PAPER, PRESETS, REMOVED, SWIFT, get_preset
+from splatline.contract.presets import DEFAULT, LANES8, PAPER, PRESETS, REMOVED, SWIFT, get_preset
 from splatline.contract.variants import NARROW_BLOCKS, SHAPED, VARIANTS
 from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 
@@ -73,6 +73,8 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
         ({**BLOCKS, "pixels_per_word": 4}, "pixels_per_word must be 8 with blocks, not 4"),
         ({**BLOCKS, "raster_words": 1}, "raster_words must be 2 with blocks, not 1"),
         ({**BLOCKS, "raster_words": 2.0}, "raster_words must be 2 with blocks, not 2.0"),
+        ({"memory": "single"}, "memory must be dual or simple, not 'single'"),
+        ({**BLOCKS, "memory": "simple"}, "memory must be dual with blocks, not 'simple'"),
         ({"shapes": "round"}, "shapes must be none, small, full, not 'round'"),
         ({"depth_bits": 10}, "the code word must have 64 bits, not 65"),
     ],
@@ -80,6 +82,15 @@ def test_the_hardware_s_layouts_lie_where_the_format_says(config):
 def test_bad_parameters_are_named(change, message):
     with pytest.raises(ValueError, match=message):
         EngineConfig(**change)
+
+
+def test_memories_change_a_name_and_no_field():
+    simple = LANES8.with_memory("simple")
+    assert (simple.name, simple.memory, simple.flush_words) == ("lanes8-simple", "simple", 1)
+    assert simple.replace(name="lanes8", memory="dual") == LANES8
+    assert simple.with_memory("simple") is simple
+    assert simple.with_memory("dual") == LANES8
+    assert PAPER.with_memory("dual") is PAPER
 
 
 @pytest.mark.parametrize("name", ["lanes", "banks", "colour_planes", "mark_words", "dither"])

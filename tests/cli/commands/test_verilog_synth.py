@@ -218,3 +218,21 @@ def test_a_yosys_that_fails_shows_its_log_without_a_traceback(run, folder, synth
     assert result.exit_code == 1
     assert result.stderr.endswith("splatline: Yosys failed:\nits log\n")
     assert not list(folder.iterdir())
+
+
+def test_verilog_has_simple_memories_where_they_are_asked_for(run, folder):
+    result = run("verilog", "--preset", "paper", "--memory", "simple")
+    assert result.exit_code == 0, result.stderr
+    description = json.loads((folder / "splatline_paper-simple.json").read_text())
+    assert description["top"] == "splatline_paper_simple"
+    assert description["config"]["memory"] == "simple"
+
+
+@pytest.mark.parametrize("command", ["verilog", "synth"])
+def test_an_engine_of_blocks_has_no_simple_memories(run, folder, command):
+    result = run(command, "--preset", "swift", "--memory", "simple")
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[-1] == (
+        "splatline: preset swift: memory must be dual with blocks, not 'simple'"
+    )
+    assert not list(folder.glob("*.v"))
