@@ -28,25 +28,27 @@ ENGINES = (RGB24, RGB24.with_memory("simple"), CONFIGS["small"].with_memory("sim
 HEAD = """\
 # Area by family
 
-Made by `.venv/bin/python docs/measure_families.py`: Yosys' counts before place and route; {tools}. Every
-engine has its streams of full width, so more ports than most packages have pins.
+Made by `.venv/bin/python docs/measure_families.py`: Yosys' counts before place and route; {tools}.
+Every engine has its streams of full width, so more ports than most packages have pins.
 
 - `rgb24` is the default. A lane's memory has two ports that write (`--memory dual`).
-- `rgb24-simple` draws the same pictures (`--preset rgb24 --memory simple`). Each of its memories has one port
-  that writes and one that reads, which every family infers
+- `rgb24-simple` draws the same pictures (`--preset rgb24 --memory simple`). Each of its memories
+  has one port that writes and one that reads, which every family infers
   ([decision 0090](decisions/0090-simple-memories-are-an-option.md)).
-- `small-simple` (`--preset small --memory simple`) is the paper's engine with words of two pixels and a window
-  of eight lines. It draws images of up to 512 columns. An iCE40 UP5K has 5,280 logic cells, 30 block RAMs and
-  8 multipliers, so it fits, even if no cell holds a LUT and a flip-flop.
+- `small-simple` (`--preset small --memory simple`) is the paper's engine with words of two pixels
+  and a window of eight lines. It draws images of up to 512 columns. An iCE40 UP5K has 5,280 logic
+  cells, 30 block RAMs and 8 multipliers, so it fits, even if no cell holds a LUT and a flip-flop.
 
-The script stops if the memory of a lane of a simple engine is not in block RAM. No row was placed or routed.
+The script stops if the memory of a lane of a simple engine is not in block RAM. No row was placed
+or routed.
 
 """
 
 TAIL = """
-- LUTs are the family's: with four inputs in Virtex-II, ECP5, Nexus, Gowin and iCE40, with up to six in
-  7-series and Cyclone V. Those of carry chains and those used as memory are among them.
-- iCE40 has no LUT memory, and Yosys found none for these in Cyclone V: dirty bits are flip-flops there.
+- LUTs are the family's: with four inputs in Virtex-II, ECP5, Nexus, Gowin and iCE40, with up to six
+  in 7-series and Cyclone V. Those of carry chains and those used as memory are among them.
+- Dirty bits are flip-flops in iCE40, which has no LUT memory, and in Cyclone V, where Yosys infers
+  none for them.
 - A block RAM has 18 kbit; in iCE40 4 kbit, in Cyclone V 10 kbit.
 """
 

@@ -1,11 +1,11 @@
 """Measure the cycles that a dense frame spends on flushes, and on loading an initial raster.
 
 Run as ``.venv/bin/python docs/measure_load.py [ENGINE ...]``; without arguments it measures
-``paper``, ``rgb24`` and ``swift``. It simulates the built-in scenes, 512 x 512, in the generated
-Verilog. Each is drawn as an engine's second frame, once over background and once over its own
-picture, so that every word is loaded and flushed. It prints the cycles, and their excess over one
-cycle for each code word, which is the least possible. Splats have the diameter of the scene's
-spacing, times 0.7, 1 and 4/3.
+``paper``, ``rgb24`` and ``swift``. ``rgb24-simple`` is ``rgb24`` with simple memories. It simulates
+the built-in scenes, 512 x 512, in the generated Verilog. Each is drawn as an engine's second frame,
+once over background and once over its own picture, so that every word is loaded and flushed. It
+prints the cycles, and their excess over one cycle for each code word, which is the least possible.
+Splats have the diameter of the scene's spacing, times 0.7, 1 and 4/3.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from splatline.host.scenes.scenes import SCENES
 from splatline.sim import golden
 from splatline.sim.cosim.player.frames import Job, play
 
-ENGINES = PRESETS | {config.name: config for config in VARIANTS}
+SIMPLE = [config.with_memory("simple") for config in PRESETS.values() if not config.draws_blocks]
+ENGINES = PRESETS | {config.name: config for config in (*VARIANTS, *SIMPLE)}
 
 SCALES = (0.7, 1.0, 4 / 3)
 

@@ -116,13 +116,15 @@ class Lane(wiring.Component):
                 load.en.eq(self.enable & self.request.load),
                 load.data.eq(self.loaded),
             ]
+        old = Cat(self.old.depth, taken.draw, taken.clear)
+        new = Cat(self.new.depth, Const(1, 2))
         m.d.comb += [
             self.old.eq(read.data),
-            # new < old, as the carry of old - new - 1; the request rides on the same chain, because
-            # the way from the memory to its own write enable is the longest there is.
-            difference.eq(
-                Cat(self.old.depth, taken.draw, taken.clear) + ~Cat(self.new.depth, Const(1, 2))
-            ),
+            # new < old, as the carry of old - new - 1 or the borrow of new - old; the request rides
+            # on the same chain, because the way from the memory to its own write enable is the
+            # longest there is. Where each lane has a depth of its own, an adder whose operand is
+            # inverted would take an inverter a bit.
+            difference.eq(new - old if self.simple else old + ~new),
             write.addr.eq(taken.address),
             write.data.colour.eq(self.new.colour),
             write.data.depth.eq(

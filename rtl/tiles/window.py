@@ -327,7 +327,8 @@ class TileWindow(wiring.Component):
                     lane.new.eq(drawing[j]),
                 ]
                 if simple or self.config.plane:
-                    depth = Signal(self.config.depth_bits, name=f"depth_{i}_{j}", reset_less=True)
+                    name, init = f"depth_{i}_{j}", self.config.background_depth * simple
+                    depth = Signal(self.config.depth_bits, name=name, init=init, reset_less=True)
                     given = tile.depth[i][j] if self.config.plane else tile.z
                     given = Mux(grants.offered, given, loaded.depth[j]) if simple else given
                     self._draw_depth(m, depth, given, readout.running, clears | sweeping)
