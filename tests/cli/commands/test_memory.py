@@ -60,8 +60,9 @@ def test_packed_text_that_does_not_fit_is_one_line(tmp_path, room, told):
 
 
 def test_a_cloud_in_parts_stays_within_the_memory_that_the_whole_would_break(tmp_path):
-    write_las(tmp_path / "a.laz", *hills(2_000_000))
-    ran = splatline(tmp_path, PEAKS)
-    assert ran.returncode == 0, ran.stderr
+    for points in (5_000, 2_000_000):  # the first run may compile, which takes memory of its own
+        write_las(tmp_path / "a.laz", *hills(points))
+        ran = splatline(tmp_path, PEAKS)
+        assert ran.returncode == 0, ran.stderr
     peaks = [int(line.split()[1]) for line in ran.stdout.splitlines() if line.startswith("peak")]
     assert peaks[0] < 501e6 < peaks[1]
