@@ -1,9 +1,7 @@
 """The cocotb side of a simulated AXI top: executes commands inside the simulator.
 
 The buses are driven by cocotbext-axi, whose bus models are independent of this project. Commands
-come over the socket that ``SPLATLINE_SOCKET`` names, as tuples of a method's name and its
-arguments. Simulated time stands still between commands. The other end of the socket is
-:mod:`splatline.sim.cosim.axi.axi_device`.
+come from :mod:`splatline.sim.cosim.axi.axi_device` (:mod:`splatline.sim.cosim.served`).
 """
 
 from __future__ import annotations
@@ -11,9 +9,7 @@ from __future__ import annotations
 import itertools
 import os
 import random
-import socket
 from collections.abc import Iterator
-from multiprocessing.connection import Connection
 from typing import Any
 
 import cocotb
@@ -29,6 +25,7 @@ from cocotbext.axi import (  # type: ignore[import-untyped]
     AxiStreamSource,
 )
 
+from splatline.sim.cosim.served import connect, serve_commands
 from splatline.sim.cosim.streams import undefined
 
 __all__ = ["AxiBench", "serve"]
@@ -75,19 +72,10 @@ OUTPUTS = (
 @cocotb.test()
 async def serve(dut: Any) -> None:
     """Execute the commands from the socket until it closes."""
-    with socket.socket(socket.AF_UNIX) as end:
-        end.connect(os.environ["SPLATLINE_SOCKET"])
-        line: Connection[Any, Any] = Connection(end.detach())
-    bench = AxiBench(dut)
-    with line:
+    with connect() as line:
+        bench = AxiBench(dut)
         await bench.reset(int(os.environ["SPLATLINE_RESET_EDGES"]))
-        line.send("ready")
-        while True:
-            try:
-                name, *arguments = line.recv()
-            except EOFError:
-                return
-            line.send(await getattr(bench, name)(*arguments))
+        await serve_commands(line, bench)
 
 
 class AxiBench:

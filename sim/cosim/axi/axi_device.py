@@ -7,20 +7,9 @@ simulator, which sends back the result.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import importlib.util
-import json
-import socket
-import subprocess
-import sys
-import tempfile
-import time
 from collections.abc import Callable, Sequence
-from multiprocessing.connection import Connection
-from pathlib import Path
-from types import TracebackType
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,12 +20,10 @@ from splatline.contract.errors import InputError, install_hint
 from splatline.contract.presets import DEFAULT
 from splatline.host.device.device import BusError, DeviceTimeoutError
 from splatline.sim.cosim import simulator
+from splatline.sim.cosim.served import ServedSimulator
 from splatline.sim.cosim.simulator import Build, SimulationError
 
 __all__ = ["SimulatedDevice", "build_axi"]
-
-START_SECONDS = 120.0
-"""Longest time that a simulator may take to start, on a busy machine."""
 
 VISIBLE = [
     ("splatline__engine", name)
@@ -46,8 +33,6 @@ VISIBLE = [
     )
 ]
 """Internal signals that the bench reads: the engine's streams of code words and raster beats."""
-
-_SERVE = "import sys; from splatline.sim.cosim.axi.axi_device import serve; serve(sys.argv[1])"
 
 
 def build_axi(
@@ -79,7 +64,7 @@ def _verilog(config: EngineConfig) -> str:
     return convert(AxiTop(config), "splatline")
 
 
-class SimulatedDevice:
+class SimulatedDevice(ServedSimulator):
     """A simulator of an AXI top; use it in a ``with``, or call :meth:`close`.
 
     Parameters
@@ -127,19 +112,12 @@ class SimulatedDevice:
         self.config = config
         self.limit = limit
         built = build_axi(config) if built is None else built
-        with contextlib.ExitStack() as stack:
-            scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="splatline-"))
-            self._log = Path(scratch) / "log"
-            job = {
-                "folder": str(built.folder),
-                "top": built.top,
-                "simulator": built.simulator,
-                "socket": str(Path(scratch) / "socket"),
-                "reset_edges": reset_edges,
-                "plusargs": list(plusargs),
-            }
-            self._process, self._line = self._start(stack, job)
-            self._stack = stack.pop_all()
+        super().__init__(
+            built,
+            f"{__package__}.axi_bench",
+            plusargs=plusargs,
+            environment={"SPLATLINE_RESET_EDGES": str(reset_edges)},
+        )
         if stall:
             self.command("stall", stall, seed)
 
@@ -174,89 +152,5 @@ class SimulatedDevice:
             raise DeviceTimeoutError(f"no end beat after {self.limit} cycles")
         return np.frombuffer(data, "<u8").reshape(-1, raster_stream_bytes(self.config) // 8)
 
-    def command(self, name: str, *arguments: object) -> Any:
-        """Call a method of ``AxiBench`` in the simulator; return its result."""
-        try:
-            self._line.send((name, *arguments))
-            while not self._line.poll(1.0):
-                if self._process.poll() is not None:
-                    raise EOFError
-            return self._line.recv()
-        except (EOFError, OSError) as error:
-            _end(self._process)  # its log is then complete
-            raise SimulationError(f"the simulator stopped\n{self._tail()}") from error
-
-    def close(self) -> None:
-        """End the simulator."""
-        self._stack.close()
-
-    def __enter__(self) -> SimulatedDevice:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def _start(
-        self, stack: contextlib.ExitStack, job: dict[str, Any]
-    ) -> tuple[subprocess.Popen[bytes], Connection[Any, Any]]:
-        """Start the simulator; return its process and the connection to it."""
-        listener = stack.enter_context(socket.socket(socket.AF_UNIX))
-        listener.bind(job["socket"])
-        listener.listen(1)
-        listener.settimeout(0.2)
-        log = stack.enter_context(self._log.open("wb"))
-        process = subprocess.Popen(
-            [sys.executable, "-c", _SERVE, json.dumps(job)], stdout=log, stderr=log
-        )
-        stack.callback(_end, process)
-        latest = time.monotonic() + START_SECONDS
-        while True:
-            try:
-                end, _ = listener.accept()
-                break
-            except TimeoutError:
-                if process.poll() is not None or time.monotonic() > latest:
-                    raise SimulationError(f"the simulator did not start\n{self._tail()}") from None
-        end.setblocking(True)
-        line: Connection[Any, Any] = stack.enter_context(Connection(end.detach()))
-        try:
-            line.recv()
-        except EOFError:
-            raise SimulationError(f"the simulator stopped at once\n{self._tail()}") from None
-        return process, line
-
-    def _tail(self) -> str:
-        """Return the end of the simulator's log."""
-        return self._log.read_text(errors="replace")[-4000:]
-
 
 _RESPONSES = {2: "SLVERR", 3: "DECERR"}
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """Wait for a process whose connection was closed; terminate it if it does not end."""
-    try:
-        process.wait(10.0)
-    except subprocess.TimeoutExpired:
-        process.terminate()
-        process.wait()
-
-
-def serve(job: str) -> None:
-    """Run the simulator, in the process that a :class:`SimulatedDevice` starts."""
-    told = json.loads(job)
-    simulator.run(
-        Build(Path(told["folder"]), told["top"], told["simulator"], reused=True),
-        f"{__package__}.axi_bench",
-        plusargs=told["plusargs"],
-        environment={
-            "SPLATLINE_SOCKET": told["socket"],
-            "SPLATLINE_RESET_EDGES": str(told["reset_edges"]),
-            "COCOTB_LOG_LEVEL": "WARNING",
-        },
-    )

@@ -1,0 +1,66 @@
+"""The Colorlight i5 and i9 on their extension board: SDRAM of 8 MB, HDMI, gigabit Ethernet."""
+
+from __future__ import annotations
+
+from litedram.modules import M12L64322A
+from litedram.phy import GENSDRPHY
+from liteeth.phy.ecp5rgmii import LiteEthPHYRGMII
+from litex_boards.platforms import colorlight_i5
+
+from splatline.contract.config import EngineConfig
+
+from .clocks import Clocks
+from .screens import DEFAULT_SCREEN, screen
+from .soc import BoardSoC
+
+__all__ = ["ADDRESS", "PORT", "Colorlight"]
+
+ADDRESS, PORT = "192.168.1.50", 1234
+"""IP address of the board, and its UDP port."""
+
+CLOCK = 50e6
+"""Hz of the system and of the SDRAM, which has 32 bits."""
+
+REVISIONS = {"i5": "7.0", "i9": "7.2"}
+
+
+class Colorlight(BoardSoC):
+    """A Colorlight i5 (LFE5U-25F) or i9 (LFE5U-45F).
+
+    Parameters
+    ----------
+    config
+        The engine's configuration.
+    mode
+        A name of :data:`splatline.boards.screens.SCREENS`.
+    board
+        ``i5`` or ``i9``.
+    """
+
+    def __init__(self, config: EngineConfig, mode: str = DEFAULT_SCREEN, board: str = "i5"):
+        platform = colorlight_i5.Platform(
+            board=board, revision=REVISIONS[board], toolchain="trellis"
+        )
+        timings = screen(mode)
+        clocks = Clocks(
+            platform,
+            ~platform.request("cpu_reset_n"),
+            clk_freq=CLOCK,
+            pixel_freq=timings["pix_clk"],
+            half_rate=False,
+        )
+        super().__init__(
+            platform,
+            clocks,
+            config,
+            clk_freq=CLOCK,
+            phy=GENSDRPHY(platform.request("sdram"), CLOCK),
+            module=M12L64322A(CLOCK, "1:1"),
+            timings=timings,
+        )
+        self.ethernet = LiteEthPHYRGMII(
+            clock_pads=platform.request("eth_clocks", 0), pads=platform.request("eth", 0),
+            tx_delay=0,
+        )  # fmt: skip
+        self.add_etherbone(phy=self.ethernet, ip_address=ADDRESS, udp_port=PORT)
+        self.link = {"kind": "etherbone", "address": ADDRESS, "port": PORT}
