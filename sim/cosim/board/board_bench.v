@@ -5,11 +5,7 @@
 
 `timescale 1ns / 1ps
 
-module board_bench #(
-    parameter real SYS_HALF = 10.0,   // half a period of the system's clock, ns
-    parameter real BIT = 4.0,         // a bit on the HDMI pins, ns
-    parameter real SHIFT = 3.0        // from the HDMI clocks' first edge to the system's, ns
-) (
+module board_bench (
     input rst,
     input serial_rx,
     output serial_tx,
@@ -19,10 +15,14 @@ module board_bench #(
   reg clk_sys = 0, clk_hdmi = 0, clk_hdmi5x = 0;
   wire hdmi_clk, hdmi_0, hdmi_1, hdmi_2;
 
+  real sys_half = 10.0;  // half a period of the system's clock, ns: +sys_half=
+  real bit_time = 4.0;  // of a bit on the HDMI pins, ns: +bit=
   initial begin
-    #SHIFT;
-    forever #SYS_HALF clk_sys = ~clk_sys;
+    if ($value$plusargs("sys_half=%f", sys_half)) ;
+    #3.0;  // so that the edges of the clocks never come together
+    forever #(sys_half) clk_sys = ~clk_sys;
   end
+  initial if ($value$plusargs("bit=%f", bit_time)) ;
 
   reg [1023:0] name;
   integer file = 0;
@@ -40,7 +40,7 @@ module board_bench #(
     recorded = 0;
   end
   always @(negedge record) $fflush(file);
-  always #BIT begin
+  always #(bit_time) begin
     if (record) begin
       filled = filled + 1;
       recorded = recorded + 1;

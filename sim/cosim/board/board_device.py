@@ -60,7 +60,7 @@ class SimulatedBoard(ServedSimulator):
     """
 
     def __init__(
-        self, built: Build, pins: Path, baud: int = 6_250_000, plusargs: Sequence[str] = ()
+        self, built: Build, pins: Path, baud: int = 12_500_000, plusargs: Sequence[str] = ()
     ) -> None:
         self.pins = pins
         self._recorded = 0

@@ -9,7 +9,7 @@ from splatline.flow.timing.pnr import (
     CONSTRAINTS,
     RESOURCES,
     SHORT,
-    _script,
+    synthesis_script,
     placer,
     read_report,
     smallest,
@@ -100,10 +100,10 @@ def test_only_draws_blocks_are_placed_for_short_wires_alone():
 
 def test_block_rams_of_pairs_come_from_a_library_that_promises_more(tmp_path):
     """Of Yosys' own, but for what nobody counts on; other engines have that as it is."""
-    (synthesis,) = _script(PAPER, "synth", "top", tmp_path)[1:]
+    (synthesis,) = synthesis_script(PAPER, "synth", "top", tmp_path)[1:]
     assert synthesis == "synth -top top -json top.json"
     assert not list(tmp_path.iterdir())
-    commands = _script(LANES8, "synth", "top", tmp_path)
+    commands = synthesis_script(LANES8, "synth", "top", tmp_path)
     assert commands[1].endswith("-run :map_ram")
     assert commands[-1] == f"{synthesis} -run map_ram:"
     assert (tmp_path / "brams.txt").read_text().count("rdwr old; wrtrans all old;") == 1

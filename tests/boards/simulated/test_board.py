@@ -1,0 +1,103 @@
+"""A whole board in Verilator: frames go in at the serial pins, pictures come out of the HDMI pins."""
+
+import numpy as np
+import pytest
+
+from splatline.boards.simulated import SMALL
+from splatline.sim.dvi.receiver import receive
+from tests.support.board_frames import BACKGROUND
+
+CHARACTERS = (SMALL["h_active"] + SMALL["h_blanking"]) * (SMALL["v_active"] + SMALL["v_blanking"])
+BIT = 8
+"""ns of a bit on the pins: half the rate of a real one, so that the link takes fewer of them."""
+
+pytestmark = pytest.mark.board
+
+
+def seconds(refreshes, bit=BIT):
+    """Return how long so many refreshes and a little more take."""
+    return (refreshes + 0.02) * CHARACTERS * 10 * bit * 1e-9
+
+
+def watch(simulated, refreshes, bit=BIT):
+    """Return what the screen shows in so many whole refreshes."""
+    return receive(simulated.watch(seconds(refreshes + 1, bit))).pictures[:refreshes]
+
+
+def which(shown, pictures):
+    """Return the number of the picture that each refresh shows; -1: none of them, pixel by pixel."""
+    return [
+        next((n for n, picture in enumerate(pictures) if (refresh == picture).all()), -1)
+        for refresh in shown
+    ]
+
+
+def test_every_refresh_is_a_picture_of_golden(start, frames, pictures):
+    simulated, board = start(bit=BIT)
+    board.upload(frames, BACKGROUND)
+    board.play()
+    simulated.wait(seconds(2))
+    pins = simulated.watch(seconds(7))
+    screen = receive(pins)
+    assert screen.characters == CHARACTERS
+    assert len(screen.pictures) >= 6
+    assert screen.pictures.shape[1:] == (SMALL["v_active"], SMALL["h_active"], 3)
+    shown = which(screen.pictures, pictures)
+    assert shown == [(shown[0] + n) % 3 for n in range(len(shown))]  # a frame a refresh, in turn
+    assert shown[0] >= 0
+    counters = board.counters()
+    assert (counters["underruns"], counters["writer_error"]) == (0, 0)
+    assert board.engine.errors() == []
+    # One wrong bit on the pins would be seen.
+    place = 10 * CHARACTERS // 2 + 10 * (SMALL["h_active"] // 2)
+    pins[place : place + 400] ^= 1
+    assert -1 in which(receive(pins).pictures, pictures)
+    board.stop()
+    still = which(watch(simulated, 3), pictures)
+    assert -1 not in still
+    assert still[1] == still[2]
+
+
+def test_a_link_that_stops_leaves_the_last_whole_picture(start, frames, pictures):
+    simulated, board = start(bit=BIT)
+    board.upload(frames[:1], BACKGROUND)
+    board.play(loop=False)
+    simulated.wait(seconds(1))
+    # The first half of a burst into the code words, and then nothing.
+    address = (board.told["main_ram"] + 2 * 4 * 104 * 88) // 4
+    simulated.write(bytes([1, 255]) + address.to_bytes(4, "big") + bytes(501))
+    assert which(watch(simulated, 2), pictures) == [0, 0]
+    # A reset in the middle of the burst, of a line and of a refresh: the next start is as the first.
+    simulated.reset()
+    assert (watch(simulated, 1) == 0).all()
+    board.start()
+    board.upload(frames[1:2], BACKGROUND)
+    board.play(loop=False)
+    simulated.wait(seconds(1))
+    assert which(watch(simulated, 1), pictures) == [1]
+
+
+def test_a_starved_screen_is_whole_again_afterwards(start, frames, pictures):
+    """Reads of other rows all the time take the memory away from the screen."""
+    simulated, board = start()
+    board.upload(frames, BACKGROUND)
+    board.play()
+    simulated.wait(seconds(2, bit=4))
+    assert board.counters()["underruns"] == 0
+    board.set("traffic_enable", 1)
+    starved = watch(simulated, 4, bit=4)
+    for refresh in starved:
+        # Each is the beginning of one picture, and background from the first missing pixel on.
+        ends = [
+            int(np.argmax(differs)) if (differs := (refresh != p).any(axis=2).ravel()).any() else None
+            for p in pictures
+        ]
+        assert any(
+            end is None or (refresh.reshape(-1, 3)[end:] == BACKGROUND).all() for end in ends
+        )
+    board.set("traffic_enable", 0)
+    simulated.wait(seconds(1, bit=4))
+    before = board.counters()["underruns"]
+    shown = which(watch(simulated, 3, bit=4), pictures)
+    assert -1 not in shown
+    assert board.counters()["underruns"] == before
