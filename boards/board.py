@@ -262,7 +262,7 @@ class Board:
         return 2 * self._buffer_bytes(width, height)
 
     def _place_picture(self, width: int, height: int, background: tuple[int, int, int]) -> None:
-        """Set the buffers, and where the picture is on the screen: in its middle, cut off evenly."""
+        """Set the buffers, and put the picture in the screen's middle, cut off evenly."""
         columns, lines = (
             min(size, most) for size, most in zip((width, height), self.told["screen"], strict=True)
         )

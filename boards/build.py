@@ -69,7 +69,7 @@ def build_bitstream(
         inputs = ["--json", "top.json", "--lpf", f"{TOP}.lpf"]
         run_nextpnr([*route, *inputs, *outputs], folder)
         report = json.loads((folder / "report.json").read_text())
-        clocks = clock_rates(report)
+        clocks = clock_rates(report, soc.crg.names)
         missed = unmet(clocks)
         if missed:
             raise ToolError(f"timing is not met with seed {seed}: {missed}; try another seed")
@@ -90,13 +90,14 @@ def build_bitstream(
     }
 
 
-def clock_rates(report: dict) -> dict[str, dict[str, float]]:
+def clock_rates(report: dict, names: dict[str, str]) -> dict[str, dict[str, float]]:
     """Return of each clock in nextpnr's report ``mhz``, ``target_mhz`` and ``margin``.
 
-    The margin is the share by which the rate is above its target.
+    The margin is the share by which the rate is above its target. ``names`` has the domains by the
+    names of their wires.
     """
     return {
-        name.removeprefix("$glbnet$"): {
+        names.get(wire := name.removeprefix("$glbnet$"), wire): {
             "mhz": round(rate["achieved"], 1),
             "target_mhz": round(rate["constraint"], 1),
             "margin": round(rate["achieved"] / rate["constraint"] - 1.0, 3),

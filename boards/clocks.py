@@ -35,6 +35,7 @@ class Clocks(LiteXModule):
 
     def __init__(self, platform, reset, *, clk_freq, pixel_freq, half_rate):
         self.rst = Signal()
+        self.names = {}  # of the domains, by LiteX's names of the PLLs' outputs
         self.cd_sys, self.cd_hdmi, self.cd_hdmi5x = (
             ClockDomain(name) for name in ("sys", "hdmi", "hdmi5x")
         )
@@ -54,4 +55,9 @@ class Clocks(LiteXModule):
         pll.create_clkout(delayed, (2 if half_rate else 1) * clk_freq, phase=SDRAM_PHASE)
         video_pll.create_clkout(self.cd_hdmi, pixel_freq, margin=0)
         video_pll.create_clkout(self.cd_hdmi5x, 5 * pixel_freq, margin=0)
+        for number, outputs in enumerate(
+            (["sys", *(["sys2x"] * half_rate), name], ["hdmi", "hdmi5x"])
+        ):
+            for place, domain in enumerate(outputs):
+                self.names[f"ecp5pll{number}_clkout{place}"] = domain
         self.specials += DDROutput(1, 0, platform.request("sdram_clock"), ClockSignal(name))

@@ -10,7 +10,7 @@ from litex_boards.platforms import colorlight_i5
 from splatline.contract.config import EngineConfig
 
 from .clocks import Clocks
-from .screens import DEFAULT_SCREEN, screen
+from .screen import SCREEN
 from .soc import BoardSoC
 
 __all__ = ["ADDRESS", "PORT", "Colorlight"]
@@ -20,6 +20,9 @@ ADDRESS, PORT = "192.168.1.50", 1234
 
 CLOCK = 50e6
 """Hz of the system and of the SDRAM, which has 32 bits."""
+
+ETHERBONE_BUFFER = 256
+"""32-bit words of a packet that the board can hold: the most that LiteEth allows."""
 
 REVISIONS = {"i5": "7.0", "i9": "7.2"}
 
@@ -31,22 +34,19 @@ class Colorlight(BoardSoC):
     ----------
     config
         The engine's configuration.
-    mode
-        A name of :data:`splatline.boards.screens.SCREENS`.
     board
         ``i5`` or ``i9``.
     """
 
-    def __init__(self, config: EngineConfig, mode: str = DEFAULT_SCREEN, board: str = "i5"):
+    def __init__(self, config: EngineConfig, board: str = "i5"):
         platform = colorlight_i5.Platform(
             board=board, revision=REVISIONS[board], toolchain="trellis"
         )
-        timings = screen(mode)
         clocks = Clocks(
             platform,
             ~platform.request("cpu_reset_n"),
             clk_freq=CLOCK,
-            pixel_freq=timings["pix_clk"],
+            pixel_freq=SCREEN["pix_clk"],
             half_rate=False,
         )
         super().__init__(
@@ -56,11 +56,12 @@ class Colorlight(BoardSoC):
             clk_freq=CLOCK,
             phy=GENSDRPHY(platform.request("sdram"), CLOCK),
             module=M12L64322A(CLOCK, "1:1"),
-            timings=timings,
+            timings=SCREEN,
         )
         self.ethernet = LiteEthPHYRGMII(
             clock_pads=platform.request("eth_clocks", 0), pads=platform.request("eth", 0),
             tx_delay=0,
         )  # fmt: skip
-        self.add_etherbone(phy=self.ethernet, ip_address=ADDRESS, udp_port=PORT)
-        self.link = {"kind": "etherbone", "address": ADDRESS, "port": PORT}
+        self.add_etherbone(
+            phy=self.ethernet, ip_address=ADDRESS, udp_port=PORT, buffer_depth=ETHERBONE_BUFFER
+        )

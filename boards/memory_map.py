@@ -8,9 +8,7 @@ __all__ = [
 
 CSR_PAGES = {
     name: number
-    for number, name in enumerate(
-        ("ctrl", "sdram", "scanout", "engine", "player", "video_timing")
-    )
+    for number, name in enumerate(("ctrl", "sdram", "scanout", "engine", "player", "video_timing"))
 }
 """Page of each group of LiteX's registers, from address 0."""
 

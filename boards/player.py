@@ -6,7 +6,7 @@ from litedram.frontend.dma import LiteDRAMDMAReader
 from litex.gen import LiteXModule
 from litex.soc.interconnect import stream, wishbone
 from litex.soc.interconnect.csr import CSRStatus, CSRStorage
-from migen import FSM, If, Memory, NextState, NextValue, READ_FIRST, Signal
+from migen import FSM, READ_FIRST, If, Memory, NextState, NextValue, Signal
 
 __all__ = ["MOST_FRAMES", "Player"]
 
@@ -120,11 +120,13 @@ class Player(LiteXModule):
                 If(
                     frame < self.frames.storage,
                     NextState("ENTRY"),
-                ).Elif(
+                )
+                .Elif(
                     self.loop.storage,
                     NextValue(frame, 0),
                     NextState("ENTRY"),
-                ).Else(NextState("DONE")),
+                )
+                .Else(NextState("DONE")),
             ),
         )
         fsm.act("DONE", If(~self.enable.storage, NextState("IDLE")))

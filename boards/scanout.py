@@ -24,8 +24,8 @@ class ScanOut(LiteXModule):
     buffers are swapped if ``swap_valid`` is high, and the reader begins with the first visible
     pixel. So no refresh has pixels of two frames.
 
-    A pixel that comes too late leaves the rest of its refresh background, and counts as an underrun;
-    the next refresh is whole again.
+    A pixel that comes too late leaves the rest of its refresh background, and counts as an
+    underrun; the next refresh is whole again.
 
     **Throughput**: one pixel a cycle of the memory port, as long as the memory gives it.
 

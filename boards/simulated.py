@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from litedram.common import PhySettings
 from litedram.frontend.dma import LiteDRAMDMAReader
 from litedram.modules import MT48LC16M16
@@ -62,7 +64,9 @@ class Traffic(LiteXModule):
             dma.sink.address.eq(state),
             dma.source.ready.eq(1),
         ]
-        self.sync += If(dma.sink.valid & dma.sink.ready, state.eq(Cat(state[17] ^ state[10], state)))
+        self.sync += If(
+            dma.sink.valid & dma.sink.ready, state.eq(Cat(state[17] ^ state[10], state))
+        )
 
 
 class SimulatedSoC(BoardSoC):
@@ -80,7 +84,7 @@ class SimulatedSoC(BoardSoC):
         Refreshes of the SDRAM for each one that its chips need.
     """
 
-    csr_map = {**CSR_PAGES, "traffic": len(CSR_PAGES)}
+    csr_map: ClassVar = {**CSR_PAGES, "traffic": len(CSR_PAGES)}
 
     def __init__(self, config: EngineConfig, timings="640x480@60Hz", clk_freq=50e6, refreshes=1):
         platform = LatticeECP5Platform("LFE5U-85F-6BG381C", PINS, toolchain="trellis")

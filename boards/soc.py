@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from litex.soc.cores.video import VideoHDMIPHY, VideoTimingGenerator, video_timings
 from litex.soc.integration.soc import SoCRegion
 from litex.soc.integration.soc_core import SoCMini
@@ -48,8 +50,8 @@ class BoardSoC(SoCMini):
         Pixels that are read ahead of the screen.
     """
 
-    mem_map = {**SoCMini.mem_map, "main_ram": MAIN_RAM}
-    csr_map = CSR_PAGES
+    mem_map: ClassVar = {**SoCMini.mem_map, "main_ram": MAIN_RAM}
+    csr_map: ClassVar = CSR_PAGES
 
     def __init__(
         self, platform, clocks, config: EngineConfig, *, clk_freq, phy, module, timings,
@@ -77,7 +79,9 @@ class BoardSoC(SoCMini):
     def _connect(self):
         """Connect player, engine and scan-out."""
         self.comb += [
-            self.player.source.connect(self.engine.codewords, keep={"valid", "ready", "data", "last"}),
+            self.player.source.connect(
+                self.engine.codewords, keep={"valid", "ready", "data", "last"}
+            ),
             self.scanout.swap_valid.eq(self.engine.swap_valid),
             self.scanout.swap_index.eq(self.engine.swap_index),
             self.engine.swapped.eq(self.scanout.swapped),

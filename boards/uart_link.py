@@ -67,7 +67,9 @@ class UartLink:
         """Write words from an address on, a multiple of 4: shape (n,), uint32."""
         for begin in range(0, len(words), MOST_WORDS):
             part = words[begin : begin + MOST_WORDS]
-            self.port.write(_head(WRITE, len(part), address + 4 * begin) + part.astype(">u4").tobytes())
+            self.port.write(
+                _head(WRITE, len(part), address + 4 * begin) + part.astype(">u4").tobytes()
+            )
 
 
 def _head(command: int, count: int, address: int) -> bytes:

@@ -8,14 +8,12 @@ from litex_boards.platforms import radiona_ulx3s
 
 from splatline.contract.config import EngineConfig
 
+from .catalog import BAUD
 from .clocks import Clocks
-from .screens import DEFAULT_SCREEN, screen
+from .screen import SCREEN
 from .soc import BoardSoC
 
-__all__ = ["BAUD", "Ulx3s"]
-
-BAUD = 3_000_000
-"""Bits a second of the link; the board's FT231X makes up to 3 million."""
+__all__ = ["Ulx3s"]
 
 CLOCK = 50e6
 """Hz of the system. The SDRAM runs at twice this rate, with 16 bits."""
@@ -28,18 +26,15 @@ class Ulx3s(BoardSoC):
     ----------
     config
         The engine's configuration.
-    mode
-        A name of :data:`splatline.boards.screens.SCREENS`.
     """
 
-    def __init__(self, config: EngineConfig, mode: str = DEFAULT_SCREEN):
+    def __init__(self, config: EngineConfig):
         platform = radiona_ulx3s.Platform("LFE5U-85F", revision="2.0", toolchain="trellis")
-        timings = screen(mode)
         clocks = Clocks(
             platform,
             platform.request("rst"),
             clk_freq=CLOCK,
-            pixel_freq=timings["pix_clk"],
+            pixel_freq=SCREEN["pix_clk"],
             half_rate=True,
         )
         super().__init__(
@@ -49,8 +44,7 @@ class Ulx3s(BoardSoC):
             clk_freq=CLOCK,
             phy=HalfRateGENSDRPHY(platform.request("sdram"), CLOCK),
             module=MT48LC16M16(CLOCK, "1:2"),
-            timings=timings,
+            timings=SCREEN,
         )
         self.comb += platform.request("wifi_gpio0").eq(1)  # or the ESP32 resets the FPGA
         self.add_uartbone(baudrate=BAUD)
-        self.link = {"kind": "serial", "baud": BAUD}

@@ -121,6 +121,7 @@ def _file_trouble(error: OSError) -> str:
 
 COMMANDS = {
     "bench": "splatline.cli.bench.command:bench",
+    "board": "splatline.cli.commands.board:board",
     "encode": "splatline.cli.commands.encode_play:encode",
     "film": "splatline.cli.commands.film:film",
     "info": "splatline.cli.commands.info:info",

@@ -64,12 +64,12 @@ def receive(pins: npt.NDArray[np.uint8]) -> Screen:
     Raises
     ------
     DviError
-        If a channel has no characters, channels are apart by more than 0.6 characters (as much as a
-        receiver must bear, table 4-5 of the specification), or a refresh differs in its timing.
+        If a channel has no characters, channels are apart by more than half a character (a real
+        receiver bears 0.6, table 4-5 of the specification), or refreshes differ in their timing.
     """
     phases, channels = [], []
     for channel in range(CHANNELS):
-        phase, characters = _characters(pins >> channel & 1)
+        phase, characters = _characters((pins >> channel & 1).astype(np.uint8))
         phases.append(phase)
         channels.append(characters)
     skews = [_skew(phase - phases[0]) for phase in phases[1:]]
@@ -78,8 +78,6 @@ def receive(pins: npt.NDArray[np.uint8]) -> Screen:
     channels = [c[max(late) - n :] for c, n in zip(channels, late, strict=True)]
     length = min(len(characters) for characters in channels)
     characters = np.stack([c[:length] for c in channels])
-    if max(abs(skew) for skew in skews) > 0.6 * BITS:
-        raise DviError(f"channels are apart by {skews} bits")
     codes = control_codes(characters)
     enabled = codes < 0
     if (enabled != enabled[0]).any():
@@ -115,7 +113,7 @@ def _refreshes(
     skew: tuple[int, int],
 ) -> Screen:
     """Cut the characters at each rise of VSYNC."""
-    # VSYNC does not change while there is data: of a character of data it is that of the one before.
+    # VSYNC does not change while there is data: there it is that of the last control character.
     known = np.maximum.accumulate(np.where(enabled, 0, np.arange(len(codes))))
     vsync = codes[known] >> 1 & 1
     rises = np.flatnonzero(np.diff(vsync.astype(np.int8)) == 1) + 1

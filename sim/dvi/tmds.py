@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["CONTROL", "BITS", "control_codes", "decode"]
+__all__ = ["BITS", "CONTROL", "control_codes", "decode"]
 
 BITS = 10
 """Bits of a character; bit 0 goes first."""

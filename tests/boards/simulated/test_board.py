@@ -1,4 +1,4 @@
-"""A whole board in Verilator: frames go in at the serial pins, pictures come out of the HDMI pins."""
+"""A whole board in Verilator: from the pins of the serial link to those of HDMI."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def watch(simulated, refreshes, bit=BIT):
 
 
 def which(shown, pictures):
-    """Return the number of the picture that each refresh shows; -1: none of them, pixel by pixel."""
+    """Return the number of the picture that each refresh shows, pixel by pixel; -1: none."""
     return [
         next((n for n, picture in enumerate(pictures) if (refresh == picture).all()), -1)
         for refresh in shown
@@ -67,7 +67,7 @@ def test_a_link_that_stops_leaves_the_last_whole_picture(start, frames, pictures
     address = (board.told["main_ram"] + 2 * 4 * 104 * 88) // 4
     simulated.write(bytes([1, 255]) + address.to_bytes(4, "big") + bytes(501))
     assert which(watch(simulated, 2), pictures) == [0, 0]
-    # A reset in the middle of the burst, of a line and of a refresh: the next start is as the first.
+    # A reset in the middle of the burst, of a line and of a refresh; then a start as the first.
     simulated.reset()
     assert (watch(simulated, 1) == 0).all()
     board.start()
@@ -89,7 +89,9 @@ def test_a_starved_screen_is_whole_again_afterwards(start, frames, pictures):
     for refresh in starved:
         # Each is the beginning of one picture, and background from the first missing pixel on.
         ends = [
-            int(np.argmax(differs)) if (differs := (refresh != p).any(axis=2).ravel()).any() else None
+            int(np.argmax(differs))
+            if (differs := (refresh != p).any(axis=2).ravel()).any()
+            else None
             for p in pictures
         ]
         assert any(

@@ -9,10 +9,10 @@ from splatline.flow.timing.pnr import (
     CONSTRAINTS,
     RESOURCES,
     SHORT,
-    synthesis_script,
     placer,
     read_report,
     smallest,
+    synthesis_script,
 )
 from splatline.flow.tools import ToolError
 
