@@ -44,6 +44,8 @@ class EngineCore(LiteXModule):
         A whole frame is in the buffer of this index.
     swapped : in
         It is shown now.
+    pause : in
+        No further burst begins.
     """
 
     def __init__(self, config: EngineConfig, port, scanout):
@@ -54,13 +56,15 @@ class EngineCore(LiteXModule):
         self.swap_valid = Signal()
         self.swap_index = Signal()
         self.swapped = Signal()
+        self.pause = Signal()
         self.writer_error = CSRStatus(1, description="a write to SDRAM failed, since reset")
 
         # # #
 
         memory = LiteDRAMAXIPort(data_width=32, address_width=32, id_width=1)
         self.to_memory = LiteDRAMAXI2Native(memory, port)
-        failed = Signal()
+        failed, address_valid = Signal(), Signal()
+        self.comb += memory.aw.valid.eq(address_valid & ~self.pause)
         self.sync += If(failed, self.writer_error.status.eq(1))
         self.specials += Instance(
             MODULE,
@@ -85,6 +89,8 @@ class EngineCore(LiteXModule):
             o_writer_error=failed,
             **_lite(self.bus, bits),
             **_write_master(memory),
+            o_m_axi_awvalid=address_valid,
+            i_m_axi_awready=memory.aw.ready & ~self.pause,
         )
 
 
@@ -112,14 +118,12 @@ def _lite(bus: AXILiteInterface, bits: int) -> dict:
 
 
 def _write_master(bus: LiteDRAMAXIPort) -> dict:
-    """Return the connections of the AXI4 port that writes the picture."""
+    """Return the connections of the AXI4 port that writes the picture, but for AW's handshake."""
     return {
         "o_m_axi_awaddr": bus.aw.addr,
         "o_m_axi_awlen": bus.aw.len,
         "o_m_axi_awsize": bus.aw.size,
         "o_m_axi_awburst": bus.aw.burst,
-        "o_m_axi_awvalid": bus.aw.valid,
-        "i_m_axi_awready": bus.aw.ready,
         "o_m_axi_wdata": bus.w.data,
         "o_m_axi_wstrb": bus.w.strb,
         "o_m_axi_wlast": bus.w.last,

@@ -38,8 +38,8 @@ class Player(LiteXModule):
         Stream out: ``data``, and ``last`` with a frame's last word.
     bus
         Wishbone: the list.
-    swapped, refreshed : in
-        From :class:`splatline.boards.scanout.ScanOut`.
+    swapped, refreshed, pause : in
+        From :class:`splatline.boards.scanout.ScanOut`; ``pause`` is its ``hungry``.
     """
 
     def __init__(self, port, word_bits, depth=128):
@@ -51,6 +51,7 @@ class Player(LiteXModule):
         self.played = CSRStatus(32, description="frames that were shown since reset; wraps")
         self.swapped = Signal()
         self.refreshed = Signal()
+        self.pause = Signal()
 
         # # #
 
@@ -91,7 +92,7 @@ class Player(LiteXModule):
         fsm.act("LENGTH", NextValue(left, entry.dat_r), NextState("SEND"))
         fsm.act(
             "SEND",
-            dma.sink.valid.eq(left != 0),
+            dma.sink.valid.eq((left != 0) & ~self.pause),
             If(
                 dma.sink.ready & dma.sink.valid,
                 NextValue(address, address + 1),

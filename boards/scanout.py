@@ -50,6 +50,9 @@ class ScanOut(LiteXModule):
         High for one cycle: it is the front buffer from now on.
     shown : out
         There is a picture to show: the registers allow it, and there was a swap since reset.
+    hungry : out
+        The reader has less than three quarters of what it may have ahead: others keep away from
+        the memory.
     refreshed : out
         High for one cycle at each start of a refresh, when a swap can take place.
     """
@@ -74,6 +77,7 @@ class ScanOut(LiteXModule):
         self.swapped = Signal()
         self.refreshed = Signal()
         self.shown = Signal()
+        self.hungry = Signal()
 
         # # #
 
@@ -88,11 +92,14 @@ class ScanOut(LiteXModule):
             dma.source.connect(self.crossing.sink, keep={"valid", "ready", "data"}),
             self.crossing.source.connect(compositor.pixels, keep={"valid", "ready", "data"}),
         ]
-        self._read(dma)
+        self._read(dma, 3 * depth // 4)
         self._count(compositor)
 
-    def _read(self, dma):
-        """Read the visible part of the front buffer once a refresh, line by line."""
+    def _read(self, dma, enough):
+        """Read the visible part of the front buffer once a refresh, line by line.
+
+        The reader is hungry with less than ``enough`` pixels ahead.
+        """
         flush = Signal()
         self.specials += MultiReg(self.compositor.flush, flush)
         pending = Signal(16)  # reads whose pixel has not left the FIFO
@@ -160,6 +167,7 @@ class ScanOut(LiteXModule):
         )
         fsm.act("REST", If(flush, NextState("FLUSH")))
         self.comb += dma.sink.address.eq((start >> 2) + column)
+        self.sync += self.hungry.eq(fsm.ongoing("READ") & (pending < enough))
 
     def _count(self, compositor):
         """Count refreshes, swaps and underruns."""

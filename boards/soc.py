@@ -30,7 +30,7 @@ class BoardSoC(SoCMini):
     (:class:`splatline.boards.board.Board`).
 
     All masters of the SDRAM have ports of 32 bits: the link, code words, the engine's pictures, and
-    the screen.
+    the screen. While the screen is hungry, code words and pictures wait.
 
     Parameters
     ----------
@@ -87,6 +87,8 @@ class BoardSoC(SoCMini):
             self.engine.swapped.eq(self.scanout.swapped),
             self.player.swapped.eq(self.scanout.swapped),
             self.player.refreshed.eq(self.scanout.refreshed),
+            self.player.pause.eq(self.scanout.hungry),
+            self.engine.pause.eq(self.scanout.hungry),
         ]
 
     def _screen(self):

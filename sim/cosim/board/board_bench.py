@@ -72,3 +72,7 @@ class BoardBench:
         self.dut.record.value = int(on)
         await Timer(1, "ns")
         return int(self.dut.bits.value)
+
+    async def violations(self) -> int:
+        """Return the rules of the SDRAM chip that were broken so far; in the ULX3S bench alone."""
+        return int(self.dut.violations.value)

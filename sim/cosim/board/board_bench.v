@@ -1,7 +1,4 @@
-// The clocks of a board, and a recorder of its HDMI pins.
-//
-// Each bit on the pins becomes four bits of the record: data0, data1, data2 and clock, from bit 0 on.
-// A 64-bit little-endian word of the file has sixteen of them, the first in its low bits.
+// The clocks of a board with a model of its SDRAM and PHY, and a record of its HDMI pins.
 
 `timescale 1ns / 1ps
 
@@ -24,29 +21,11 @@ module board_bench (
   end
   initial if ($value$plusargs("bit=%f", bit_time)) ;
 
-  reg [1023:0] name;
-  integer file = 0;
-  initial if ($value$plusargs("pins=%s", name)) file = $fopen(name, "wb");
-
-  // A bit is sampled at its end, before the edge that ends it.
   reg [2:0] half = 0;
-  reg [59:0] kept = 0;
-  reg [3:0] filled = 0;
-  reg [31:0] recorded = 0;
   wire [3:0] pins = {hdmi_clk, hdmi_2, hdmi_1, hdmi_0};
-  assign bits = recorded;
-  always @(posedge record) begin
-    filled = 0;
-    recorded = 0;
-  end
-  always @(negedge record) $fflush(file);
+  `include "record_pins.vh"
   always #(bit_time) begin
-    if (record) begin
-      filled = filled + 1;
-      recorded = recorded + 1;
-      if (filled == 0) $fwrite(file, "%u", {pins, kept});
-      kept = {pins, kept[59:4]};
-    end
+    sample_pins;
     clk_hdmi5x = ~clk_hdmi5x;
     half = half + 1;
     if (half == 5) begin

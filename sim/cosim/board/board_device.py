@@ -13,9 +13,17 @@ from splatline.sim.cosim.served import ServedSimulator
 from splatline.sim.cosim.simulator import Build
 from splatline.sim.dvi.receiver import unpack_pins
 
-__all__ = ["SimulatedBoard", "build_board"]
+__all__ = ["MODELLED", "ULX3S", "SimulatedBoard", "build_board"]
 
 HERE = Path(__file__).parent
+
+MODELLED, ULX3S = "board_bench", "ulx3s_bench"
+"""The benches."""
+
+PADS = ("+define+PAD_OUT=3.0", "+define+PAD_IN=2.0")
+"""Delays of pins in the ULX3S bench, in ns, to the pin and from it. They are assumed. With the chip's
+limits (tAC 5.4 ns, tOH 2.7 ns) LiteDRAM's PHY with its clock half a period behind takes the right
+word for sums from 2.3 to 9.6 ns."""
 
 RECORD_BITS, WORD_BYTES = 16, 8
 """Bits on the pins in a word of the record's file, and its bytes."""
@@ -27,19 +35,27 @@ ANSWER_NS = 20_000_000
 """Longest time that the board may take for bytes on the serial link."""
 
 
-def build_board(sources: Mapping[str, str], options: Sequence[str] = ()) -> Build:
+def build_board(
+    sources: Mapping[str, str], bench: str = MODELLED, options: Sequence[str] = ()
+) -> Build:
     """Build the simulator of a board, or return its cached build.
 
     Parameters
     ----------
     sources
-        Verilog texts by file name. One has the module ``board`` with the pins that
-        ``board_bench.v`` connects.
+        Verilog texts by file name. One has the module ``board`` with the pins that the bench
+        connects.
+    bench
+        ``MODELLED``: clocks and memory are the system's; ``ULX3S``: a ULX3S with its chips.
     options
         Further arguments of Verilator.
     """
-    bench = {name: (HERE / name).read_text() for name in ("board_bench.v", "primitives.v")}
-    return simulator.build({**bench, **sources}, "board_bench", options=[*TIMED, *options])
+    names = (f"{bench}.v", "primitives.v", *(["sdram_chip.v"] if bench == ULX3S else []))
+    texts = {name: (HERE / name).read_text() for name in names}
+    record = (HERE / "record_pins.vh").read_text()
+    texts[f"{bench}.v"] = texts[f"{bench}.v"].replace('`include "record_pins.vh"', record)
+    pads = PADS if bench == ULX3S else ()
+    return simulator.build({**texts, **sources}, bench, options=[*TIMED, *pads, *options])
 
 
 class SimulatedBoard(ServedSimulator):
