@@ -18,8 +18,8 @@ PYTEST_ARGS ?= -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 export AMARANTH_USE_YOSYS := builtin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup render film bench test test-browser fuzz formal lint types docs docs-links \
-  verilog synth fusesoc clean distclean tools
+.PHONY: help setup render film bench test test-board test-browser fuzz formal lint types docs \
+  docs-links verilog synth fusesoc clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -28,7 +28,8 @@ help:
 	@echo 'make film       the turning terrain of the README -> docs/terrain.webp'
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
-	@echo 'make test       all tests but those in a browser'
+	@echo 'make test       all tests but those of boards and in a browser'
+	@echo 'make test-board  a whole board in a simulator, from its link to its HDMI pins'
 	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'

@@ -26,15 +26,17 @@ class Ulx3s(BoardSoC):
     ----------
     config
         The engine's configuration.
+    timings
+        The video mode.
     """
 
-    def __init__(self, config: EngineConfig):
+    def __init__(self, config: EngineConfig, timings=SCREEN):
         platform = radiona_ulx3s.Platform("LFE5U-85F", revision="2.0", toolchain="trellis")
         clocks = Clocks(
             platform,
             platform.request("rst"),
             clk_freq=CLOCK,
-            pixel_freq=SCREEN["pix_clk"],
+            pixel_freq=timings["pix_clk"],
             half_rate=True,
         )
         super().__init__(
@@ -44,7 +46,7 @@ class Ulx3s(BoardSoC):
             clk_freq=CLOCK,
             phy=HalfRateGENSDRPHY(platform.request("sdram"), CLOCK),
             module=MT48LC16M16(CLOCK, "1:2"),
-            timings=SCREEN,
+            timings=timings,
         )
         self.comb += platform.request("wifi_gpio0").eq(1)  # or the ESP32 resets the FPGA
         self.add_uartbone(baudrate=BAUD)

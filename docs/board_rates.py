@@ -33,10 +33,11 @@ def main() -> None:
         free = cycles - SIZE * LINES
         refreshes = max(math.ceil(run["cycles"] / cycles), math.ceil(words / free))
         busy = (words / refreshes + SIZE * LINES) / cycles
-        print(
-            f"| {run['scene']} | {preset} | {run['codewords']:,} | {1e3 * run['cycles'] / CLOCK:.1f}"
-            f" | {busy:.0%} | {REFRESH / refreshes:.1f} |"
-        )
+        row = (
+            run["scene"], preset, f"{run['codewords']:,}", f"{1e3 * run['cycles'] / CLOCK:.1f}",
+            f"{busy:.0%}", f"{REFRESH / refreshes:.1f}",
+        )  # fmt: skip
+        print("| " + " | ".join(row) + " |")
 
 
 if __name__ == "__main__":

@@ -21,9 +21,9 @@ MODELLED, ULX3S = "board_bench", "ulx3s_bench"
 """The benches."""
 
 PADS = ("+define+PAD_OUT=3.0", "+define+PAD_IN=2.0")
-"""Delays of pins in the ULX3S bench, in ns, to the pin and from it. They are assumed. With the chip's
-limits (tAC 5.4 ns, tOH 2.7 ns) LiteDRAM's PHY with its clock half a period behind takes the right
-word for sums from 2.3 to 9.6 ns."""
+"""Delays of pins in the ULX3S bench, in ns, to the pin and from it. They are assumed. With the
+chip's limits (tAC 5.4 ns, tOH 2.7 ns) LiteDRAM's PHY with its clock half a period behind takes the
+right word for sums from 2.3 to 9.6 ns."""
 
 RECORD_BITS, WORD_BYTES = 16, 8
 """Bits on the pins in a word of the record's file, and its bytes."""
