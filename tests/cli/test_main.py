@@ -57,8 +57,8 @@ def test_every_command_shows_examples(run, command):
 
 def test_the_commands_are_those_of_the_manual():
     assert sorted(COMMANDS) == [
-        "bench", "encode", "film", "info", "netlist", "play", "pnr", "registers", "render", "synth",
-        "verilog", "view",
+        "bench", "board", "encode", "film", "info", "netlist", "play", "pnr", "registers", "render",
+        "synth", "verilog", "view",
     ]  # fmt: skip
 
 
