@@ -62,7 +62,7 @@ def build(name: str, preset: EngineConfig, seed: int, output: Path | None) -> No
     check_files((output, beside))
     import logging
 
-    logging.getLogger().setLevel(logging.ERROR)  # LiteX tells all that it does
+    logging.disable(logging.WARNING)  # LiteX tells all that it does
     with Stages().stage("", f"Building {preset.name} for {name}") as share:
         system = make_system(name, preset)
         from splatline.boards.build import build_bitstream
