@@ -1,12 +1,14 @@
 """The DVI receiver, against a transmitter written from the specification's flow chart."""
 
 import functools
+import importlib.util
+from importlib import metadata
 
 import numpy as np
 import pytest
 
 from splatline.sim.dvi.receiver import DviError, receive, unpack_pins
-from splatline.sim.dvi.tmds import CONTROL
+from splatline.sim.dvi.tmds import CONTROL, control_codes, decode
 
 WIDTH, HEIGHT = 12, 5
 BLANK, BLANK_LINES = 20, 4
@@ -89,8 +91,6 @@ def test_every_byte_comes_back_in_every_channel():
     values = np.arange(256, dtype=np.uint8)
     encoder = Encoder()
     words = [encoder.data(int(value)) for value in np.tile(values, 4)]
-    from splatline.sim.dvi.tmds import control_codes, decode
-
     characters = (np.array(words) << np.arange(10)).sum(axis=1).astype(np.uint16)
     assert (decode(characters) == np.tile(values, 4)).all()
     assert (control_codes(characters) == -1).all()
@@ -112,3 +112,23 @@ def test_what_is_no_picture_is_said(pictures):
 
 def test_a_record_has_the_first_bit_in_the_low_half():
     assert unpack_pins(np.array([0x21, 0x43], np.uint8)).tolist() == [1, 2, 3, 4]
+
+
+def test_the_decoder_of_cocotbext_dvi_says_the_same_of_every_character():
+    """Only where it is installed: it needs OpenCV, which no extra brings."""
+    try:
+        files = metadata.files("cocotbext-dvi") or []
+    except metadata.PackageNotFoundError:
+        pytest.skip("cocotbext-dvi is not installed")
+    (path,) = [file.locate() for file in files if file.name == "tmds.py"]
+    spec = importlib.util.spec_from_file_location("tmds", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)  # alone: its package imports OpenCV
+    other = module.TMDS()
+    characters = np.arange(1024, dtype=np.uint16)
+    for character, value, code in zip(
+        characters.tolist(), decode(characters), control_codes(characters), strict=True
+    ):
+        data, enabled, vsync, hsync = other.decode(character)
+        assert enabled == (code < 0)
+        assert (data == value) if enabled else (hsync + 2 * vsync == code)
