@@ -16,7 +16,7 @@ from splatline.rtl.layouts import CodeWordLayout, RasterLayout
 
 from .axi_lite import AxiLiteSignature
 from .axi_registers import RegisterFile
-from .axi_stream import AxiStreamSignature, HalfSlice, PacketLayout, RegisterSlice
+from .axi_stream import AxiStreamSignature, HalfSlice, PacketLayout, RegisterSlice, ReverseSlice
 from .codeword_check import CodeWordCheck, end_word, is_end
 from .stream_guard import StreamGuard
 
@@ -45,7 +45,8 @@ class AxiTop(wiring.Component):
     the picture only the end beat still leaves. The engine is not reset, so its tables stay.
 
     All inputs and outputs of the buses are registered: no combinational path leads from an input
-    to an output.
+    to an output. The engine says late in a cycle whether it takes a code word. That answer ends in
+    one flip-flop before the guard, and in one that counts stalls.
 
     **Latency**: 1 cycle from a code word's acceptance to the engine, 2 for a frame's first; then
     that of the engine; 1 from the engine to the raster port. **Throughput**: within a frame that of
@@ -120,7 +121,10 @@ class AxiTop(wiring.Component):
 
         m.submodules.codewords = codewords = self._codewords(m)
         m.submodules.initial = initial = self._initial(m)
-        connect(m, codewords.o, engine.codewords)
+        # Whether the engine takes a word depends on the window, and is known late in a cycle.
+        m.submodules.engine_slice = slice_ = ReverseSlice(CodeWordLayout(self.config))
+        connect(m, codewords.o, slice_.i)
+        connect(m, slice_.o, engine.codewords)
         connect(m, initial.o, engine.initial)
         values, pulses = registers.values, registers.pulses
 
@@ -164,7 +168,7 @@ class AxiTop(wiring.Component):
 
         end_left, word_left, output_stalls = self._raster(m, values, aborting)
 
-        check = self._check(m, registers, word_taken)
+        check = self._check(m, registers, codewords.o.payload, word_taken)
         self._report_packets(m, registers.events, codewords, initial)
         events, live = registers.events, registers.live
         m.d.comb += [events.error_aborted.eq(abort), events.irq_status_frame_done.eq(end_left)]
@@ -175,11 +179,14 @@ class AxiTop(wiring.Component):
             live.status_aborting.eq(aborting),
             live.irq_status_error.eq(_errors(self.registers, values).any()),
         ]
+        # A register first, because `ready` comes late in the cycle.
+        stalled = Signal()
+        m.d.sync += stalled.eq(engine.codewords.valid & ~engine.codewords.ready)
         counted = {
             "frames": end_left,
             "elements": check.element,
             "cycles": word_taken | drawing,
-            "input_stalls": codewords.o.valid & ~codewords.o.ready,
+            "input_stalls": stalled,
             "output_stalls": output_stalls,
             "words": word_left,
         }
@@ -208,12 +215,12 @@ class AxiTop(wiring.Component):
             port, inner = getattr(self, f"{bus}_{name}"), getattr(part, name)
             m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
 
-    def _check(self, m, registers, word_taken):
+    def _check(self, m, registers, codeword, word_taken):
         """Return the check of code words, which sets bits of ERROR."""
         m.submodules.check = check = CodeWordCheck(self.config)
         values, events = registers.values, registers.events
         m.d.comb += [
-            check.codeword.eq(self.engine.codewords.payload),
+            check.codeword.eq(codeword),
             check.taken.eq(word_taken),
             check.last_column.eq(values.last_column_value),
             check.last_line.eq(values.last_line_value),
@@ -292,7 +299,7 @@ class AxiTop(wiring.Component):
         m.d.comb += [
             slice_.i.payload.eq(raster.payload),
             slice_.i.valid.eq(raster.valid & ~dropped),
-            raster.ready.eq(slice_.i.ready | dropped),
+            raster.ready.eq(slice_.i.ready),
             self.m_axis_raster_tdata.eq(slice_.o.payload),
             self.m_axis_raster_tkeep.eq(~0),
             self.m_axis_raster_tlast.eq(slice_.o.payload.end),
