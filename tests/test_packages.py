@@ -26,6 +26,7 @@ def test_every_folder_with_modules_is_in_the_wheel():
 
 def test_every_file_of_data_is_in_the_wheel():
     kinds = {".json", ".v", ".c", ".lpf", ".ucf", ".js", ".css", ".html", ".svg"}
+    kinds |= {".vlt", ".f"}
     for folder, room in ROOMS.items():
         for file in (ROOT / folder).rglob("*"):
             if file.suffix not in kinds and file.name != "py.typed":

@@ -1,4 +1,4 @@
-"""``splatline pnr`` and ``netlist``: place and route of the narrow top, and its netlist."""
+"""``splatline pnr`` and ``netlist``: place and route, and the netlist of the narrow top."""
 
 from __future__ import annotations
 
@@ -22,6 +22,13 @@ _FILE = click.Path(path_type=Path)
 
 @click.command()
 @click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
+@click.option(
+    "--top",
+    type=click.Choice(["pins", "axi"]),
+    default="pins",
+    help="pins: the narrow top. axi: the AXI top with a flip-flop at each port; it is routed to"
+    " know its clock rate, and its five pins draw nothing.",
+)
 @click.option("--seed", type=click.IntRange(0), default=1, help="First seed of the placer.")
 @click.option(
     "--tries",
@@ -37,6 +44,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--record", is_flag=True, help="Record the clock rates as the preset's.")
 def pnr(
     preset: EngineConfig,
+    top: str,
     seed: int,
     tries: int,
     freq: float,
@@ -44,16 +52,17 @@ def pnr(
     bitstream: Path | None,
     record: bool,
 ) -> None:
-    """Place and route an engine with the narrow top on the smallest Lattice ECP5 that fits it.
+    """Place and route an engine on the smallest Lattice ECP5 that fits it.
 
-    Each try takes a minute or two, and ten minutes for the preset swift. The clock rate on the
-    paper's Virtex-II is an estimate, as only the vendor's tools can route that device
-    (docs/ise.md).
+    Each try takes a minute or two, and ten minutes for the preset swift. The clock rate of the
+    narrow top on the paper's Virtex-II is an estimate, as only the vendor's tools can route that
+    device (docs/ise.md).
 
     \b
     Examples:
       splatline pnr
       splatline pnr --seed 3 --tries 1 --freq 150 --json pnr.json --bitstream splatline.bit
+      splatline pnr --preset paper --top axi     in a system on chip
       splatline pnr --preset plane --record      the clock that `splatline view` tells
     """  # noqa: D301
     from splatline.flow.timing import clocks
@@ -65,7 +74,7 @@ def pnr(
         from splatline.flow.timing.pnr import place_and_route
 
         result = place_and_route(
-            preset, seed=seed, tries=tries, mhz=freq, packed=bitstream, progress=share
+            preset, top=top, seed=seed, tries=tries, mhz=freq, packed=bitstream, progress=share
         )
     if record:
         clocks.record(result)
@@ -134,12 +143,15 @@ def _print(result: dict[str, Any]) -> None:
         for label, use in result["utilisation"].items()
     ]
     estimate = result["virtex2_estimate"]
-    facts += [
-        None,
-        ("Virtex-II, an estimate", f"{estimate['mhz']:.1f} MHz, {estimate['levels']} cells"),
-        ("its delays", estimate["source"]),
-    ]
-    print_facts(facts, title=f"Preset {result['preset']} on {result['device']}")
+    if estimate is not None:
+        facts += [
+            None,
+            ("Virtex-II, an estimate", f"{estimate['mhz']:.1f} MHz, {estimate['levels']} cells"),
+            ("its delays", estimate["source"]),
+        ]
+    tops = {"pins": "the narrow top", "axi": "the AXI top"}
+    where = f"{tops[result['top']]}, on {result['device']}"
+    print_facts(facts, title=f"Preset {result['preset']}, {where}")
 
     path = Table(title="Critical path", title_justify="left")
     for heading in ("step", "ns", "sum"):

@@ -1,6 +1,7 @@
 """The routed clock of each preset, recorded in ``clocks.json``.
 
-``splatline pnr --preset NAME --record`` records one. A clock needs minutes of routing, and depends
+``splatline pnr --preset NAME --record`` records one: of the narrow top, or with ``--top axi`` of
+the AXI top as ``NAME, axi``. A clock needs minutes of routing, and depends
 on the seeds and the tools' versions; the file says which.
 """
 
@@ -31,6 +32,7 @@ def record(result: dict[str, Any]) -> None:
         As of ``place_and_route``.
     """
     rates = result["rates_mhz"]
+    top = "" if result["top"] == "pins" else f" --top {result['top']}"
     seeds = [int(seed) for seed in rates]
     clock = {
         "device": result["device"],
@@ -38,9 +40,10 @@ def record(result: dict[str, Any]) -> None:
         "median_mhz": round(result["median_mhz"], 1),
         "low_mhz": round(min(rates.values()), 1),
         "high_mhz": round(max(rates.values()), 1),
-        "command": f"splatline pnr --preset {result['preset']} --seed {seeds[0]}"
+        "command": f"splatline pnr --preset {result['preset']}{top} --seed {seeds[0]}"
         f" --tries {len(seeds)} --record",
     }
-    clocks = {**read_clocks(), result["preset"]: clock}
+    name = result["preset"] if result["top"] == "pins" else f"{result['preset']}, {result['top']}"
+    clocks = {**read_clocks(), name: clock}
     rows = (f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in sorted(clocks.items()))
     CLOCKS.write_text("{\n" + ",\n".join(rows) + "\n}\n")

@@ -1,4 +1,4 @@
-"""The clock rate of the narrow top after routing on a Lattice ECP5, with open tools."""
+"""The clock rate of an engine in a top after routing on a Lattice ECP5, with open tools."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.flow.axi_verilog import generate_scanned_axi
 from splatline.flow.narrow_verilog import generate_pins
 from splatline.flow.netlist import pin_netlist
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
@@ -20,12 +21,15 @@ from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 from .virtex2_delays import estimate_timing
 
 __all__ = [
-    "CONSTRAINTS", "DEVICES", "RESOURCES", "Device", "place_and_route", "placer", "read_report",
-    "smallest", "synthesis_options", "synthesis_script",
+    "CONSTRAINTS", "DEVICES", "RESOURCES", "TOPS", "Device", "place_and_route", "placer",
+    "read_report", "smallest", "synthesis_options", "synthesis_script",
 ]  # fmt: skip
 
+TOPS = {"pins": generate_pins, "axi": generate_scanned_axi}
+"""The narrow top, and the AXI top with a flip-flop at each port, which needs five pins."""
+
 CONSTRAINTS = Path(__file__).resolve().parents[2] / "constraints" / "lfe5u25_cabga381.lpf"
-"""Clock rate and I/O standards."""
+"""Clock rate and I/O standards of the narrow top."""
 
 
 class Device(NamedTuple):
@@ -79,13 +83,14 @@ RESOURCES = {
 def place_and_route(
     config: EngineConfig = PAPER,
     *,
+    top: str = "pins",
     seed: int = 1,
     tries: int = 1,
     mhz: float = 100.0,
     packed: Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> dict:
-    """Place and route the narrow top on an ECP5; return its clock rate.
+    """Place and route a top on an ECP5; return its clock rate.
 
     The device is the smallest of ``DEVICES`` with enough block RAMs.
 
@@ -93,6 +98,8 @@ def place_and_route(
     ----------
     config
         The engine's configuration.
+    top
+        One of ``TOPS``.
     seed
         Seed of the placer. Rates differ by about a tenth between seeds.
     tries
@@ -107,10 +114,11 @@ def place_and_route(
     Returns
     -------
     dict
-        ``preset``, ``device``, ``seed``, ``rates_mhz`` of every seed tried and their
+        ``preset``, ``top``, ``device``, ``seed``, ``rates_mhz`` of every seed tried and their
         ``median_mhz``; what
         :func:`read_report` returns of the fastest; ``virtex2_estimate_mhz`` and
-        ``virtex2_estimate``, see :func:`splatline.flow.timing.virtex2_delays.estimate_timing`;
+        ``virtex2_estimate`` of the narrow top, see
+        :func:`splatline.flow.timing.virtex2_delays.estimate_timing`, both None for another;
         ``commands`` and ``tools``.
 
     Raises
@@ -119,12 +127,13 @@ def place_and_route(
         If a tool fails.
     """
     name = "splatline"
-    text, _ = generate_pins(config, name)
+    text, _ = TOPS[top](config, name)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "top.v").write_text(text)
         # The last of two frequencies of a clock counts.
-        limits = CONSTRAINTS.read_text() + f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
+        limits = CONSTRAINTS.read_text() if top == "pins" else ""
+        limits += f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
         synthesis = synthesis_options(config)
         run_yosys("; ".join(synthesis_script(config, synthesis, name, folder)), folder)
@@ -147,15 +156,16 @@ def place_and_route(
         if packed is not None:
             run_ecppack([f"{best}.config", "top.bit"], folder)
             packed.write_bytes((folder / "top.bit").read_bytes())
-    estimate = estimate_timing(pin_netlist(config, name)[1])
+    estimate = estimate_timing(pin_netlist(config, name)[1]) if top == "pins" else None
     return {
         "preset": config.name,
+        "top": top,
         "device": device.name,
         "seed": best,
         "median_mhz": round(statistics.median(r["fmax_mhz"] for r in reports.values()), 2),
         "rates_mhz": {str(n): report["fmax_mhz"] for n, report in reports.items()},
         **reports[best],
-        "virtex2_estimate_mhz": estimate["mhz"],
+        "virtex2_estimate_mhz": estimate and estimate["mhz"],
         "virtex2_estimate": estimate,
         "commands": [f"yosys: {synthesis}", f"nextpnr-ecp5 {' '.join(route)} {best}"],
         "tools": {

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-__all__ = ["AxiStreamSignature", "HalfSlice", "PacketLayout", "RegisterSlice"]
+__all__ = ["AxiStreamSignature", "HalfSlice", "PacketLayout", "RegisterSlice", "ReverseSlice"]
 
 
 class AxiStreamSignature(wiring.Signature):
@@ -39,7 +39,7 @@ class PacketLayout(data.StructLayout):
 
 
 class _Slice(wiring.Component):
-    """A stream cut by registers in both directions.
+    """A stream cut by registers.
 
     Parameters
     ----------
@@ -112,4 +112,31 @@ class HalfSlice(_Slice):
             m.d.sync += valid.eq(~self.o.ready)
         with m.Else():
             m.d.sync += [valid.eq(self.i.valid), offered.eq(self.i.payload)]
+        return m
+
+
+class ReverseSlice(_Slice):
+    """A stream whose ``ready`` is cut by a register, at its full rate.
+
+    A payload passes while the next component is ready. Otherwise it is stored. ``o.ready`` leads to
+    one flip-flop, so it may come late in a cycle.
+
+    **Latency**: 0. **Throughput**: a payload a cycle. See ``_Slice`` for parameters and members.
+    """
+
+    def elaborate(self, platform):
+        """Build the circuit."""
+        m = Module()
+        full = Signal()
+        waiting = Signal(self.shape, reset_less=True)
+        m.d.comb += [
+            self.i.ready.eq(~full),
+            self.o.valid.eq(self.i.valid | full),
+            self.o.payload.eq(
+                Mux(full, Value.cast(waiting), Value.cast(self.i.payload)),
+            ),
+        ]
+        m.d.sync += full.eq(self.o.valid & ~self.o.ready)
+        with m.If(~full):
+            m.d.sync += waiting.eq(self.i.payload)
         return m

@@ -12,11 +12,11 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.contract.register_map import register_map
 from splatline.rtl.engine import Engine
-from splatline.rtl.layouts import CodeWordLayout, RasterLayout
+from splatline.rtl.layouts import CodeWordLayout, RasterLayout, TableWriteLayout
 
 from .axi_lite import AxiLiteSignature
 from .axi_registers import RegisterFile
-from .axi_stream import AxiStreamSignature, HalfSlice, PacketLayout, RegisterSlice
+from .axi_stream import AxiStreamSignature, HalfSlice, PacketLayout, RegisterSlice, ReverseSlice
 from .codeword_check import CodeWordCheck, end_word, is_end
 from .stream_guard import StreamGuard
 
@@ -45,11 +45,14 @@ class AxiTop(wiring.Component):
     the picture only the end beat still leaves. The engine is not reset, so its tables stay.
 
     All inputs and outputs of the buses are registered: no combinational path leads from an input
-    to an output.
+    to an output. The engine says late in a cycle whether it takes a code word. That answer ends in
+    one flip-flop behind the guard, and in one that counts stalls. Beats of the initial raster and
+    table writes reach the engine from registers, and so do the pulses of CONTROL their targets.
 
     **Latency**: 1 cycle from a code word's acceptance to the engine, 2 for a frame's first; then
-    that of the engine; 1 from the engine to the raster port. **Throughput**: within a frame that of
-    the engine. There is no frame overlap: the next frame opens once the end beat of this one has
+    that of the engine; 1 from the engine to the raster port. 2 cycles from an initial beat's
+    acceptance to the engine, 3 for a packet's first. **Throughput**: within a frame that of the
+    engine. There is no frame overlap: the next frame opens once the end beat of this one has
     left the engine.
 
     Parameters
@@ -116,13 +119,16 @@ class AxiTop(wiring.Component):
 
         m.submodules.engine = engine = self.engine
         registers = self._registers(m)
-        connect(m, registers.tables, engine.tables)
+        writing = self._tables(m, registers)
 
         m.submodules.codewords = codewords = self._codewords(m)
         m.submodules.initial = initial = self._initial(m)
-        connect(m, codewords.o, engine.codewords)
-        connect(m, initial.o, engine.initial)
-        values, pulses = registers.values, registers.pulses
+        beats = self._loaded(m, initial)
+        stalled = self._drawn(m, codewords)
+        values = registers.values
+        # Registers first, because writes are decoded late in a cycle and clear many registers.
+        pulses = Signal.like(registers.pulses)
+        m.d.sync += pulses.eq(registers.pulses)
 
         # One frame is open at a time, from its first code word in the guard to its end beat. The
         # engine alone would take the next frame while this one's end beat still waits.
@@ -142,11 +148,12 @@ class AxiTop(wiring.Component):
             abort.eq(pulses.control_abort & busy & ~end_taken),
             registers.busy.eq(busy),
             # A table write has priority over a new frame, as in the engine.
-            codewords.admit.eq(~drawing & ~values.control_hold & ~registers.tables.valid),
+            codewords.admit.eq(~drawing & ~values.control_hold & ~writing),
             codewords.cut.eq(abort & codewords.open),
             codewords.forget.eq(pulses.control_resync),
             initial.admit.eq(1),
-            initial.cut.eq(aborting & loading & ~released),
+            # Not if its end has passed the guard and waits for the engine.
+            initial.cut.eq(aborting & loading & ~released & ~(beats.valid & beats.payload.end)),
             initial.forget.eq(pulses.control_resync),
         ]
         with m.If(end_taken):
@@ -157,14 +164,14 @@ class AxiTop(wiring.Component):
                 m.d.sync += loading.eq(values.start_load)
         with m.If(initial.cut):
             m.d.sync += released.eq(1)
-        with m.If(initial.o.valid & initial.o.ready & initial.o.payload.end):
+        with m.If(beats.valid & beats.ready & beats.payload.end):
             m.d.sync += loading.eq(0)
         with m.If(abort):
             m.d.sync += aborting.eq(1)
 
         end_left, word_left, output_stalls = self._raster(m, values, aborting)
 
-        check = self._check(m, registers, word_taken)
+        check = self._check(m, registers, codewords.o.payload, word_taken)
         self._report_packets(m, registers.events, codewords, initial)
         events, live = registers.events, registers.live
         m.d.comb += [events.error_aborted.eq(abort), events.irq_status_frame_done.eq(end_left)]
@@ -179,11 +186,11 @@ class AxiTop(wiring.Component):
             "frames": end_left,
             "elements": check.element,
             "cycles": word_taken | drawing,
-            "input_stalls": codewords.o.valid & ~codewords.o.ready,
+            "input_stalls": stalled,
             "output_stalls": output_stalls,
             "words": word_left,
         }
-        self._count(m, registers, counted)
+        self._count(m, registers.live, pulses.control_clear, counted)
         self._interrupt(m, values, live)
         return m
 
@@ -208,12 +215,12 @@ class AxiTop(wiring.Component):
             port, inner = getattr(self, f"{bus}_{name}"), getattr(part, name)
             m.d.comb += inner.eq(port) if wire.flow is In else port.eq(inner)
 
-    def _check(self, m, registers, word_taken):
+    def _check(self, m, registers, codeword, word_taken):
         """Return the check of code words, which sets bits of ERROR."""
         m.submodules.check = check = CodeWordCheck(self.config)
         values, events = registers.values, registers.events
         m.d.comb += [
-            check.codeword.eq(self.engine.codewords.payload),
+            check.codeword.eq(codeword),
             check.taken.eq(word_taken),
             check.last_column.eq(values.last_column_value),
             check.last_line.eq(values.last_line_value),
@@ -233,12 +240,12 @@ class AxiTop(wiring.Component):
             events.error_initial_partial.eq(initial.partial),
         ]
 
-    def _count(self, m, registers, counted):
+    def _count(self, m, live, clear, counted):
         """Count the cycles of each event, by its register's name, until CONTROL.CLEAR."""
         for name, event in counted.items():
             counter = Signal(32, name=name)
-            m.d.comb += registers.live[f"{name}_value"].eq(counter)
-            with m.If(registers.pulses.control_clear):
+            m.d.comb += live[f"{name}_value"].eq(counter)
+            with m.If(clear):
                 m.d.sync += counter.eq(0)
             with m.Elif(event):
                 m.d.sync += counter.eq(counter + 1)
@@ -260,6 +267,34 @@ class AxiTop(wiring.Component):
         self._enter(m, "s_axis_initial", slice_)
         connect(m, slice_.o, guard.i)
         return guard
+
+    def _tables(self, m, registers):
+        """Connect table writes to the engine by registers; return whether one is on its way."""
+        m.submodules.table_slice = slice_ = HalfSlice(TableWriteLayout(self.config))
+        connect(m, registers.tables, slice_.i)
+        connect(m, slice_.o, self.engine.tables)
+        writing = Signal()
+        m.d.comb += writing.eq(registers.tables.valid | slice_.o.valid)
+        return writing
+
+    def _loaded(self, m, initial):
+        """Connect a guard to the engine by registers; return the beats that the engine takes."""
+        m.submodules.loaded_slice = slice_ = HalfSlice(RasterLayout(self.config))
+        connect(m, initial.o, slice_.i)
+        connect(m, slice_.o, self.engine.initial)
+        return slice_.o
+
+    def _drawn(self, m, codewords):
+        """Connect a guard to the engine; return whether a code word waited a cycle ago.
+
+        Whether the engine takes a word depends on the window, and is known late in a cycle.
+        """
+        m.submodules.engine_slice = slice_ = ReverseSlice(CodeWordLayout(self.config))
+        connect(m, codewords.o, slice_.i)
+        connect(m, slice_.o, self.engine.codewords)
+        stalled = Signal()
+        m.d.sync += stalled.eq(slice_.o.valid & ~slice_.o.ready)
+        return stalled
 
     def _enter(self, m, port, slice_):
         """Connect a port to its registers; bits of TDATA above a word's are ignored."""
@@ -292,7 +327,7 @@ class AxiTop(wiring.Component):
         m.d.comb += [
             slice_.i.payload.eq(raster.payload),
             slice_.i.valid.eq(raster.valid & ~dropped),
-            raster.ready.eq(slice_.i.ready | dropped),
+            raster.ready.eq(slice_.i.ready),
             self.m_axis_raster_tdata.eq(slice_.o.payload),
             self.m_axis_raster_tkeep.eq(~0),
             self.m_axis_raster_tlast.eq(slice_.o.payload.end),

@@ -1,8 +1,8 @@
-"""The registers that AXI streams end in lose nothing, invent nothing, and keep the order."""
+"""The registers that cut AXI streams lose nothing, invent nothing, and keep the order."""
 
 from amaranth.hdl import Mux, Signal
 
-from splatline.rtl.bus.axi_stream import HalfSlice, RegisterSlice
+from splatline.rtl.bus.axi_stream import HalfSlice, RegisterSlice, ReverseSlice
 from tests.formal.properties import Properties, any_value
 from tests.formal.prove import Fault, Proof
 
@@ -21,11 +21,14 @@ class SliceProperties(Properties):
         The slice.
     room
         How many payloads it holds.
+    passes
+        Whether a payload passes in the cycle in which it comes.
     """
 
-    def __init__(self, kind, room):
+    def __init__(self, kind, room, passes=False):
         self.kind = kind
         self.room = room
+        self.passes = passes
 
     def describe(self, m):
         """Add the slice and its properties."""
@@ -35,13 +38,17 @@ class SliceProperties(Properties):
         taken, given = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
         count = Signal(2)
         m.d.sync += count.eq(count + taken - given)
-        self.always(m, "offered", dut.o.valid == (count != 0))
+        passing = (count == 0) & dut.i.valid if self.passes else 0
+        self.always(m, "offered", dut.o.valid == ((count != 0) | passing))
+        if self.passes:
+            self.always(m, "passing", ~passing | (dut.o.payload == dut.i.payload))
         self.always(m, "room", dut.i.ready == (count < self.room))
 
         payload = Signal(WIDTH, reset_less=True)
         ahead = Signal(2)
         follows, begins = Signal(), Signal()
-        m.d.comb += begins.eq(~follows & any_value(m, 1, "begins") & taken)
+        gone = given & (count == 0)  # it passed
+        m.d.comb += begins.eq(~follows & any_value(m, 1, "begins") & taken & ~gone)
         with m.If(begins):
             m.d.sync += [payload.eq(dut.i.payload), ahead.eq(count - given), follows.eq(1)]
         with m.Elif(follows & given):
@@ -78,5 +85,16 @@ PROOFS = [
         depth=3,
         endless=True,
         faults=(Fault("lost", HalfSlice, r"valid\.eq\(~self\.o\.ready\)", "valid.eq(0)"),),
+    ),
+    Proof(
+        name="reverse slice: order",
+        shows="every payload comes out, once, in order and unchanged",
+        build=lambda: SliceProperties(ReverseSlice, 1, passes=True),
+        depth=3,
+        endless=True,
+        faults=(
+            Fault("lost", ReverseSlice, r"full\.eq\(", "full.eq(0 & "),
+            Fault("overwritten", ReverseSlice, r"If\(~full\)", "If(1)"),
+        ),
     ),
 ]

@@ -11,7 +11,7 @@ from splatline.contract.register_map import register_map
 from splatline.rtl.blocks.readout import BlockReadout
 from splatline.rtl.bus.axi_lite import AxiLiteFront
 from splatline.rtl.bus.axi_registers import RegisterFile
-from splatline.rtl.bus.axi_stream import HalfSlice, RegisterSlice
+from splatline.rtl.bus.axi_stream import HalfSlice, RegisterSlice, ReverseSlice
 from splatline.rtl.bus.codeword_check import end_word, is_end
 from splatline.rtl.bus.narrow_top import Gatherer, Splitter
 from splatline.rtl.bus.stream_guard import StreamGuard
@@ -308,6 +308,11 @@ PROOFS = [
         lambda: HalfSlice(CodeWordLayout(PAPER)),
         Fault("dropped", HalfSlice, r"valid\.eq\(~self\.o\.ready\)", "valid.eq(0)"),
         polite=False,
+    ),
+    plan(
+        "reverse slice",
+        lambda: ReverseSlice(CodeWordLayout(PAPER)),
+        Fault("overwritten", ReverseSlice, r"If\(~full\)", "If(1)"),
     ),
     plan(
         "stream guard",

@@ -9,6 +9,7 @@ from splatline.flow.tools import ToolError
 
 REPORT = {
     "preset": "paper",
+    "top": "pins",
     "device": "LFE5U-25F-6BG381",
     "seed": 1,
     "median_mhz": 111.05,
@@ -33,12 +34,14 @@ def routing(monkeypatch):
     """Puts a place and route in place that takes no time."""
     asked = []
 
-    def place_and_route(config, *, seed, tries, mhz, packed, progress):
-        asked.append((config, seed, tries, mhz))
+    def place_and_route(config, *, top, seed, tries, mhz, packed, progress):
+        asked.append((config, top, seed, tries, mhz))
         progress(0.5)
         if packed is not None:
             packed.write_bytes(b"bits")
-        return REPORT
+        if top == "pins":
+            return REPORT
+        return {**REPORT, "top": top, "virtex2_estimate_mhz": None, "virtex2_estimate": None}
 
     module = types.ModuleType("splatline.flow.timing.pnr")
     module.place_and_route = place_and_route
@@ -52,7 +55,7 @@ def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder
         "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit"
     )
     assert result.exit_code == 0, result.stderr
-    assert routing[1] == [(DEFAULT, 3, 2, 150.0)]
+    assert routing[1] == [(DEFAULT, "pins", 3, 2, 150.0)]
     assert json.loads((folder / "a.json").read_text()) == REPORT
     assert (folder / "a.bit").read_bytes() == b"bits"
     for text in (
@@ -66,6 +69,14 @@ def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder
     ):
         assert text in result.stdout
     assert "engine.draining" in result.stdout
+
+
+def test_the_axi_top_has_no_estimate_of_a_virtex2(run, folder, routing):
+    result = run("pnr", "--top", "axi")
+    assert result.exit_code == 0, result.stderr
+    assert routing[1][0][:2] == (DEFAULT, "axi")
+    assert "the AXI top, on LFE5U-25F" in result.stdout
+    assert "estimate" not in result.stdout
 
 
 @pytest.mark.parametrize(("command", "package"), [("pnr", "nextpnr_ecp5"), ("netlist", "yosys")])
@@ -131,4 +142,8 @@ def test_record_keeps_the_clock(run, folder, routing, monkeypatch):
     recorded = json.loads((folder / "clocks.json").read_text())
     assert recorded["paper"]["median_mhz"] == pytest.approx(111.0, abs=0.06)
     assert recorded["paper"]["seeds"] == [1, 2]
+    assert run("pnr", "--top", "axi", "--record").exit_code == 0
+    recorded = json.loads((folder / "clocks.json").read_text())
+    command = "splatline pnr --preset paper --top axi --seed 1 --tries 2 --record"
+    assert recorded["paper, axi"]["command"] == command
     assert (recorded["paper"]["low_mhz"], recorded["paper"]["high_mhz"]) == (98.7, 123.4)

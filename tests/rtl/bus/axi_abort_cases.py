@@ -130,12 +130,15 @@ def in_any_of_its_first_cycles(device):
     """One that comes before the frame does nothing; then the frame waits for its initial raster."""
     engine, frame = setup(device, 38)
     aborted = []
-    for cycles in range(12):
+    for cycles in range(-1, 12):
         engine.set("START", LOAD=1)
+        if cycles < 0:
+            engine.set("CONTROL", QUIET=1, ABORT=1)
         device.send(frame.codewords)
-        if cycles:
+        if cycles > 0:
             device.command("wait", cycles)
-        engine.set("CONTROL", QUIET=1, ABORT=1)
+        if cycles >= 0:
+            engine.set("CONTROL", QUIET=1, ABORT=1)
         device.command("wait", 300)
         aborted.append(not engine.get("STATUS", "BUSY"))
         if not aborted[-1]:

@@ -9,7 +9,7 @@ from splatline.flow.verilog import convert
 from splatline.host.device.device import DeviceTimeoutError
 from splatline.host.device.driver import EngineError
 from splatline.rtl.bus.axi_registers import RegisterFile
-from splatline.rtl.bus.axi_stream import RegisterSlice
+from splatline.rtl.bus.axi_stream import RegisterSlice, ReverseSlice
 from splatline.rtl.bus.axi_top import AxiTop
 from splatline.rtl.bus.stream_guard import StreamGuard
 from splatline.sim.cosim import simulator
@@ -76,6 +76,10 @@ PARTS = [
     (
         *(STREAMS, "any_packets_at_all", RegisterSlice, "elaborate"),
         *(r"with m\.If\(~spare\)", "with m.If(1)", "the word that waits is lost"),
+    ),
+    (
+        *(STREAMS, "any_packets_at_all", ReverseSlice, "elaborate"),
+        *(r"with m\.If\(~full\)", "with m.If(1)", "the word that the engine left is lost"),
     ),
 ]
 

@@ -1,0 +1,125 @@
+"""What three linters say of the Verilog: Verilator, slang and Icarus, each with all warnings."""
+
+import fnmatch
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from splatline.contract.presets import PLANE, RGB24, SWIFT_PLANE
+from splatline.flow.area.synth import NAME
+from splatline.sim.cosim import simulator
+from tests.support.engines import verilog
+
+FLOW = Path(__file__).parents[2] / "flow"
+WAIVERS, OPTIONS = FLOW / "verilator.vlt", FLOW / "slang.f"
+
+TOPS = [(RGB24, "engine"), (RGB24, "axi")]
+
+SLANG = """
+import sys
+from pyslang.driver import CommandLineOptions, Driver
+driver = Driver()
+driver.addStandardArgs()
+good = driver.parseCommandLine(" ".join(["slang", *sys.argv[1:]]), CommandLineOptions())
+good = good and driver.processOptions() and driver.parseAllSources()
+sys.exit(not (good and driver.runFullCompilation(True)))
+"""
+
+BIT_OF_A_WORD = re.compile(
+    r"warning: implicit conversion truncates from \d+ to 1 bits \[-Wwidth-trunc\]\n"
+    r" +assign \w+ = .* >> [\w\[\]:]+;"
+)
+"""A bit at an address that is not constant: slang.f says why it is not waived there."""
+
+LONG_CONSTANT = re.compile(r"warning: verinum::as_long\(\) truncated \d+ bits to 63, returns \d+\n")
+"""Icarus reads attributes as integers. Yosys' attribute ``init`` repeats the initial value of a
+register, which may be longer. Nothing in Icarus reads it."""
+
+in_icarus = pytest.mark.skipif(not simulator.available("icarus"), reason="Icarus is not installed")
+
+
+@pytest.fixture(scope="module", params=TOPS, ids=lambda top: f"{top[0].name}-{top[1]}")
+def text(request):
+    return verilog(*request.param)
+
+
+def run(folder, text, *command):
+    """Run a linter in a folder on a text; return its exit code and what it says."""
+    (folder / "top.v").write_text(text)
+    with simulator._tools_on_path():
+        done = subprocess.run(
+            [*map(str, command), "top.v"],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+    return done.returncode, done.stdout
+
+
+def verilator(folder, text, *more):
+    return run(folder, text, "verilator", "--lint-only", "-Wall", "--quiet", "--top", NAME, *more)
+
+
+def slang(folder, text):
+    return run(folder, text, sys.executable, "-c", SLANG, "--top", NAME, "-f", OPTIONS)
+
+
+def icarus(folder, text):
+    return run(folder, text, "iverilog", "-Wall", "-g2005", "-t", "null", "-s", NAME)
+
+
+def with_a_wider_port(text):
+    """Return Verilog in which an instance's first payload is connected to a bit more."""
+    found = re.search(r"^    \.(\w+payload)\((\w+)\)", text, re.MULTILINE)
+    return text.replace(found[0], f"    .{found[1]}({{ {found[2]}, 1'h0 }})", 1)
+
+
+def test_verilator_has_no_warning_but_the_waived(text, tmp_path):
+    assert verilator(tmp_path, text, WAIVERS) == (0, "")
+
+
+def test_slang_has_no_warning_but_bits_of_words(text, tmp_path):
+    code, said = slang(tmp_path, text)
+    assert code == 0
+    assert said.count("warning: ") == len(BIT_OF_A_WORD.findall(said)) <= 6
+
+
+@in_icarus
+def test_icarus_has_no_warning_but_of_long_attributes(text, tmp_path):
+    code, said = icarus(tmp_path, text)
+    assert (code, LONG_CONSTANT.sub("", said)) == (0, "")
+
+
+def test_each_waiver_is_needed_and_no_other(tmp_path):
+    found = re.findall(r'^lint_off .*(?<=-rule )(\w+) .*"(.*)"$', WAIVERS.read_text(), re.MULTILINE)
+    waivers = [(kind, re.compile(fnmatch.translate(message))) for kind, message in found]
+    needed = set()
+    for top in [(RGB24, "axi"), (PLANE, "engine"), (SWIFT_PLANE, "engine")]:
+        _, said = verilator(tmp_path, verilog(*top), "-Wno-fatal")
+        warned = re.findall(
+            r"^%(?:Warning|Error)-?(\w*): (?:[\w.]+:\d+:\d+: )?(.*)$", said, re.MULTILINE
+        )
+        for kind, message in set(warned):
+            waived = [n for n, (k, text) in enumerate(waivers) if k == kind and text.match(message)]
+            assert len(waived) == 1, (kind, message)
+            needed.update(waived)
+    assert needed == set(range(len(waivers)))
+
+
+def test_a_port_of_another_width_is_found(tmp_path):
+    fault = with_a_wider_port(verilog(RGB24))
+    code, said = verilator(tmp_path, fault, WAIVERS)
+    assert code and "Warning-WIDTH" in said
+    _, said = slang(tmp_path, fault)
+    assert said.count("warning: ") > len(BIT_OF_A_WORD.findall(said))
+
+
+@in_icarus
+def test_a_port_of_another_width_is_found_by_icarus(tmp_path):
+    _, said = icarus(tmp_path, with_a_wider_port(verilog(RGB24)))
+    assert "warning: Port" in said
