@@ -1,6 +1,7 @@
 """The ULX3S's gateware as it is routed, with models of its PLLs, its pins and its SDRAM chip."""
 
 import logging
+import os
 
 import pytest
 
@@ -16,7 +17,13 @@ from splatline.sim.cosim.board.board_device import ULX3S, SimulatedBoard, build_
 from splatline.sim.dvi.receiver import receive
 from tests.support.board_frames import BACKGROUND
 
-pytestmark = pytest.mark.board
+pytestmark = [
+    pytest.mark.board,
+    pytest.mark.skipif(
+        "SPLATLINE_CHIPS" not in os.environ,
+        reason="takes minutes of processor time: SPLATLINE_CHIPS=1 make test-board",
+    ),
+]
 
 DATA_PINS = "input  wire   [15:0] sdram_dq"
 """What LiteX writes of pins that are of both directions, since the cells that drive them are the
