@@ -80,12 +80,12 @@ def main() -> int:
         if (not options.words or any(word in proof.name for word in options.words))
         and not (options.ci and proof.long)
     ]
-    proofs.sort(key=lambda proof: (proof.long, proof.slow))
     if not proofs:
         parser.error(f"no proof has {' or '.join(options.words)} in its name")
     if options.list:
         print(table(proofs), end="")
         return 0
+    proofs.sort(key=lambda proof: (proof.long, proof.slow))
 
     begin = time.monotonic()
     wrong = []

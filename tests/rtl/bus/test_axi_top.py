@@ -184,8 +184,11 @@ def test_a_frame_from_an_initial_raster_on_a_window_of_blocks(wide_device):
     assert draw_scene(engine, frame, start).mismatches(golden.render(frame, start)) == 0
 
 
-@pytest.mark.parametrize("name", axi_cases.STREAMS)
-def test_bad_streams_on_a_window_of_blocks(wide_device, name):
+@pytest.mark.parametrize(
+    "name", [name for name in axi_cases.STREAMS if "initial" in name or "any_packets" in name]
+)
+def test_bad_beats_on_a_window_of_blocks(wide_device, name):
+    """Code words pass the same guard as those of other engines; beats are wider."""
     wide_device.command("stall", 0.3, 7)
     axi_cases.STREAMS[name](wide_device)
 
