@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame, check_codewords
@@ -32,7 +31,7 @@ CHUNK = 255 * 16
 
 
 class _Registers:
-    """The engine's registers behind a link, as a :class:`splatline.host.device.device.Device`."""
+    """An engine's registers behind a link."""
 
     def __init__(self, link: Link, base: int) -> None:
         self.link, self.base = link, base
@@ -44,16 +43,6 @@ class _Registers:
     def write32(self, offset: int, value: int) -> None:
         """Write a register."""
         self.link.write(self.base + offset, np.array([value], np.uint32))
-
-    def send(
-        self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None
-    ) -> None:
-        """Refuse: code words go to SDRAM."""
-        raise NotImplementedError("a board takes code words from its SDRAM")
-
-    def receive(self) -> npt.NDArray[np.uint64]:
-        """Refuse: pictures go to the screen."""
-        raise NotImplementedError("a board shows its pictures")
 
 
 class Board:

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BusError", "Device", "DeviceTimeoutError"]
+__all__ = ["BusError", "Device", "DeviceTimeoutError", "Registers"]
 
 
 class BusError(OSError):
@@ -18,11 +18,8 @@ class DeviceTimeoutError(TimeoutError):
     """A packet of the raster did not end in time."""
 
 
-class Device(Protocol):
-    """An engine on its buses: a board (:mod:`splatline.host.device.xdma`) or a simulation of one.
-
-    A simulation is :class:`splatline.sim.cosim.axi.axi_device.SimulatedDevice`.
-    """
+class Registers(Protocol):
+    """The registers of an engine, on whatever bus they are."""
 
     def read32(self, offset: int) -> int:
         """Return the register at a byte offset.
@@ -41,6 +38,13 @@ class Device(Protocol):
         BusError
             If the bus answers with an error and passes it on.
         """
+
+
+class Device(Registers, Protocol):
+    """An engine on its buses: a board (:mod:`splatline.host.device.xdma`) or a simulation of one.
+
+    A simulation is :class:`splatline.sim.cosim.axi.axi_device.SimulatedDevice`.
+    """
 
     def send(
         self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None

@@ -23,7 +23,7 @@ from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, registe
 from splatline.contract.register_types import RegisterMap
 from splatline.contract.variants import CONFIGS
 
-from .device import Device, DeviceTimeoutError
+from .device import Device, DeviceTimeoutError, Registers
 
 __all__ = ["Driver", "Engine", "EngineError", "read_config"]
 
@@ -47,7 +47,7 @@ class EngineError(RuntimeError):
         self.beats = beats
 
 
-def read_config(device: Device) -> EngineConfig:
+def read_config(device: Registers) -> EngineConfig:
     """Return the configuration of the engine in a device.
 
     Raises
@@ -92,13 +92,13 @@ def read_config(device: Device) -> EngineConfig:
 
 
 class Driver:
-    """An engine in a device.
+    """An engine's registers and tables, whatever its streams are.
 
     Parameters
     ----------
     device
-        The device. The engine's configuration is read from its registers, and CONTROL.QUIET is set:
-        on a board, a bus error would be a processor fault.
+        Its registers. The engine's configuration is read from them, and CONTROL.QUIET is set: on a
+        board, a bus error would be a processor fault.
 
     Raises
     ------
@@ -106,7 +106,7 @@ class Driver:
         If there is no engine, or the driver does not know it.
     """
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: Registers) -> None:
         self.device = device
         self.config = read_config(device)
         self.registers: RegisterMap = register_map(self.config)
@@ -172,6 +172,87 @@ class Driver:
         self._raise_errors("the tables were not taken")
         self._entries = entries
 
+    def counters(self) -> dict[str, int]:
+        """Return the counters by name in small letters; each wraps at 2**32."""
+        return {name.lower(): self.get(name) for name in COUNTERS}
+
+    def clear_counters(self) -> None:
+        """Set the counters to 0."""
+        self.set("CONTROL", QUIET=1, CLEAR=1)
+
+    def errors(self) -> list[str]:
+        """Return the names of the bits of ERROR that are set."""
+        register = self.registers["ERROR"]
+        word = self.device.read32(register.offset)
+        return [field.name for field in register.fields if word & field.mask]
+
+    def clear(self, name: str) -> None:
+        """Clear the set bits of a register that a written 1 clears."""
+        register = self.registers[name]
+        word = self.device.read32(register.offset) & register.writable
+        if word:
+            self.device.write32(register.offset, word)
+
+    def _raise_errors(self, what: str, beats: npt.NDArray[np.uint64] | None = None) -> None:
+        """Raise if a bit of ERROR is set, and clear it."""
+        names = self.errors()
+        if names:
+            self.clear("ERROR")
+            register = self.registers["ERROR"]
+            reasons = "; ".join(f"{name}: {register[name].meaning}" for name in names)
+            raise EngineError(f"{what}: {reasons}", names, beats)
+
+    def _pack(self, tables: Tables) -> npt.NDArray[np.uint32]:
+        """Return the words of the material table's entries: shape (entries, words), uint32."""
+        window = self.registers.materials
+        words = np.zeros((window.entries, window.words + 1), np.uint64)
+        for kind, table in enumerate((tables.diffuse, tables.specular)):
+            for channel in range(3):
+                place = self.config.coefficient(kind, channel)
+                word, shift = divmod(place.lsb, 32)
+                bits = table[:, channel].astype(np.uint64) << np.uint64(shift)
+                words[: len(table), word] |= bits & np.uint64(0xFFFF_FFFF)
+                words[: len(table), word + 1] |= bits >> np.uint64(32)
+        return words[:, :-1].astype(np.uint32)
+
+
+class Engine(Driver):
+    """Draws frames of code words with the engine in a device.
+
+    >>> with SimulatedDevice() as device:  # or XdmaDevice(): a board
+    ...     engine = Engine(device)
+    ...     engine.write_tables(frame.tables, frame.width, frame.height)
+    ...     raster = engine.draw(frame.codewords)
+
+    Parameters and errors are those of :class:`Driver`; the device has streams too.
+    """
+
+    device: Device
+
+    def __init__(self, device: Device) -> None:
+        super().__init__(device)
+
+    def draw(self, codewords: npt.NDArray[np.uint64], initial: Raster | None = None) -> Raster:
+        """Draw a frame with the tables and the size that were written.
+
+        Parameters
+        ----------
+        codewords
+            Shape (n,), uint64, or (n, 2) for an engine with planes; the last is the end word.
+        initial
+            The picture to start from; background if not given.
+
+        Raises
+        ------
+        EngineError
+            If the engine found an error in the frame; the next frame is not affected.
+        ValueError
+            If the beats are no picture of that size.
+        """
+        beats = self.draw_beats(codewords, None if initial is None else to_beats(initial))
+        width, height = self.get("LAST_COLUMN") + 1, self.get("LAST_LINE") + 1
+        return from_beats(beats, width, height, self.config)
+
     def draw_beats(
         self,
         codewords: npt.NDArray[np.uint64],
@@ -231,85 +312,9 @@ class Driver:
         self.device.receive()
         self.clear("ERROR")
 
-    def counters(self) -> dict[str, int]:
-        """Return the counters by name in small letters; each wraps at 2**32."""
-        return {name.lower(): self.get(name) for name in COUNTERS}
-
-    def clear_counters(self) -> None:
-        """Set the counters to 0."""
-        self.set("CONTROL", QUIET=1, CLEAR=1)
-
-    def errors(self) -> list[str]:
-        """Return the names of the bits of ERROR that are set."""
-        register = self.registers["ERROR"]
-        word = self.device.read32(register.offset)
-        return [field.name for field in register.fields if word & field.mask]
-
-    def clear(self, name: str) -> None:
-        """Clear the set bits of a register that a written 1 clears."""
-        register = self.registers[name]
-        word = self.device.read32(register.offset) & register.writable
-        if word:
-            self.device.write32(register.offset, word)
-
     def widen(self, beats: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
         """Return beats of a raster with as many limbs as the device's stream has."""
         place = self.registers["CONFIG_1"]["BEAT_BYTES"]
         wide = np.zeros((len(beats), place.reset // 8), np.uint64)
         wide[:, : beats.shape[1]] = beats
         return wide
-
-    def _raise_errors(self, what: str, beats: npt.NDArray[np.uint64] | None = None) -> None:
-        """Raise if a bit of ERROR is set, and clear it."""
-        names = self.errors()
-        if names:
-            self.clear("ERROR")
-            register = self.registers["ERROR"]
-            reasons = "; ".join(f"{name}: {register[name].meaning}" for name in names)
-            raise EngineError(f"{what}: {reasons}", names, beats)
-
-    def _pack(self, tables: Tables) -> npt.NDArray[np.uint32]:
-        """Return the words of the material table's entries: shape (entries, words), uint32."""
-        window = self.registers.materials
-        words = np.zeros((window.entries, window.words + 1), np.uint64)
-        for kind, table in enumerate((tables.diffuse, tables.specular)):
-            for channel in range(3):
-                place = self.config.coefficient(kind, channel)
-                word, shift = divmod(place.lsb, 32)
-                bits = table[:, channel].astype(np.uint64) << np.uint64(shift)
-                words[: len(table), word] |= bits & np.uint64(0xFFFF_FFFF)
-                words[: len(table), word + 1] |= bits >> np.uint64(32)
-        return words[:, :-1].astype(np.uint32)
-
-
-class Engine(Driver):
-    """Draws frames of code words with the engine in a device.
-
-    >>> with SimulatedDevice() as device:  # or XdmaDevice(): a board
-    ...     engine = Engine(device)
-    ...     engine.write_tables(frame.tables, frame.width, frame.height)
-    ...     raster = engine.draw(frame.codewords)
-
-    Parameters and errors are those of :class:`Driver`.
-    """
-
-    def draw(self, codewords: npt.NDArray[np.uint64], initial: Raster | None = None) -> Raster:
-        """Draw a frame with the tables and the size that were written.
-
-        Parameters
-        ----------
-        codewords
-            Shape (n,), uint64, or (n, 2) for an engine with planes; the last is the end word.
-        initial
-            The picture to start from; background if not given.
-
-        Raises
-        ------
-        EngineError
-            If the engine found an error in the frame; the next frame is not affected.
-        ValueError
-            If the beats are no picture of that size.
-        """
-        beats = self.draw_beats(codewords, None if initial is None else to_beats(initial))
-        width, height = self.get("LAST_COLUMN") + 1, self.get("LAST_LINE") + 1
-        return from_beats(beats, width, height, self.config)

@@ -35,16 +35,6 @@ class _Recorder:
         """Remember a write."""
         self.writes.append(offset << DATA_BITS | value)
 
-    def send(
-        self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None
-    ) -> None:
-        """Refuse: there are no streams."""
-        raise NotImplementedError
-
-    def receive(self) -> npt.NDArray[np.uint64]:
-        """Refuse: there are no streams."""
-        raise NotImplementedError
-
 
 def register_writes(frames: list[Frame]) -> list[npt.NDArray[np.uint64]]:
     """Return the writes before each frame, of which all but the first are drawn over a raster.
