@@ -53,7 +53,7 @@ def opaque(levels: npt.NDArray[np.integer[Any]]) -> npt.NDArray[np.uint8]:
     return rgba
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _add(
     depth: npt.NDArray[np.uint16],
     colour: npt.NDArray[np.uint8],

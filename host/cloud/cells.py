@@ -150,7 +150,7 @@ def search_of(cells: Cells) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _find_distinct(order: Any, all_keys: Any, number: Any, first: Any, keys: Any) -> int:
     """Number the points by distinct keys; return how many there are."""
     distinct, last = 0, -1
@@ -164,7 +164,7 @@ def _find_distinct(order: Any, all_keys: Any, number: Any, first: Any, keys: Any
     return distinct
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _take_positions(positions: Any, first: Any, low: Any, unit: float, scaled: Any) -> None:
     """Copy the distinct points' positions, in units of the bulk's extent."""
     for i in nb.prange(len(first)):
@@ -173,7 +173,7 @@ def _take_positions(positions: Any, first: Any, low: Any, unit: float, scaled: A
             scaled[i, axis] = (positions[first[i], axis] - low[axis]) / unit
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _cut_cells(keys: Any, levels: int, starts: Any, depths: Any) -> int:
     """Set the cells' starts and levels; return how many there are.
 

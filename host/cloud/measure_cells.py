@@ -52,7 +52,7 @@ def measure_cells(
         _measure(search_of(cells), cuts, few, closing is not None, *arrays)
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _measure(
     search: Any,
     cuts: Any,

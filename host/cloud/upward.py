@@ -87,7 +87,7 @@ def _column_of(positions: Any, i: int, order: Any, low: Any, scale: float, side:
     return first * side + int((positions[i, order[1]] - low[order[1]]) * scale)
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _add_points(
     positions: Any,
     normals: Any,
@@ -108,7 +108,7 @@ def _add_points(
             column[4 + k] += turn * normals[i, order[k]]
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _measure_thickness(
     positions: Any, order: Any, low: Any, scale: float, side: int, sign: float, columns: Any
 ) -> None:
@@ -128,7 +128,7 @@ def _measure_thickness(
         column[7], column[8] = min(column[7], height), max(column[8], height)
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _turn(
     positions: Any,
     order: Any,

@@ -138,7 +138,7 @@ def _shown(
     return shown
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _mark_shown(
     low: Any, high: Any, lines: Any, bands: Any, image: Any, layout: Any, shown: Any
 ) -> None:

@@ -30,7 +30,7 @@ SLACK = 4.0
 step over 14 pixels, 1.75, half a level and half a unit of Z, cut off."""
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def encode_plane_splats(
     wave: Any, source: Any, fixed: Any, layout: Any, to: Any, occluders: Any, slots: Any
 ) -> None:

@@ -53,7 +53,7 @@ def _at(config: EngineConfig) -> npt.NDArray[np.int64]:
     return np.array([*rows, config.control_end.lsb, config.x.lsb, config.x.mask], np.int64)
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _read(words: Any, fields: Any) -> tuple[Any, Any, bool]:
     """Return the elements up to the end word, their lines, and whether there is an end word."""
     elements = np.empty(len(words), np.uint64)

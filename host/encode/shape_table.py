@@ -61,7 +61,7 @@ def shape_table() -> npt.NDArray[np.uint32]:
     return _build_table(level_slopes())
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _build_table(slopes: Any) -> Any:
     table = np.empty((SIZES, LEVELS, LEVELS, 4), np.uint32)
     for size in range(SIZES):

@@ -139,7 +139,7 @@ def _value(word: int, plane: Any) -> Any:
     return high << np.uint64(32) | low >> np.uint64(32), low
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _by_line(words: Any, chunks: Any, sorted_words: Any) -> None:
     """Bring the words of each line together; each chunk knows where its own go."""
     lines, begins, ends, before = chunks
@@ -151,7 +151,7 @@ def _by_line(words: Any, chunks: Any, sorted_words: Any) -> None:
             sorted_words[position] = words[i]
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _by_column(
     words: Any,
     ordered: Any,

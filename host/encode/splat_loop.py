@@ -101,7 +101,7 @@ class Shapes(NamedTuple):
     largest_compact: int
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def measure_room(source: Any, fixed: Any, size: Any, inside: Any, room: Any) -> None:
     """Set the slots that each chunk needs: for the most words that it may have, and one more.
 
@@ -233,7 +233,7 @@ class Slots(NamedTuple):
         )
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def encode_splats(
     wave: Any, source: Any, fixed: Any, shapes: Any, to: Any, occluders: Any, slots: Any
 ) -> None:

@@ -59,7 +59,7 @@ def number_of(word: Any) -> Any:
     return word >> np.uint64(1) & np.uint64((1 << X_LSB - 1) - 1)
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _replace(stream: Any, words: Any, found: Any) -> None:
     """Fill in the words of a stream."""
     for i in nb.prange(len(stream)):

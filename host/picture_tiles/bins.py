@@ -122,7 +122,7 @@ def _tiles_of(
     return min(max(first, 0), tiles - 1), min(max(last, 0), tiles - 1)
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _count(floats: Any, starts: Any, stops: Any, camera: Any, row: Any, counts: Any) -> None:
     """Count the splats of each tile and chunk: shape (tiles, chunks)."""
     for chunk in nb.prange(len(starts)):
@@ -133,7 +133,7 @@ def _count(floats: Any, starts: Any, stops: Any, camera: Any, row: Any, counts: 
                 counts[tile, chunk] += 1
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _fill(
     floats: Any,
     bits: Any,

@@ -175,7 +175,7 @@ def misses_centre(column: float, line: float, radius: float, a: float, b: float)
     return dx * dx + dy * dy > reach * reach * (1.0 + a * a + b * b)
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
     """Set for each block the reason to leave all of it out, or 0.
 

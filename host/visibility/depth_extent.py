@@ -51,7 +51,7 @@ def depth_extent(splats: Splats, view: View, levels: int) -> tuple[float, float]
     return low, high + (high - low) * ROUNDING / levels
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _extents(
     floats: Any, doubles: Any, starts: Any, stops: Any, inverse_focal: float, limits: Any
 ) -> None:

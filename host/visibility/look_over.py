@@ -65,7 +65,7 @@ class Blocks(NamedTuple):
     kept: npt.NDArray[np.int32]
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -> None:
     """List the points that are kept, and count all by chunk and reason.
 

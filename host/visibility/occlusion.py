@@ -176,7 +176,7 @@ def _add_block(
             _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _cover(
     words: Any,
     lines: Any,
@@ -206,7 +206,7 @@ def _cover(
                 _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def _cover_planes(
     words: Any,
     lines: Any,

@@ -79,7 +79,7 @@ class Slots(NamedTuple):
     nearest: npt.NDArray[np.int32]
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any) -> None:
     """Project the visible blocks, chunk by chunk, each into its own slots.
 

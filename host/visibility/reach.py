@@ -84,7 +84,7 @@ def measure_reach(
     )  # fmt: skip
 
 
-@nb.njit(parallel=True, cache=True, error_model="numpy")
+@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def _measure(
     positions: Any,
     radii: Any,

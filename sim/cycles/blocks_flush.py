@@ -51,7 +51,7 @@ STRETCH = 4
 """
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def new_scan() -> Any:
     """Return the flush scan's registers after reset."""
     scan = np.zeros(TURN + 1, np.int64)
@@ -59,14 +59,14 @@ def new_scan() -> Any:
     return scan
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def reached(beat: int, next_beat: int, dirty_bits: Any) -> int:
     """Return the stretches of two beats of a line, a bit each."""
     beats = dirty_bits.shape[1]
     return 1 << beat % beats // STRETCH | 1 << next_beat % beats // STRETCH
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def step_scan(
     scan: Any, dirty_bits: Any, top: int, flushing: bool, reach: int, enable: bool
 ) -> None:

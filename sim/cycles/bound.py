@@ -79,7 +79,7 @@ def bound_cycles(frame: Frame) -> int:
     return max(slid, -(-pixels // memories))
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
     """Return the cycles in which elements pass through a window that slides down the image.
 
@@ -131,7 +131,7 @@ def _take(words: _Ints, field: Field) -> _Ints:
     return words >> field.lsb & field.mask
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _rows(words: Any, highs: Any) -> Any:
     """Return first and last column of each row of each element's block: shape (n, 8, 2), int64.
 

@@ -59,7 +59,7 @@ FAR = 1e9
 """A position in pixels beyond any image."""
 
 
-@numba.njit(cache=True, parallel=True, error_model="numpy")
+@numba.njit(cache=True, nogil=True, parallel=True, error_model="numpy")
 def place_splats(discs: Any, camera: Any, rounding: Any, slopes: Any, splats: Any) -> None:
     """Fill in ``splats``; a splat that is not drawn gets left > right.
 

@@ -233,7 +233,7 @@ def _looked_up(table: npt.NDArray[np.uint16], normals: _Floats) -> npt.NDArray[n
     return table[level[0], level[1]]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def _shade_levels(normals: Any, levels: int, level: Any) -> None:
     """Fill in each normal's levels of n'x and n'y."""
     for i in range(len(normals)):

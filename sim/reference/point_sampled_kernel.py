@@ -25,7 +25,7 @@ BAND = 16
 """Lines of the image in a band."""
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def _sort_into_bands(splats: Any, bands: int) -> tuple[Any, Any]:
     """Return the splats of each band, in order: ``members[starts[b]:starts[b + 1]]``."""
     starts = np.zeros(bands + 1, np.int64)
@@ -67,7 +67,7 @@ def draw_bands(
     _draw_bands(starts, members, splats, discs, camera, coding, depth, codes, seen)
 
 
-@numba.njit(cache=True, parallel=True, error_model="numpy")
+@numba.njit(cache=True, nogil=True, parallel=True, error_model="numpy")
 def _draw_bands(
     starts: Any,
     members: Any,

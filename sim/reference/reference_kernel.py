@@ -13,7 +13,7 @@ BAND = 16
 """Lines of the image in a band; the samples of a band fit a core's cache."""
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def bound_discs(
     centres: Any,
     normals: Any,
@@ -51,7 +51,7 @@ def bound_discs(
             boxes[i, 2 * axis + 1] = int(min(max(last + 1.0, 0.0), limit))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[float, float]:
     """Return the least and the greatest ``x / z`` (or ``y / z``) of a disc in front of the eye.
 
@@ -69,7 +69,7 @@ def bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[floa
     return (b - root) / a, (b + root) / a
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def bound_part(
     centre: Any, normal: Any, radius: float, axis: int, near: float
 ) -> tuple[float, float]:
@@ -81,7 +81,7 @@ def bound_part(
     return min(low / near, low / deepest), max(high / near, high / deepest)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def sort_into_bands(boxes: Any, band: int, bands: int) -> tuple[Any, Any]:
     """Return the discs of each band of sample lines: ``members[starts[b]:starts[b + 1]]``.
 
@@ -103,7 +103,7 @@ def sort_into_bands(boxes: Any, band: int, bands: int) -> tuple[Any, Any]:
     return starts, members
 
 
-@numba.njit(cache=True, parallel=True, error_model="numpy")
+@numba.njit(cache=True, nogil=True, parallel=True, error_model="numpy")
 def draw_bands(
     bands: tuple[int, int],
     starts: Any,
@@ -147,7 +147,7 @@ def draw_bands(
         _mean(nearest, seen, colours, samples, background, rgb[rows], depth[rows], coverage[rows])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, nogil=True, error_model="numpy")
 def _draw_disc(
     i: int,
     box: Any,
@@ -180,7 +180,7 @@ def _draw_disc(
                     seen[line - top, column] = i
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def _mean(
     nearest: Any,
     seen: Any,

@@ -125,7 +125,7 @@ def _project(
     return np.stack([column, line, z], axis=-1).reshape(*a.shape, 3)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, nogil=True, error_model="numpy")
 def _draw_grid(
     corners: Any, first: Any, second: Any, number: int, depth: Any, owner: Any, at: Any
 ) -> None:
@@ -140,7 +140,7 @@ def _draw_grid(
                 )  # fmt: skip
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, nogil=True, error_model="numpy")
 def _draw_triangle(
     corners: Any,
     first: Any,

@@ -1,63 +1,46 @@
-"""Values that a thread makes ahead of their use."""
+"""Values that threads make ahead of their use, in order."""
 
 from __future__ import annotations
 
-import queue
-import threading
-from collections.abc import Generator, Iterable
+from collections import deque
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
+
+import numba
 
 __all__ = ["ahead"]
 
-_T = TypeVar("_T")
+_In = TypeVar("_In")
+_Out = TypeVar("_Out")
 
 
-def ahead(values: Iterable[_T], most: int = 2) -> Generator[_T]:
-    """Yield values, which a thread makes while the caller uses those before.
+def ahead(make: Callable[[_In], _Out], sources: Iterable[_In]) -> Generator[_Out]:
+    """Yield what is made of each source, in their order, while threads make those to come.
 
-    At most ``most`` values wait. An exception of the thread is raised here, in its turn. When the
-    generator is closed, the thread ends after the value that it is making.
+    There is a thread for each core. Each makes a value by itself: numba's functions release
+    Python's lock, and use one core in such a thread. Two values for each thread are made or wait
+    at most.
+
+    An exception of a thread is raised here, in its turn. When the generator is closed, the threads
+    end after the values that they are making.
 
     Parameters
     ----------
-    values
-        What the thread goes through.
-    most
-        Values that may wait.
+    make
+        Makes a value; several threads call it at once.
+    sources
+        What the values are made of.
     """
-    waiting: queue.Queue[tuple[bool, _T | BaseException | None]] = queue.Queue(most)
-    closed = threading.Event()
-
-    def put(is_value: bool, what: _T | BaseException | None) -> None:
-        while not closed.is_set():
-            try:
-                waiting.put((is_value, what), timeout=0.1)
-            except queue.Full:
-                continue
-            return
-
-    def make() -> None:
-        try:
-            for value in values:
-                put(True, value)
-                if closed.is_set():
-                    return
-        except BaseException as error:  # raised in the caller
-            put(False, error)
-        else:
-            put(False, None)
-
-    thread = threading.Thread(target=make, name="splatline-ahead", daemon=True)
-    thread.start()
+    threads = numba.get_num_threads()
+    waiting: deque[Future[_Out]] = deque()
+    pool = ThreadPoolExecutor(threads, "splatline-ahead", numba.set_num_threads, (1,))
     try:
-        while True:
-            is_value, what = waiting.get()
-            if is_value:
-                yield what  # type: ignore[misc]
-            elif isinstance(what, BaseException):
-                raise what
-            else:
-                return
+        for source in sources:
+            waiting.append(pool.submit(make, source))
+            if len(waiting) == 2 * threads:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
     finally:
-        closed.set()
-        thread.join()
+        pool.shutdown(cancel_futures=True)

@@ -182,7 +182,7 @@ def make_film(
 ) -> Film:
     """Draw a frame for each camera and write the film, whole or not at all.
 
-    A frame is drawn while the one before is encoded; two frames wait at most.
+    Each core draws a frame of its own, while those before are encoded.
 
     Parameters
     ----------
@@ -210,11 +210,13 @@ def make_film(
         red, green, blue = (round(255.0 * level) for level in settings.background)
         write = partial(
             write_gif,
-            palette=find_palette([picture(cameras[i]) for i in some], (red, green, blue)),
+            palette=find_palette(
+                list(ahead(picture, [cameras[i] for i in some])), (red, green, blue)
+            ),
         )
     else:
         write = write_mp4 if suffix == ".mp4" else write_webp
-    frames = ahead(map(picture, cameras))
+    frames = ahead(picture, cameras)
     try:
         with atomic_stream(output) as stream, tell_unwritable(output):
             write(_told(frames, len(cameras), progress), stream, form)

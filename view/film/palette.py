@@ -86,7 +86,7 @@ def find_palette(frames: list[npt.NDArray[np.uint8]], background: tuple[int, int
     return Palette(colours, nearest)
 
 
-@nb.njit(parallel=True, cache=True)
+@nb.njit(parallel=True, cache=True, nogil=True)
 def index_frame(
     pixels: npt.NDArray[np.uint8],
     nearest: npt.NDArray[np.uint8],

@@ -4,6 +4,7 @@ import threading
 from fractions import Fraction
 
 import av
+import numba
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
@@ -168,7 +169,7 @@ def test_a_film_is_written_whole_or_not_at_all(tmp_path, live, cameras, monkeypa
         make_film(live, cameras * 4, path, size=SIZE, fps=30, settings=SETTINGS)
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
     assert path.read_text() == "an older film"
-    assert not [each for each in threading.enumerate() if each.name == "splatline-ahead"]
+    assert not [each for each in threading.enumerate() if each.name.startswith("splatline-ahead")]
 
 
 def test_few_frames_are_in_memory(tmp_path, live, cameras, monkeypatch):
@@ -188,7 +189,7 @@ def test_few_frames_are_in_memory(tmp_path, live, cameras, monkeypatch):
     make_film(live, cameras * 5, tmp_path / "a.webp", size=SIZE, fps=30, progress=progress)
     assert len(shown) == 60
     assert shown[-1] == 1.0
-    assert max(most) <= 4
+    assert max(most) <= 2 * numba.get_num_threads() + 1
 
 
 def test_one_call_makes_a_film_of_a_cloud(tmp_path):
