@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from splatline.host.visibility.view import View
     from splatline.sim.reference.reference import Reference
 
-__all__ = ["Sweep", "measure_clouds", "measure_scenes"]
+__all__ = ["Sweep", "measure_clouds", "measure_scenes", "samples_of"]
 
 SCENES = ("knot", "terrain")
 
@@ -108,7 +108,7 @@ def measure_clouds(
         advance(path.stem)
         scan = read_cloud(path)
         view = fit_view(scan)
-        for name, cloud in _samples_of(scan):
+        for name, cloud in samples_of(scan):
             raster, counts, splat = _draw(cloud, view, preset)
             runs.append(
                 {"cloud": name, "points": len(cloud), "splat_pixels": splat, **wholeness(raster),
@@ -117,7 +117,7 @@ def measure_clouds(
     return runs
 
 
-def _samples_of(scan: Cloud) -> Iterator[tuple[str, Cloud]]:
+def samples_of(scan: Cloud) -> Iterator[tuple[str, Cloud]]:
     """Yield a scan, more points of its discs, and these with noise and without their normals."""
     import numpy as np
 
