@@ -19,6 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from splatline.contract.errors import InputError, install_hint
+from splatline.sim.cosim import without_pytest
+from splatline.sim.cosim.without_pytest import REWRITTEN
 
 __all__ = ["SIMULATORS", "Build", "SimulationError", "available", "build", "run"]
 
@@ -61,12 +63,8 @@ def _make_flags(*, parts: bool = False) -> str:
     return f"OPT_FAST={level}" + (" CFG_CXXFLAGS_PCH_I=-include" if parts else "")
 
 
-REWRITTEN = "COCOTB_REWRITE_ASSERTION_FILES"
-"""Cocotb's variable with patterns of files whose assertions pytest rewrites, to show values."""
-
-
-def _environment() -> dict[str, str]:
-    """Return environment variables of every run.
+def _environment(*, checks: bool) -> dict[str, str]:
+    """Return environment variables of a run, of a module that has checks or has none.
 
     Unless it is told otherwise, cocotb has pytest rewrite the assertions of every module that is
     imported, and pytest loads all of its plugins for that: more than half of the time that a
@@ -76,6 +74,7 @@ def _environment() -> dict[str, str]:
         "PYTHONWARNINGS": "default",
         "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
         REWRITTEN: os.environ.get(REWRITTEN, ""),
+        **({} if checks else {without_pytest.VARIABLE: without_pytest.ENTRY}),
     }
 
 
@@ -257,6 +256,7 @@ def run(
     module: str | Path,
     *,
     test: str | None = None,
+    checks: bool = True,
     plusargs: Sequence[str] = (),
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
@@ -271,6 +271,9 @@ def run(
         Python module with the cocotb tests: its name or its file.
     test
         Name of one test; all tests of the module if not given.
+    checks
+        Whether the module has assertions, or uses pytest. The simulator of one without starts in
+        half of the time.
     plusargs
         Arguments for the Verilog, such as ``+folder=/tmp/x``.
     environment
@@ -300,7 +303,7 @@ def run(
                 hdl_toplevel_lang="verilog",
                 testcase=test,
                 plusargs=list(plusargs),
-                extra_env={**_environment(), **(environment or {})},
+                extra_env={**_environment(checks=checks), **(environment or {})},
                 build_dir=built.folder,
                 test_dir=folder,
                 results_xml=str(results),

@@ -5,7 +5,15 @@ import linecache
 import re
 import textwrap
 
-__all__ = ["LANE_WRITES", "fault", "replace_method", "rewrite", "switched", "switched_source"]
+__all__ = [
+    "LANE_WRITES",
+    "chosen",
+    "fault",
+    "replace_method",
+    "rewrite",
+    "switched",
+    "switched_source",
+]
 
 LANE_WRITES = "{ taken[0] | taken[1], 11'h0 }"
 """In place of a lane's comparison: every draw and every clear is written."""
@@ -51,6 +59,21 @@ def replace_method(monkeypatch, part, method, source, what, **names):
     linecache.cache[name] = len(source), None, source.splitlines(keepends=True), name
     exec(compile(source, name, "exec"), scope)
     monkeypatch.setattr(part, method, scope[method])
+
+
+def chosen(faults, first):
+    """Return an edit that plants faults, each a signal of ``dut`` and a value.
+
+    The port ``fault`` of ``planted.build`` selects one by its number, counted from ``first``.
+    """
+
+    def edit(text):
+        for number, (signal, value) in enumerate(faults, first):
+            condition = f"dut.fault == {number} ? {value}"
+            text = _assign(text, "dut", signal, lambda old, new=condition: f"{new} : {old}")
+        return text
+
+    return edit
 
 
 def switched(top, faults, first=1):

@@ -104,6 +104,7 @@ def play_words(built, streams, config, folder):
     simulator.run(
         built,
         "splatline.sim.cosim.player.frame_bench",
+        checks=False,
         plusargs=[f"+folder={folder}"],
         environment={"SPLATLINE_FOLDER": str(folder)},
     )

@@ -74,6 +74,7 @@ def play_jobs(
             simulator.run(
                 built,
                 f"{__package__}.frame_bench",
+                checks=False,
                 plusargs=[f"+folder={folder}"],
                 environment={"SPLATLINE_FOLDER": str(folder)},
             )

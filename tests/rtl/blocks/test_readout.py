@@ -14,6 +14,7 @@ from splatline.sim.cosim.streams import StreamBench
 from tests.support.bench_config import CONFIG, run_bench
 
 PLACE, BEAT, RASTER = PlaceLayout(CONFIG), BeatWordsLayout(CONFIG), RasterLayout(CONFIG)
+ANYWHERE, BEAT_BITS = (1 << PLACE.size) - 1, BEAT.size
 COLUMNS, PIXELS = CONFIG.pixels_per_word, CONFIG.raster_pixels
 BEATS = CONFIG.max_width // PIXELS
 """Beats of a line."""
@@ -80,14 +81,12 @@ class Rows:
 
         def drive():
             dut.flush.value, dut.end_.value = asks, end
-            dut.place.value = (
-                pack(PLACE, word=2 * word, line=line) if asks else -1 % (1 << PLACE.size)
-            )
+            dut.place.value = pack(PLACE, word=2 * word, line=line) if asks else ANYWHERE
             if given != self.shown:  # packing takes longer than the simulation
                 outputs = [PACKED_BLANK] * BLOCK
                 if given is not None:
                     outputs[given[0]] = pack_words(given[1])
-                dut.rows.value = sum(bits << BEAT.size * row for row, bits in enumerate(outputs))
+                dut.rows.value = sum(bits << BEAT_BITS * row for row, bits in enumerate(outputs))
                 self.shown = given
 
         def observe():

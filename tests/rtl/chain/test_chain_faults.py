@@ -12,13 +12,11 @@ from splatline.rtl.chain.chain import Chain
 from splatline.rtl.chain.merger import Merger
 from splatline.rtl.lib.fifo import Fifo
 from splatline.sim.cosim import simulator
-from splatline.sim.cosim.blocks import run_bench
 from splatline.sim.cosim.player.chains import ChainJob, play_chain
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.chain import test_chain, test_merger
-from tests.support.faults import fault, rewrite
-from tests.support.planted import plant, play_with
+from tests.support.planted import build, find_wrong, plant, play_with
 from tests.support.random_frames import frame_of, shapes
 
 SMALL, ENGINES = test_chain.SMALL, test_chain.ENGINES
@@ -26,53 +24,37 @@ SMALL, ENGINES = test_chain.SMALL, test_chain.ENGINES
 QUICKEST = "icarus" if simulator.available("icarus") else "verilator"
 
 
-def expect_noticed(edit=None):
-    """The merger's bench fails on what it sees, and not because nothing was built."""
-    with pytest.raises(SimulationError) as failure:
-        run_bench(
-            Merger(PAPER),
-            test_merger.__file__,
-            test="one_over_the_other",
-            edit=edit,
-            simulator_name=QUICKEST,
-        )
-    assert "FAIL=1" in str(failure.value)
+MERGER_FAULTS = {
+    "the lower place does not go first": (Merger, r"first\.eq\(.*\),", "first.eq(0),"),
+    "the place drawn over does not go first": (Merger, r"second\.eq\(.*\),", "second.eq(0),"),
+    "a beat is lost": (Merger, r"self\.own\.valid & ~second", "self.own.valid"),
+    "a beat of the own picture is lost": (
+        Merger,
+        r"self\.before\.valid & ~first",
+        "self.before.valid",
+    ),
+    "of equal depths the later stays": (Merger, r"depth <= own", "depth < own"),
+    "what was drawn first always stays": (Merger, r"depth <= own\S+", "1)"),
+    "what was drawn first never stays": (Merger, r"depth <= own\S+", "0)"),
+    "one end ends the frame": (Merger, r"before\.end & own\.end\)", "before.end | own.end)"),
+    "a beat goes on alone": (
+        Merger,
+        r"self\.before\.valid & self\.own\.valid\)",
+        "self.before.valid)",
+    ),
+    "a queue that drops": (Fifo, r"self\.i\.ready\.eq\(fifo\.w_rdy\)", "self.i.ready.eq(1)"),
+}
 
 
-MERGER_FAULTS = [
-    ("first", "1'h0", "the lower place does not go first"),
-    ("second", "1'h0", "the place drawn over does not go first"),
-    ("before__ready", "i__ready & own__valid", "a beat is lost"),
-    ("own__ready", "i__ready & before__valid", "a beat of the own picture is lost"),
-]
-
-
-@pytest.mark.parametrize(
-    ("signal", "value"), [pytest.param(*planted[:2], id=planted[2]) for planted in MERGER_FAULTS]
-)
-def test_a_fault_in_the_merger_is_noticed(signal, value):
-    expect_noticed(fault("dut", signal, value))
-
-
-@pytest.mark.parametrize(
-    ("pattern", "replacement"),
-    [
-        pytest.param(r"depth <= own", "depth < own", id="of equal depths the later stays"),
-        pytest.param(r"depth <= own\S+", "1)", id="what was drawn first always stays"),
-        pytest.param(r"depth <= own\S+", "0)", id="what was drawn first never stays"),
-        pytest.param(
-            r"before\.end & own\.end\)", "before.end | own.end)", id="one end ends the frame"
-        ),
-        pytest.param(
-            r"self\.before\.valid & self\.own\.valid\)",
-            "self.before.valid)",
-            id="a beat goes on alone",
-        ),
-    ],
-)
-def test_a_wrong_rule_of_the_merger_is_noticed(monkeypatch, pattern, replacement):
-    rewrite(monkeypatch, Merger, "elaborate", pattern, replacement)
-    expect_noticed()
+def test_wrong_rules_of_the_merger_are_noticed():
+    """All in one build and one run."""
+    built = build(
+        lambda: Merger(PAPER),
+        [(part, "elaborate", *line) for part, *line in MERGER_FAULTS.values()],
+        simulator=QUICKEST,
+    )
+    faults = {name: ("one_over_the_other", n) for n, name in enumerate(MERGER_FAULTS, 1)}
+    assert find_wrong(PAPER, built, test_merger, faults, whole=False) == []
 
 
 def frames_under_table_writes(rng):
@@ -137,10 +119,3 @@ def test_a_chain_that_mixes_frames_is_noticed(number):
         return any(pictures) or not all(test_chain.in_step(outcome.times) for outcome in outcomes)
 
     assert wrong() == bool(number)
-
-
-def test_a_queue_that_drops_is_noticed(monkeypatch):
-    rewrite(
-        monkeypatch, Fifo, "elaborate", r"self\.i\.ready\.eq\(fifo\.w_rdy\)", "self.i.ready.eq(1)"
-    )
-    expect_noticed()

@@ -12,6 +12,9 @@ from splatline.sim.cosim.streams import StreamBench
 from tests.support.bench_config import CONFIG, run_bench
 
 BEAT = RasterLayout(CONFIG)
+END = BEAT.size - 1
+"""The bit of a beat that ends a frame."""
+
 PIXELS = CONFIG.raster_pixels
 WORDS = CONFIG.max_width // PIXELS
 BACKGROUND = (CONFIG.background_depth, 0)
@@ -67,7 +70,7 @@ def to_beats(rng, picture):
     for (line, word), pixels in sorted(picture.items()):
         depth, colour = zip(*pixels, strict=True)
         yield pack(BEAT, pixels={"depth": depth, "colour": colour}, word=word, line=line)
-    yield rng.getrandbits(BEAT.size) | 1 << BEAT.size - 1
+    yield rng.getrandbits(BEAT.size) | 1 << END
 
 
 def check(received, expected):
@@ -95,7 +98,7 @@ async def one_over_the_other(dut):
         sink = bench.sink("o", rate)
         await bench.reset()
         await bench.run(
-            lambda sink=sink, ends=ends: sum(b >> BEAT.size - 1 for b in sink.received) == ends,
+            lambda sink=sink, ends=ends: sum(b >> END for b in sink.received) == ends,
             # At least half as many again as it takes: a beat that is lost is soon missed.
             most_cycles=round(500 / min(before_rate, own_rate, rate)),
             after=20,

@@ -13,7 +13,7 @@ from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.front import test_colour
 from tests.rtl.tiles import test_dirty_bits, test_flush_scan, test_lane, test_tiler
 from tests.support.bench_config import PAIRED, run_bench
-from tests.support.faults import LANE_WRITES, fault, rewrite
+from tests.support.faults import LANE_WRITES, chosen, rewrite
 from tests.support.planted import build, find_wrong
 
 BENCHES = {
@@ -27,69 +27,33 @@ BENCHES = {
 PAIR = "a_pair_is_cleared_through_both_ports"
 WALK = "drawn_words_are_asked_for_once_and_in_order"
 
-FAULTS = [
-    (Lane, test_lane, "random_requests", "difference", LANE_WRITES, "no depth test"),
-    (
+FAULTS = {
+    "no depth test": (Lane, "random_requests", "difference", LANE_WRITES),
+    "ties drawn": (
         Lane,
-        test_lane,
         "nearer_wins_and_equal_stays",
         "difference",
         "{ taken[1:0], old[8:0] } + { 1'h0, ~{ 2'h1, new_[8:0] } } + 1",
-        "ties drawn",
     ),
-    (Tiler, test_tiler, "right_border", "words_left", "8'h3f", "right border"),
-    (Tiler, test_tiler, "one_tile_a_cycle", "past_2", "1'h0", "a line misplaced"),
-    (
+    "right border": (Tiler, "right_border", "words_left", "8'h3f"),
+    "a line misplaced": (Tiler, "one_tile_a_cycle", "past_2", "1'h0"),
+    "marks clear too much": (
         TileDirtyBits,
-        test_dirty_bits,
         "random_touches",
         "write__en",  # of even pairs on lines that are a multiple of 4: cleared with any other
         "take | (words[1] ? touch[1] & words[0] : touch[0] | (touch[1] & ~words[0]))",
-        "marks clear too much",
     ),
-    (
-        TileDirtyBits,
-        test_dirty_bits,
-        "random_touches",
-        "write__data",
-        "take ? 8'h00 : bit_0",
-        "marks forget",
-    ),
-    (
+    "marks forget": (TileDirtyBits, "random_touches", "write__data", "take ? 8'h00 : bit_0"),
+    "last stretch skipped": (
         TileFlushScan,
-        test_flush_scan,
         WALK,
         "left",
         "leaving & here & moves & (pairs == 0) & (wanted[2:0] == 0)",
-        "last stretch skipped",
     ),
-    (
-        TileFlushScan,
-        test_flush_scan,
-        WALK,
-        "clean",
-        "1'h1",
-        "lines skipped",
-    ),
-    (
-        TileFlushScan,
-        test_flush_scan,
-        "nothing_leaves_unasked",
-        "leaving",
-        "1'h1",
-        "lines leave early",
-    ),
-]
-
-
-@pytest.mark.parametrize(
-    ("component", "bench", "test", "signal", "value"),
-    [pytest.param(*fault[:5], id=fault[5]) for fault in FAULTS],
-)
-def test_a_fault_in_a_part_is_noticed(component, bench, test, signal, value):
-    edit = fault("dut", signal, value)
-    with pytest.raises(SimulationError):
-        run_bench(PAPER, component, bench.__file__, test=test, edit=edit)
+    "lines skipped": (TileFlushScan, WALK, "clean", "1'h1"),
+    "lines leave early": (TileFlushScan, "nothing_leaves_unasked", "leaving", "1'h1"),
+}
+"""By name: the part, the test that must notice it, the signal of its Verilog and the value."""
 
 
 REWRITTEN = {
@@ -325,12 +289,15 @@ def rewritten(row):
 
 @pytest.mark.parametrize(("part", "config", "table"), TABLES.values(), ids=TABLES)
 def test_rewritten_lines_of_a_part_are_noticed(part, config, table):
-    """Faults in what has no name in the Verilog: a part has all in one build and one run."""
+    """A part has all faults of the source and of its Verilog in one build and one run."""
     rows = {name: row for name, row in table.items() if row[0] is part and name not in ALONE}
-    component, bench = BENCHES[part]
-    built = build(lambda: component(config), [rewritten(row) for row in rows.values()])
-    faults = {name: (row[3], number) for number, (name, row) in enumerate(rows.items(), 1)}
     whole = config is PAPER
+    named = {name: row for name, row in FAULTS.items() if row[0] is part and whole}
+    component, bench = BENCHES[part]
+    edit = chosen([row[2:] for row in named.values()], first=1 + len(rows))
+    built = build(lambda: component(config), [rewritten(row) for row in rows.values()], edit)
+    tests = {name: row[3] for name, row in rows.items()} | {n: row[1] for n, row in named.items()}
+    faults = {name: (test, number) for number, (name, test) in enumerate(tests.items(), 1)}
     assert find_wrong(config, built, bench, faults, whole=whole) == []
 
 
