@@ -13,7 +13,7 @@ from .clocks import Clocks
 from .screen import SCREEN
 from .soc import BoardSoC
 
-__all__ = ["ADDRESS", "PORT", "Colorlight"]
+__all__ = ["ADDRESS", "PORT", "Colorlight", "add_ethernet"]
 
 ADDRESS, PORT = "192.168.1.50", 1234
 """IP address of the board, and its UDP port."""
@@ -23,6 +23,10 @@ CLOCK = 50e6
 
 ETHERBONE_BUFFER = 256
 """32-bit words of a packet that the board can hold: the most that LiteEth allows."""
+
+ETHERNET_BITS = 32
+"""Width of LiteEth's data path. With 32 all but the PHY and a converter runs in ``sys``; with 8 it
+would run at the 125 MHz of the received clock, and reach 72."""
 
 REVISIONS = {"i5": "7.0", "i9": "7.2"}
 
@@ -58,10 +62,13 @@ class Colorlight(BoardSoC):
             module=M12L64322A(CLOCK, "1:1"),
             timings=SCREEN,
         )
-        self.ethernet = LiteEthPHYRGMII(
-            clock_pads=platform.request("eth_clocks", 0), pads=platform.request("eth", 0),
-            tx_delay=0,
-        )  # fmt: skip
-        self.add_etherbone(
-            phy=self.ethernet, ip_address=ADDRESS, udp_port=PORT, buffer_depth=ETHERBONE_BUFFER
-        )
+        add_ethernet(self, platform.request("eth_clocks", 0), platform.request("eth", 0))
+
+
+def add_ethernet(soc, clock_pads, pads):
+    """Add the link to a system: a PHY at the pins of RGMII, LiteEth, and Etherbone on the bus."""
+    soc.ethernet = LiteEthPHYRGMII(clock_pads=clock_pads, pads=pads, tx_delay=0)
+    soc.add_etherbone(
+        phy=soc.ethernet, data_width=ETHERNET_BITS, ip_address=ADDRESS, udp_port=PORT,
+        buffer_depth=ETHERBONE_BUFFER,
+    )  # fmt: skip

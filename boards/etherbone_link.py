@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from .link import LinkError
 from .memory_map import MAIN_RAM
 
-__all__ = ["EtherboneLink"]
+__all__ = ["Datagrams", "EtherboneLink", "open_udp"]
 
 MOST_WORDS = 240
 """Words of a packet: the board's buffer holds 256 with its addresses."""
@@ -21,6 +22,9 @@ HEAD = bytes([0x4E, 0x6F, 0x10, 0x44, 0, 0, 0, 0])
 
 PROBE = bytes([0x4E, 0x6F, 0x11, 0x44, 0, 0, 0, 0]) + bytes(4)
 """A packet that every Etherbone device answers."""
+
+PROBED = 0x02
+"""Bit of the third byte of the answer."""
 
 ALL_BYTES = 0x0F
 
@@ -34,6 +38,46 @@ SCRATCH = 4
 """A register that can be read without effect."""
 
 
+class Datagrams(Protocol):
+    """What is used of a UDP socket, which has a time limit."""
+
+    def sendto(self, data: bytes, peer: tuple[str, int], /) -> int:
+        """Send a datagram."""
+
+    def recv(self, size: int, /) -> bytes:
+        """Return a datagram; raise ``TimeoutError`` if none comes in time."""
+
+    def close(self) -> None:
+        """Close it."""
+
+
+def open_udp(port: int, local: str = "") -> socket.socket:
+    """Open this machine's end of the link.
+
+    LiteEth answers to the board's own port number, whatever port the question came from.
+
+    Parameters
+    ----------
+    port
+        UDP port of the board, and so of this machine.
+    local
+        IP address of the interface; without it all of them listen.
+
+    Raises
+    ------
+    LinkError
+        If the port is taken.
+    """
+    opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    opened.settimeout(SECONDS)
+    try:
+        opened.bind((local, port))
+    except OSError as error:
+        opened.close()
+        raise LinkError(f"UDP port {port} of this machine cannot be opened: {error}") from error
+    return opened
+
+
 class EtherboneLink:
     """Reads and writes words on a board's bus; a :class:`splatline.boards.link.Link`.
 
@@ -45,17 +89,18 @@ class EtherboneLink:
     ----------
     address, port
         The board's IP address and UDP port.
+    udp
+        This machine's end; without it it is opened by :func:`open_udp`. A simulation has its own.
 
     Raises
     ------
     LinkError
-        If the board does not answer.
+        If the board does not answer, or the port is taken.
     """
 
-    def __init__(self, address: str, port: int = 1234) -> None:
+    def __init__(self, address: str, port: int = 1234, udp: Datagrams | None = None) -> None:
         self.peer = (address, port)
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.settimeout(SECONDS)
+        self.socket = open_udp(port) if udp is None else udp
         self.number = 0
         try:
             self._probe()
@@ -69,7 +114,8 @@ class EtherboneLink:
             for _ in range(TRIES):
                 self.socket.sendto(PROBE, self.peer)
                 with contextlib.suppress(TimeoutError):
-                    if self.socket.recv(2048)[:2] == HEAD[:2]:
+                    answer = self.socket.recv(2048)
+                    if answer[:2] == HEAD[:2] and answer[2] & PROBED:
                         return
         except OSError as error:
             raise LinkError(f"the board at {self.peer[0]} cannot be reached: {error}") from error

@@ -1,4 +1,4 @@
-"""The same system with the pins and the SDRAM of a simulation."""
+"""The systems with the pins and the SDRAM of a simulation."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from migen.genlib.resetsync import AsyncResetSynchronizer
 
 from splatline.contract.config import EngineConfig
 
+from .colorlight import add_ethernet
 from .memory_map import CSR_PAGES
 from .soc import BoardSoC
 
@@ -32,11 +33,16 @@ SMALL = {
 }  # fmt: skip
 """A video mode for quick simulations: 160 x 120 pixels, and blanking as short as may be."""
 
+LINKS = ("serial", "etherbone")
+
 PINS = [
     ("clk", 0, *(Subsignal(name, Pins(1)) for name in ("sys", "hdmi", "hdmi5x", "rst"))),
     ("serial", 0, Subsignal("tx", Pins(1)), Subsignal("rx", Pins(1))),
+    ("eth_clocks", 0, Subsignal("tx", Pins(1)), Subsignal("rx", Pins(1))),
+    ("eth", 0, *(Subsignal(f"{way}_ctl", Pins(1)) for way in ("rx", "tx")),
+     *(Subsignal(f"{way}_data", Pins(4)) for way in ("rx", "tx"))),
     ("gpdi", 0, *(Subsignal(f"{name}_p", Pins(1)) for name in ("clk", "data0", "data1", "data2"))),
-]
+]  # fmt: skip
 
 
 class Clocks(LiteXModule):
@@ -70,7 +76,10 @@ class Traffic(LiteXModule):
 
 
 class SimulatedSoC(BoardSoC):
-    """A ULX3S for a simulator: LiteDRAM's model of PHY and chips, and clocks from pins.
+    """A board for a simulator: LiteDRAM's model of PHY and chips, and clocks from pins.
+
+    With a serial link it is a ULX3S; with Etherbone its link is that of a Colorlight, from the pins
+    of RGMII on.
 
     Parameters
     ----------
@@ -82,11 +91,16 @@ class SimulatedSoC(BoardSoC):
         Hz of ``sys``.
     refreshes
         Refreshes of the SDRAM for each one that its chips need.
+    link
+        ``serial`` or ``etherbone``.
     """
 
     csr_map: ClassVar = {**CSR_PAGES, "traffic": len(CSR_PAGES)}
 
-    def __init__(self, config: EngineConfig, timings="640x480@60Hz", clk_freq=50e6, refreshes=1):
+    def __init__(
+        self, config: EngineConfig, timings="640x480@60Hz", *, clk_freq=50e6, refreshes=1,
+        link=LINKS[0],
+    ):  # fmt: skip
         platform = LatticeECP5Platform("LFE5U-85F-6BG381C", PINS, toolchain="trellis")
         module = MT48LC16M16(clk_freq, "1:2")
         module.timing_settings.tREFI //= refreshes
@@ -99,7 +113,10 @@ class SimulatedSoC(BoardSoC):
             module=module,
             timings=timings,
         )
-        self.add_uartbone(baudrate=BAUD)
+        if link == LINKS[1]:
+            add_ethernet(self, platform.request("eth_clocks"), platform.request("eth"))
+        else:
+            self.add_uartbone(baudrate=BAUD)
         self.traffic = Traffic(self.sdram.crossbar.get_port("read"))
 
 

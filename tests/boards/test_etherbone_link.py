@@ -7,24 +7,30 @@ import numpy as np
 import pytest
 
 from splatline.boards import etherbone_link
-from splatline.boards.etherbone_link import EtherboneLink
+from splatline.boards.etherbone_link import EtherboneLink, open_udp
 from splatline.boards.link import LinkError
+
+HOST, BOARD = "127.0.0.1", "127.0.0.2"
 
 
 class Device(threading.Thread):
-    """Etherbone behind a UDP socket; every so many packets one is lost."""
+    """Etherbone behind a UDP socket; every so many packets one is lost.
+
+    As LiteEth it answers to its own port number.
+    """
 
     def __init__(self, lose=0):
         super().__init__(daemon=True)
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", 0))
+        self.socket.bind((BOARD, 0))
         self.port = self.socket.getsockname()[1]
         self.words, self.lose, self.count, self.longest = {}, lose, 0, 0
         self.start()
 
     def run(self):
         while True:
-            packet, peer = self.socket.recvfrom(2048)
+            packet, (address, _) = self.socket.recvfrom(2048)
+            peer = address, self.port
             if packet == b"end":
                 return
             self.count += 1
@@ -56,7 +62,7 @@ class Device(threading.Thread):
 def device(request):
     made = Device(getattr(request, "param", 0))
     yield made
-    made.socket.sendto(b"end", ("127.0.0.1", made.port))
+    made.socket.sendto(b"end", (BOARD, made.port))
     made.join()
     made.socket.close()
 
@@ -64,7 +70,7 @@ def device(request):
 @pytest.mark.parametrize("device", [0, 3, 5], indirect=True)
 def test_words_come_back_though_packets_are_lost(device, monkeypatch):
     monkeypatch.setattr(etherbone_link, "SECONDS", 0.05)
-    link = EtherboneLink("127.0.0.1", device.port)
+    link = EtherboneLink(BOARD, device.port, open_udp(device.port, HOST))
     words = np.random.default_rng(1).integers(1 << 32, size=1000, dtype=np.uint32)
     link.write(0x4000_0000, words)
     link.write(0x40, words[:1])
@@ -76,5 +82,14 @@ def test_words_come_back_though_packets_are_lost(device, monkeypatch):
 
 def test_nobody_at_the_address_is_said(monkeypatch):
     monkeypatch.setattr(etherbone_link, "SECONDS", 0.02)
-    with pytest.raises(LinkError, match=r"127\.0\.0\.1"):
-        EtherboneLink("127.0.0.1", 9)
+    with pytest.raises(LinkError, match=r"no board answers at 127\.0\.0\.2"):
+        EtherboneLink(BOARD, 49_152, open_udp(49_152, HOST))
+
+
+def test_a_port_that_is_taken_is_said():
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other,
+        pytest.raises(LinkError, match=r"UDP port \d+ of this machine cannot be opened"),
+    ):
+        other.bind((HOST, 0))
+        EtherboneLink(BOARD, other.getsockname()[1])

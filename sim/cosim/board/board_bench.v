@@ -1,11 +1,21 @@
-// The clocks of a board with a model of its SDRAM and PHY, and a record of its HDMI pins.
+// The clocks of a board with a model of its SDRAM and PHY, and a record of its HDMI pins. With RGMII
+// defined its link is Ethernet, and else a serial one.
 
 `timescale 1ns / 1ps
 
 module board_bench (
     input rst,
+`ifdef RGMII
+    output reg eth_rx_clk,
+    input eth_rx_ctl,
+    input [3:0] eth_rx_data,
+    output eth_tx_clk,
+    output eth_tx_ctl,
+    output [3:0] eth_tx_data,
+`else
     input serial_rx,
     output serial_tx,
+`endif
     input record,
     output [31:0] bits
 );
@@ -34,13 +44,33 @@ module board_bench (
     end
   end
 
+`ifdef RGMII
+  // The clock of received data, and that of sent data as the PHY chip delays it within.
+  wire tx_clk;
+  assign #2.0 eth_tx_clk = tx_clk;
+  initial begin
+    eth_rx_clk = 0;
+    #1.1;
+    forever #4.0 eth_rx_clk = ~eth_rx_clk;
+  end
+`endif
+
   board board (
       .clk_sys(clk_sys),
       .clk_hdmi(clk_hdmi),
       .clk_hdmi5x(clk_hdmi5x),
       .clk_rst(rst),
+`ifdef RGMII
+      .eth_clocks_rx(eth_rx_clk),
+      .eth_clocks_tx(tx_clk),
+      .eth_rx_ctl(eth_rx_ctl),
+      .eth_rx_data(eth_rx_data),
+      .eth_tx_ctl(eth_tx_ctl),
+      .eth_tx_data(eth_tx_data),
+`else
       .serial_rx(serial_rx),
       .serial_tx(serial_tx),
+`endif
       .gpdi_clk_p(hdmi_clk),
       .gpdi_data0_p(hdmi_0),
       .gpdi_data1_p(hdmi_1),

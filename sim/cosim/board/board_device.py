@@ -13,12 +13,15 @@ from splatline.sim.cosim.served import ServedSimulator
 from splatline.sim.cosim.simulator import Build
 from splatline.sim.dvi.receiver import unpack_pins
 
-__all__ = ["MODELLED", "ULX3S", "SimulatedBoard", "build_board"]
+__all__ = ["MODELLED", "RGMII", "ULX3S", "SimulatedBoard", "build_board"]
 
 HERE = Path(__file__).parent
 
 MODELLED, ULX3S = "board_bench", "ulx3s_bench"
 """The benches."""
+
+RGMII = ("+define+RGMII",)
+"""Options of :func:`build_board` for a system whose link is Ethernet; ``MODELLED`` alone."""
 
 PADS = ("+define+PAD_OUT=3.0", "+define+PAD_IN=2.0")
 """Delays of pins in the ULX3S bench, in ns, to the pin and from it. They are assumed. With the
@@ -61,7 +64,8 @@ def build_board(
 class SimulatedBoard(ServedSimulator):
     """A board in a simulator; use it in a ``with``, or call :meth:`close`.
 
-    :meth:`write` and :meth:`read` are those of a serial port.
+    :meth:`write` and :meth:`read` are those of a serial port; Ethernet is
+    :class:`splatline.sim.cosim.board.network.BoardNetwork`.
 
     Parameters
     ----------

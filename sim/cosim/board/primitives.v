@@ -18,6 +18,23 @@ module ODDRX1F (input SCLK, input RST, input D0, input D1, output Q);
 `endif
 endmodule
 
+// Two bits a clock cycle: those at the rising and at the falling edge, both from the next rising
+// edge on.
+module IDDRX1F (input SCLK, input RST, input D, output reg Q0, output reg Q1);
+  reg rising = 0, falling = 0;
+  always @(posedge SCLK) begin
+    rising <= D;
+    Q0 <= rising;
+    Q1 <= falling;
+  end
+  always @(negedge SCLK) falling <= D;
+endmodule
+
+// A delay that makes up for the way of the clock, which has none here.
+module DELAYG #(parameter DEL_MODE = "SCLK_ALIGNED", DEL_VALUE = 0) (input A, output Z);
+  assign Z = A;
+endmodule
+
 // A flip-flop with an asynchronous preset, for resets.
 module FD1S3BX (input D, input PD, input CK, output reg Q);
   initial Q = 1;

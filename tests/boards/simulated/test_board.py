@@ -6,30 +6,9 @@ import pytest
 from splatline.boards.simulated import SMALL
 from splatline.sim.dvi.receiver import receive
 from tests.support.board_frames import BACKGROUND
-
-CHARACTERS = (SMALL["h_active"] + SMALL["h_blanking"]) * (SMALL["v_active"] + SMALL["v_blanking"])
-BIT = 8
-"""ns of a bit on the pins: half the rate of a real one, so that the link takes fewer of them."""
+from tests.support.board_screen import BIT, CHARACTERS, seconds, watch, which
 
 pytestmark = pytest.mark.board
-
-
-def seconds(refreshes, bit=BIT):
-    """Return how long so many refreshes and a little more take."""
-    return (refreshes + 0.02) * CHARACTERS * 10 * bit * 1e-9
-
-
-def watch(simulated, refreshes, bit=BIT):
-    """Return what the screen shows in so many whole refreshes."""
-    return receive(simulated.watch(seconds(refreshes + 1, bit))).pictures[:refreshes]
-
-
-def which(shown, pictures):
-    """Return the number of the picture that each refresh shows, pixel by pixel; -1: none."""
-    return [
-        next((n for n, picture in enumerate(pictures) if (refresh == picture).all()), -1)
-        for refresh in shown
-    ]
 
 
 def test_every_refresh_is_a_picture_of_golden(start, frames, pictures):
