@@ -214,6 +214,8 @@ async def an_aborted_frame(dut):
     ]  # fmt: skip
     part = np.array(drawn) & whole.drawn
     assert not (np.array(drawn) & ~whole.drawn).any()
+    assert part.any()
+    assert (part != whole.drawn).any()  # lines behind the abort are background
     whole.depth[~part], whole.colour[~part] = CONFIG.background_depth, 0
     bench.compare(whole)
     await bench.swap()
