@@ -8,12 +8,11 @@ from amaranth.lib.wiring import In
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.rtl.bus.axi_top import AxiTop
-from splatline.rtl.bus.scan_top import ScanTop
 
 from .register_texts import json_map
 from .verilog import convert, describe, header
 
-__all__ = ["MEANINGS", "describe_axi", "generate_axi", "generate_scanned_axi"]
+__all__ = ["MEANINGS", "describe_axi", "generate_axi"]
 
 MEANINGS = {
     "aclk": "clock of all buses, rising edge",
@@ -53,16 +52,3 @@ def describe_axi(top: AxiTop, name: str, meanings: dict[str, str]) -> dict:
             }
         )
     return {**describe(top, name, ports=ports), "registers": json_map(top.registers)}
-
-
-def generate_scanned_axi(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
-    """Return the Verilog and the description of an engine in the AXI top behind a scan chain.
-
-    Parameters and results are those of :func:`splatline.flow.verilog.generate`.
-    """
-    top = ScanTop(AxiTop(config))
-    ports = [
-        {"name": port, "direction": "input" if member.flow is In else "output", "width": 1}
-        for port, member in top.signature.members.items()
-    ]
-    return header(config) + convert(top, name), describe(top, name, ports=ports)

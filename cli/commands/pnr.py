@@ -24,10 +24,11 @@ _FILE = click.Path(path_type=Path)
 @click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @click.option(
     "--top",
-    type=click.Choice(["pins", "axi"]),
+    type=click.Choice(["pins", "axi", "framebuffer"]),
     default="pins",
-    help="pins: the narrow top. axi: the AXI top with a flip-flop at each port; it is routed to"
-    " know its clock rate, and its five pins draw nothing.",
+    help="pins: the narrow top. axi, framebuffer: the AXI top and the frame buffer top with a"
+    " flip-flop at each port; they are routed to know their clock rate, and their five pins draw"
+    " nothing.",
 )
 @click.option("--seed", type=click.IntRange(0), default=1, help="First seed of the placer.")
 @click.option(
@@ -149,7 +150,11 @@ def _print(result: dict[str, Any]) -> None:
             ("Virtex-II, an estimate", f"{estimate['mhz']:.1f} MHz, {estimate['levels']} cells"),
             ("its delays", estimate["source"]),
         ]
-    tops = {"pins": "the narrow top", "axi": "the AXI top"}
+    tops = {
+        "pins": "the narrow top",
+        "axi": "the AXI top",
+        "framebuffer": "the frame buffer top",
+    }
     where = f"{tops[result['top']]}, on {result['device']}"
     print_facts(facts, title=f"Preset {result['preset']}, {where}")
 

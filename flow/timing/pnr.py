@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
-from splatline.flow.axi_verilog import generate_scanned_axi
 from splatline.flow.narrow_verilog import generate_pins
 from splatline.flow.netlist import pin_netlist
+from splatline.flow.scanned_verilog import generate_scanned_axi, generate_scanned_framebuffer
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
 from .virtex2_delays import estimate_timing
@@ -25,8 +25,12 @@ __all__ = [
     "read_report", "smallest", "synthesis_options", "synthesis_script",
 ]  # fmt: skip
 
-TOPS = {"pins": generate_pins, "axi": generate_scanned_axi}
-"""The narrow top, and the AXI top with a flip-flop at each port, which needs five pins."""
+TOPS = {
+    "pins": generate_pins,
+    "axi": generate_scanned_axi,
+    "framebuffer": generate_scanned_framebuffer,
+}
+"""The narrow top, and tops on AXI with a flip-flop at each port, which need five pins."""
 
 CONSTRAINTS = Path(__file__).resolve().parents[2] / "constraints" / "lfe5u25_cabga381.lpf"
 """Clock rate and I/O standards of the narrow top."""

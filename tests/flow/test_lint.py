@@ -16,7 +16,14 @@ from tests.support.engines import verilog
 FLOW = Path(__file__).parents[2] / "flow"
 WAIVERS, OPTIONS = FLOW / "verilator.vlt", FLOW / "slang.f"
 
-TOPS = [(RGB24, "engine"), (RGB24, "axi")]
+TOPS = [
+    (RGB24, "engine"),
+    (RGB24, "axi"),
+    (RGB24, "framebuffer"),
+    (SWIFT_PLANE, "axi"),
+    (SWIFT_PLANE, "framebuffer"),
+    (PLANE, "axi"),
+]
 
 SLANG = """
 import sys
@@ -99,7 +106,7 @@ def test_each_waiver_is_needed_and_no_other(tmp_path):
     found = re.findall(r'^lint_off .*(?<=-rule )(\w+) .*"(.*)"$', WAIVERS.read_text(), re.MULTILINE)
     waivers = [(kind, re.compile(fnmatch.translate(message))) for kind, message in found]
     needed = set()
-    for top in [(RGB24, "axi"), (PLANE, "engine"), (SWIFT_PLANE, "engine")]:
+    for top in [(RGB24, "framebuffer"), (PLANE, "engine"), (SWIFT_PLANE, "framebuffer")]:
         _, said = verilator(tmp_path, verilog(*top), "-Wno-fatal")
         warned = re.findall(
             r"^%(?:Warning|Error)-?(\w*): (?:[\w.]+:\d+:\d+: )?(.*)$", said, re.MULTILINE

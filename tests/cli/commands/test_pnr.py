@@ -71,11 +71,12 @@ def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder
     assert "engine.draining" in result.stdout
 
 
-def test_the_axi_top_has_no_estimate_of_a_virtex2(run, folder, routing):
-    result = run("pnr", "--top", "axi")
+@pytest.mark.parametrize(("top", "name"), [("axi", "AXI"), ("framebuffer", "frame buffer")])
+def test_tops_on_axi_have_no_estimate_of_a_virtex2(run, folder, routing, top, name):
+    result = run("pnr", "--top", top)
     assert result.exit_code == 0, result.stderr
-    assert routing[1][0][:2] == (DEFAULT, "axi")
-    assert "the AXI top, on LFE5U-25F" in result.stdout
+    assert routing[1][0][:2] == (DEFAULT, top)
+    assert f"the {name} top, on LFE5U-25F" in result.stdout
     assert "estimate" not in result.stdout
 
 
