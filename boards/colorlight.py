@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from litedram.modules import M12L64322A
 from litedram.phy import GENSDRPHY
+from liteeth.common import eth_phy_description
 from liteeth.phy.ecp5rgmii import LiteEthPHYRGMII
+from litex.soc.interconnect import stream
 from litex_boards.platforms import colorlight_i5
+from migen import ClockDomainsRenamer
 
 from splatline.contract.config import EngineConfig
 
@@ -40,9 +43,11 @@ class Colorlight(BoardSoC):
         The engine's configuration.
     board
         ``i5`` or ``i9``.
+    processor
+        ``cpu`` and ``program`` of :class:`splatline.boards.soc.BoardSoC`.
     """
 
-    def __init__(self, config: EngineConfig, board: str = "i5"):
+    def __init__(self, config: EngineConfig, board: str = "i5", **processor):
         platform = colorlight_i5.Platform(
             board=board, revision=REVISIONS[board], toolchain="trellis"
         )
@@ -61,6 +66,7 @@ class Colorlight(BoardSoC):
             phy=GENSDRPHY(platform.request("sdram"), CLOCK),
             module=M12L64322A(CLOCK, "1:1"),
             timings=SCREEN,
+            **processor,
         )
         add_ethernet(self, platform.request("eth_clocks", 0), platform.request("eth", 0))
 
@@ -72,3 +78,21 @@ def add_ethernet(soc, clock_pads, pads):
         phy=soc.ethernet, data_width=ETHERNET_BITS, ip_address=ADDRESS, udp_port=PORT,
         buffer_depth=ETHERBONE_BUFFER,
     )  # fmt: skip
+    _cut_ready(soc.ethcore_etherbone.mac.core.tx_datapath)
+
+
+def _cut_ready(datapath):
+    """Put registers before and behind the FIFO through which frames leave for the PHY.
+
+    Else ``ready`` goes from the FIFO through all of LiteEth's parts that send in one cycle: the
+    longest path of ``sys``.
+    """
+    pipeline = datapath.pipeline
+    (place,) = (
+        n for n, part in enumerate(pipeline) if isinstance(part, stream.ClockDomainCrossing)
+    )
+    layout = eth_phy_description(ETHERNET_BITS)
+    before = stream.Buffer(layout, pipe_ready=True)
+    behind = ClockDomainsRenamer("eth_tx")(stream.Buffer(layout, pipe_ready=True))
+    datapath.submodules += before, behind
+    pipeline[place : place + 1] = [before, pipeline[place], behind]

@@ -34,8 +34,11 @@ TRIES = 5
 SECONDS = 0.3
 """Longest time for an answer."""
 
+RAM_END = 2 * MAIN_RAM
+"""No SDRAM is larger. Registers are below it, or above in a system with a processor."""
+
 SCRATCH = 4
-"""A register that can be read without effect."""
+"""Address of a register that can be read without effect, in a system without a processor."""
 
 
 class Datagrams(Protocol):
@@ -91,6 +94,8 @@ class EtherboneLink:
         The board's IP address and UDP port.
     udp
         This machine's end; without it it is opened by :func:`open_udp`. A simulation has its own.
+    scratch
+        Address of the board's register ``ctrl_scratch``.
 
     Raises
     ------
@@ -98,9 +103,16 @@ class EtherboneLink:
         If the board does not answer, or the port is taken.
     """
 
-    def __init__(self, address: str, port: int = 1234, udp: Datagrams | None = None) -> None:
+    def __init__(
+        self,
+        address: str,
+        port: int = 1234,
+        udp: Datagrams | None = None,
+        scratch: int = SCRATCH,
+    ) -> None:
         self.peer = (address, port)
         self.socket = open_udp(port) if udp is None else udp
+        self.scratch = scratch
         self.number = 0
         try:
             self._probe()
@@ -145,8 +157,8 @@ class EtherboneLink:
         last = address + 4 * (len(words) - 1)
         for _ in range(TRIES):
             self.socket.sendto(packet, self.peer)
-            if address < MAIN_RAM:
-                self._read(SCRATCH, 1)
+            if not MAIN_RAM <= address < RAM_END:
+                self._read(self.scratch, 1)
                 return
             if self._read(last, 1)[0] == words[-1]:
                 return

@@ -10,7 +10,8 @@ CSR_PAGES = {
     name: number
     for number, name in enumerate(("ctrl", "sdram", "scanout", "engine", "player", "video_timing"))
 }
-"""Page of each group of LiteX's registers, from address 0."""
+"""Page of each group of LiteX's registers, from address 0. With a processor these, the list and the
+engine lie :data:`splatline.boards.processor.REGISTERS` higher."""
 
 FRAME_LIST = 0x0001_0000
 """The player's list: of each frame the byte address in SDRAM, and the number of 32-bit words."""

@@ -89,7 +89,9 @@ class ScanOut(LiteXModule):
             [("data", 32)], cd_from="sys", cd_to=video_domain, depth=CROSSING
         )
         self.comb += [
-            dma.source.connect(self.crossing.sink, keep={"valid", "ready", "data"}),
+            dma.source.connect(self.crossing.sink, keep={"ready", "data"}),
+            # What comes late of an old refresh is dropped, also behind the line of the flush.
+            self.crossing.sink.valid.eq(dma.source.valid & dma.enable),
             self.crossing.source.connect(compositor.pixels, keep={"valid", "ready", "data"}),
         ]
         self._read(dma, 3 * depth // 4)

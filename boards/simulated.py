@@ -33,6 +33,9 @@ SMALL = {
 }  # fmt: skip
 """A video mode for quick simulations: 160 x 120 pixels, and blanking as short as may be."""
 
+TRAFFIC = 4
+"""Ports of the memory that read all the time, if a test wants that."""
+
 LINKS = ("serial", "etherbone")
 
 PINS = [
@@ -59,20 +62,29 @@ class Clocks(LiteXModule):
 
 
 class Traffic(LiteXModule):
-    """Reads SDRAM all the time from addresses that jump from row to row, while ``enable`` is 1."""
+    """Reads SDRAM all the time while ``enable`` is not 0.
 
-    def __init__(self, port):
-        self.enable = CSRStorage(1)
-        state = Signal(18, reset=1)  # x^18 + x^11 + 1
-        self.dma = dma = LiteDRAMDMAReader(port, fifo_depth=16)
-        self.comb += [
-            dma.sink.valid.eq(self.enable.storage),
-            dma.sink.address.eq(state),
-            dma.source.ready.eq(1),
-        ]
-        self.sync += If(
-            dma.sink.valid & dma.sink.ready, state.eq(Cat(state[17] ^ state[10], state))
-        )
+    With 1 each port reads from another row each time. With 3 each reads word after word, and the
+    arbiter of a bank lets no other port in before such a row is at its end.
+    """
+
+    def __init__(self, ports):
+        self.enable = CSRStorage(2)
+        for number, port in enumerate(ports):
+            state = Signal(18, reset=1 + number * 0x1357)  # x^18 + x^11 + 1
+            dma = LiteDRAMDMAReader(port, fifo_depth=16)
+            self.submodules += dma
+            self.comb += [
+                dma.sink.valid.eq(self.enable.storage[0]),
+                dma.sink.address.eq(state),
+                dma.source.ready.eq(1),
+            ]
+            self.sync += If(
+                dma.sink.valid & dma.sink.ready,
+                If(self.enable.storage[1], state.eq(state + 1)).Else(
+                    state.eq(Cat(state[17] ^ state[10], state))
+                ),
+            )
 
 
 class SimulatedSoC(BoardSoC):
@@ -117,7 +129,7 @@ class SimulatedSoC(BoardSoC):
             add_ethernet(self, platform.request("eth_clocks"), platform.request("eth"))
         else:
             self.add_uartbone(baudrate=BAUD)
-        self.traffic = Traffic(self.sdram.crossbar.get_port("read"))
+        self.traffic = Traffic([self.sdram.crossbar.get_port("read") for _ in range(TRAFFIC)])
 
 
 def phy_settings() -> PhySettings:

@@ -1,4 +1,4 @@
-"""The system: a link, SDRAM, an engine, a player and a screen. No processor."""
+"""The system: a link, SDRAM, an engine, a player and a screen. It needs no processor."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from splatline.contract.config import EngineConfig
 from .engine_core import EngineCore
 from .memory_map import CSR_PAGES, ENGINE, ENGINE_BYTES, FRAME_LIST, FRAME_LIST_BYTES, MAIN_RAM
 from .player import Player
+from .processor import IDLE, REGISTERS, processor_options
 from .scanout import ScanOut
 
 __all__ = ["BoardSoC"]
@@ -48,18 +49,24 @@ class BoardSoC(SoCMini):
         Name of a video mode of LiteX, or one as a dictionary.
     scan_depth
         Pixels that are read ahead of the screen.
+    cpu
+        One of :data:`splatline.boards.processor.PROCESSORS`, or None. It is a master of the bus, as
+        the link is.
+    program
+        Its program.
     """
 
-    mem_map: ClassVar = {**SoCMini.mem_map, "main_ram": MAIN_RAM}
     csr_map: ClassVar = CSR_PAGES
 
     def __init__(
         self, platform, clocks, config: EngineConfig, *, clk_freq, phy, module, timings,
-        scan_depth=2048,
+        scan_depth=2048, cpu=None, program=IDLE,
     ):  # fmt: skip
         self.crg = clocks
         self.config_name = config.name
-        super().__init__(platform, int(clk_freq))
+        self.registers = 0 if cpu is None else REGISTERS
+        self.mem_map = {**SoCMini.mem_map, "csr": self.registers, "main_ram": MAIN_RAM}
+        super().__init__(platform, int(clk_freq), **processor_options(cpu, program))
         self.sdrphy = phy
         # Without a cache: the link's writes must be seen by the other masters.
         self.add_sdram("sdram", phy=phy, module=module, l2_cache_size=0)
@@ -73,8 +80,11 @@ class BoardSoC(SoCMini):
         )
         self._connect()
         self._screen()
-        self.bus.add_slave("engine", self.engine.bus, _region(ENGINE, ENGINE_BYTES))
-        self.bus.add_slave("frame_list", self.player.bus, _region(FRAME_LIST, FRAME_LIST_BYTES))
+        self.bus.add_slave(
+            "engine", self.engine.bus, _region(self.registers + ENGINE, ENGINE_BYTES)
+        )
+        frame_list = _region(self.registers + FRAME_LIST, FRAME_LIST_BYTES)
+        self.bus.add_slave("frame_list", self.player.bus, frame_list)
 
     def _connect(self):
         """Connect player, engine and scan-out."""

@@ -28,9 +28,13 @@ class Ulx3s(BoardSoC):
         The engine's configuration.
     timings
         The video mode.
+    baud
+        Bits a second of the serial link.
+    processor
+        ``cpu`` and ``program`` of :class:`splatline.boards.soc.BoardSoC`.
     """
 
-    def __init__(self, config: EngineConfig, timings=SCREEN):
+    def __init__(self, config: EngineConfig, timings=SCREEN, baud=BAUD, **processor):
         platform = radiona_ulx3s.Platform("LFE5U-85F", revision="2.0", toolchain="trellis")
         clocks = Clocks(
             platform,
@@ -47,6 +51,7 @@ class Ulx3s(BoardSoC):
             phy=HalfRateGENSDRPHY(platform.request("sdram"), CLOCK),
             module=MT48LC16M16(CLOCK, "1:2"),
             timings=timings,
+            **processor,
         )
         self.comb += platform.request("wifi_gpio0").eq(1)  # or the ESP32 resets the FPGA
-        self.add_uartbone(baudrate=BAUD)
+        self.add_uartbone(baudrate=baud)

@@ -31,8 +31,8 @@ def system_files(soc, config: EngineConfig) -> dict[str, str]:
     Returns
     -------
     dict
-        Texts by file name: ``board.v``, ``splatline.v``, ``board.lpf``, and files that ``board.v``
-        reads.
+        Texts by file name: ``board.v``, ``splatline.v``, ``board.lpf``, files that ``board.v``
+        reads, and the Verilog of a processor.
     """
     soc.finalize()
     fragment = soc.get_fragment()
@@ -48,6 +48,7 @@ def system_files(soc, config: EngineConfig) -> dict[str, str]:
         f"{MODULE}.v": engine,
         CONSTRAINTS: "\n".join(_constraints(soc.platform, written.ns)) + "\n",
         **{Path(name).name: content for name, content in written.data_files.items()},
+        **{Path(name).name: Path(name).read_text() for name, *_ in soc.platform.sources},
     }
 
 

@@ -40,10 +40,25 @@ def board() -> None:
 @click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine's configuration.")
 @click.option("--seed", type=click.IntRange(0), default=1, help="Seed of the placer.")
 @click.option(
+    "--cpu", type=click.Choice(["serv", "vexriscv"]), show_default="none",
+    help="A processor on the bus, for programs of your own. Nothing here needs one.",
+)  # fmt: skip
+@click.option(
+    "--program", type=_FILE, metavar="FILE", show_default="a jump to itself",
+    help="Its program: the contents of the ROM from address 0 on, at most 8 KiB.",
+)  # fmt: skip
+@click.option(
     "-o", "--output", type=_FILE, metavar="FILE", show_default="splatline_BOARD_PRESET.bit",
     help="The bitstream; its description is written beside it (.json).",
 )  # fmt: skip
-def build(name: str, preset: EngineConfig, seed: int, output: Path | None) -> None:
+def build(
+    name: str,
+    preset: EngineConfig,
+    seed: int,
+    cpu: str | None,
+    program: Path | None,
+    output: Path | None,
+) -> None:
     """Make the bitstream of a board: ulx3s, colorlight-i5 or colorlight-i9.
 
     It takes some minutes. If a clock is not met, there is no bitstream.
@@ -52,6 +67,7 @@ def build(name: str, preset: EngineConfig, seed: int, output: Path | None) -> No
     Examples:
       splatline board build ulx3s
       splatline board build colorlight-i5 --preset paper --seed 2
+      splatline board build ulx3s --cpu serv --program hello.bin
     """  # noqa: D301
     from splatline.boards.catalog import make_system
 
@@ -64,7 +80,7 @@ def build(name: str, preset: EngineConfig, seed: int, output: Path | None) -> No
 
     logging.disable(logging.WARNING)  # LiteX tells all that it does
     with Stages().stage("", f"Building {preset.name} for {name}") as share:
-        system = make_system(name, preset)
+        system = make_system(name, preset, cpu, **_program(cpu, program))
         from splatline.boards.build import build_bitstream
         from splatline.boards.describe import describe
 
@@ -143,6 +159,23 @@ def play(
     )
 
 
+def _program(cpu: str | None, path: Path | None) -> dict[str, bytes]:
+    """Return a processor's program, as an option of a system; none if it is not given."""
+    if path is None:
+        return {}
+    if cpu is None:
+        raise InputError("--program needs --cpu")
+    from splatline.boards.processor import ROM_BYTES
+
+    try:
+        program = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
+    if not 0 < len(program) <= ROM_BYTES:
+        raise InputError(f"{path} has {len(program)} bytes, and the ROM has {ROM_BYTES}")
+    return {"program": program}
+
+
 def read_system(path: Path) -> dict[str, Any]:
     """Return the description of a system.
 
@@ -180,7 +213,7 @@ def _open(port: str, told: dict[str, Any]) -> Any:
     if told["link"] == "etherbone":
         from splatline.boards.etherbone_link import EtherboneLink
 
-        return EtherboneLink(port)
+        return EtherboneLink(port, scratch=told["registers"]["ctrl_scratch"])
     from splatline.boards.uart_link import open_serial
 
     return open_serial(port, BAUD)

@@ -1,9 +1,13 @@
 """What the screen of a small simulated board shows."""
 
+import numpy as np
+
 from splatline.boards.simulated import SMALL
 from splatline.sim.dvi.receiver import receive
 
-__all__ = ["BIT", "CHARACTERS", "seconds", "watch", "which"]
+from .board_frames import BACKGROUND
+
+__all__ = ["BIT", "CHARACTERS", "cut_off", "seconds", "watch", "which"]
 
 CHARACTERS = (SMALL["h_active"] + SMALL["h_blanking"]) * (SMALL["v_active"] + SMALL["v_blanking"])
 BIT = 8
@@ -26,3 +30,13 @@ def which(shown, pictures):
         next((n for n, picture in enumerate(pictures) if (refresh == picture).all()), -1)
         for refresh in shown
     ]
+
+
+def cut_off(refresh, pictures):
+    """Return whether a refresh is the beginning of a picture, and then background alone."""
+    pixels = refresh.reshape(-1, 3)
+    for picture in pictures:
+        differs = (pixels != picture.reshape(-1, 3)).any(axis=1)
+        if not differs.any() or (pixels[int(np.argmax(differs)) :] == BACKGROUND).all():
+            return True
+    return False

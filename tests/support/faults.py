@@ -30,7 +30,7 @@ def _assign(text, module, signal, change):
     begin = re.search(rf"^module \\?{re.escape(module)} ?\(", text, re.MULTILINE).start()
     end = text.index("endmodule", begin)
     body, count = re.subn(
-        rf"^(  assign \\?{re.escape(signal)} ?=)([^;]*);",
+        rf"^( *assign \\?{re.escape(signal)} ?=)([^;]*);",
         # An escaped name ends at a space.
         lambda found: f"{found[1]} {change(found[2].strip())} ;",
         text[begin:end],

@@ -73,8 +73,13 @@ module sdram_chip #(
     end
   end
 
+  task look_at_refresh;
+    if (used && $realtime > due + LATE * REFRESH) broken("refresh is late");
+  endtask
+
   task start_burst(input write);
     begin
+      look_at_refresh;
       if (!open[ba]) broken("access to a closed bank");
       if ($realtime - opened[ba] < T_RCD) broken("tRCD");
       if (!ready) broken("access before the mode is set");
@@ -108,7 +113,7 @@ module sdram_chip #(
         AUTO_REFRESH: begin
           if (open != 0) broken("refresh while a bank is open");
           for (n = 0; n < 4; n = n + 1) if ($realtime - closed[n] < T_RP) broken("tRP, refresh");
-          if (used && $realtime > due + LATE * REFRESH) broken("refresh is late");
+          look_at_refresh;
           due = due + REFRESH;
           refreshed = $realtime;
           refreshes = refreshes + 1;

@@ -91,3 +91,31 @@ def test_litex_is_asked_for_in_one_line(capsys, tmp_path, monkeypatch):
     assert said.err.splitlines()[-1] == (
         "splatline: a board's system needs litex: pip install '.[board]' in Splatline's folder"
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--program", "a.bin"], "--program needs --cpu"),
+        (["--program", "b.bin", "--cpu", "serv"], "cannot read b.bin"),
+        (["--program", "a.bin", "--cpu", "serv"], "a.bin has 8196 bytes, and the ROM has 8192"),
+        (["--program", "c.bin", "--cpu", "serv"], "c.bin has 0 bytes, and the ROM has 8192"),
+    ],
+)
+def test_a_program_that_does_not_fit_is_said_in_one_line(
+    capsys, tmp_path, monkeypatch, words, said
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.bin").write_bytes(bytes(8196))
+    (tmp_path / "c.bin").write_bytes(b"")
+    code, printed = run(capsys, "build", "ulx3s", *words)
+    assert code == 2
+    assert said in printed.err.splitlines()[-1]
+
+
+def test_a_processor_that_is_not_installed_is_named(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: "pythondata" not in name or None)
+    code, printed = run(capsys, "build", "ulx3s", "--cpu", "vexriscv")
+    assert code == 2
+    assert "needs pythondata_cpu_vexriscv: pip install '.[board-cpu]'" in printed.err
