@@ -21,8 +21,9 @@ __all__ = ["ADDRESS", "PORT", "Colorlight", "add_ethernet"]
 ADDRESS, PORT = "192.168.1.50", 1234
 """IP address of the board, and its UDP port."""
 
-CLOCK = 50e6
-"""Hz of the system and of the SDRAM, which has 32 bits."""
+CLOCK = 45e6
+"""Hz of the system and of the SDRAM, which has 32 bits. Routes reach 50, and gigabit Ethernet needs
+31.25 with 32 bits."""
 
 ETHERBONE_BUFFER = 256
 """32-bit words of a packet that the board can hold: the most that LiteEth allows."""
