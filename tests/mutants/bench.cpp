@@ -7,7 +7,8 @@
 //   edges of reset, cycle of a reset or 0, most cycles, exact cycles or 0, seed, quiet cycles,
 //   of each channel the rate (0..256) and the longest burst, and then its items:
 //   flags, the transfers of each channel that go before it, the payload, and of an output the mask.
-// Flags: 1: the last item of a frame; bits 1..2: the level of the wire then, 2: any.
+// Flags: 1: the last item of a frame; bits 1..2: the level of the wire then, 2: any; 8: the lowest word of the payload
+// is the number of cycles in which a beat of the raster has waited.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -131,7 +132,7 @@ public:
         on.assign(channels, false), valid.assign(channels, false), waiting.assign(channels, false);
         uint64_t first = 0, last = 0;
         bool open = false;
-        uint32_t quiet = 0;
+        uint32_t quiet = 0, stalls = 0;
         for (uint64_t cycle = 0;; cycle++) {
             if (act.cut && cycle == act.cut) return nullptr;
             if (cycle == act.limit) return "hang";
@@ -174,10 +175,12 @@ public:
                 if (done[c] >= channel.count) return "surplus";
                 Words item = channel.item(done[c]), wanted = item + 1 + channels;
                 if (!before(item + 1)) return "early";
-                for (unsigned w = 0; w < payload_words; w++)
-                    if ((top->out_payload[o * payload_words + w] ^ wanted[w]) & wanted[payload_words + w])
-                        return "value";
+                for (unsigned w = 0; w < payload_words; w++) {
+                    const uint32_t value = w == 0 && item[0] & 8 ? stalls : wanted[w];
+                    if ((top->out_payload[o * payload_words + w] ^ value) & wanted[payload_words + w]) return "value";
+                }
                 waiting[c] = !(readies >> o & 1);
+                if (o == raster) stalls += waiting[c];
                 if (waiting[c]) continue;
                 if ((item[0] >> 1 & 3) < 2 && top->level != (item[0] >> 1 & 3)) return "level";
                 done[c]++;

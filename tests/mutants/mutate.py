@@ -8,16 +8,23 @@ from pathlib import Path
 
 from splatline.flow.tools import run_yosys
 
+from .keep import ROOT, digest, versions
 from .tops import Design
 
-__all__ = ["Mutant", "draw_mutants", "mutated_verilog", "select_bits"]
+__all__ = ["Mutant", "draw_mutants", "mutated_verilog", "prepared", "select_bits"]
 
 PREPARE = (
-    "read_verilog design.v\nhierarchy -top splatline\nproc -norom\nopt_expr\nopt_clean\nopt_merge\n"
-    "memory_collect\nopt_clean\n"
+    "read_verilog design.v\nhierarchy -top splatline\nproc -norom\nopt_expr -mux_undef -undriven\n"
+    "opt_clean\nopt_merge\nmemory_collect\nopt_clean\nwrite_rtlil prepared.il\n"
 )
-"""What Yosys does before it mutates. Modules stay apart; a memory is a cell, its contents are not
-mutated."""
+"""What Yosys does before it mutates. Modules stay apart. A memory is a cell, and its contents are
+no mutants. A choice between a value and an undefined one is the value, as in hardware."""
+
+CLOCKS = ("CLK", "RD_CLK", "WR_CLK")
+"""Ports that are not mutated: an inverted clock is a fault of a netlist, not of its design."""
+
+SPARE = 1.1
+"""More mutants are drawn, so that enough are left without those at clocks."""
 
 
 @dataclass(frozen=True)
@@ -45,14 +52,19 @@ class Mutant:
 
     @property
     def part(self) -> str:
-        """Name of the module without the design's, ``top`` for the top; lanes under one name."""
+        """Name of the module in the table; modules that differ by a number are one."""
         name = self.module.removeprefix("splatline").strip("_") or "top"
-        return re.sub(r"_\d+(_\d+)?(?=$|__)", "", name)
+        return re.sub(r"_\d+(_\d+)?(?=$|__)", "", name).replace("__", ".")
 
     def arguments(self) -> str:
         """Return the options of Yosys' ``mutate`` that make this change."""
         options = {k: v for k, v in asdict(self).items() if k != "wire" and v is not None}
         return " ".join(f"-{name} {value}" for name, value in options.items())
+
+    def __str__(self) -> str:
+        control = "" if self.ctrlbit is None else f" by {self.ctrlbit}"
+        at = f"{self.cell} {self.port}[{self.portbit}]{control}"
+        return f"{self.mode} {self.part} {self.wire or ''} {at}".replace("  ", " ")
 
 
 def select_bits(count: int) -> int:
@@ -60,13 +72,32 @@ def select_bits(count: int) -> int:
     return count.bit_length()
 
 
+def prepared(design: Design) -> Path:
+    """Return the file with a design's RTLIL as it is mutated."""
+    path = ROOT / "prepared" / f"{design.name}-{digest(design.verilog(), PREPARE, versions())}.il"
+    if not path.exists():
+        with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+            folder = Path(scratch)
+            (folder / "design.v").write_text(design.verilog())
+            run_yosys(PREPARE, folder)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes((folder / "prepared.il").read_bytes())
+    return path
+
+
 def draw_mutants(design: Design, count: int, seed: int) -> list[Mutant]:
     """Return mutants, spread by Yosys over modules, cells, wires and kinds of change."""
-    with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
-        folder = Path(scratch)
-        (folder / "design.v").write_text(design.verilog())
-        run_yosys(f"{PREPARE}mutate -list {count} -seed {seed} -o list", folder)
-        return [_parse(line) for line in (folder / "list").read_text().splitlines()]
+    path = ROOT / "lists" / f"{prepared(design).stem}-{count}-{seed}"
+    if not path.exists():
+        with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+            folder = Path(scratch)
+            (folder / "prepared.il").write_bytes(prepared(design).read_bytes())
+            listing = f"mutate -list {round(SPARE * count) + 5} -seed {seed} -o list"
+            run_yosys(f"read_rtlil prepared.il\n{listing}", folder)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes((folder / "list").read_bytes())
+    mutants = map(_parse, path.read_text().splitlines())
+    return [mutant for mutant in mutants if mutant.port not in CLOCKS][:count]
 
 
 def _parse(line: str) -> Mutant:
@@ -86,13 +117,13 @@ def _parse(line: str) -> Mutant:
 def mutated_verilog(design: Design, mutants: list[Mutant]) -> str:
     """Return a design with an input ``mutsel``: number n, from 1 on, is mutant n, 0 is none."""
     bits = select_bits(len(mutants))
-    script = PREPARE + "".join(
+    script = "read_rtlil prepared.il\n" + "".join(
         f"mutate -ctrl mutsel {bits} {number} {mutant.arguments()}\n"
         for number, mutant in enumerate(mutants, 1)
     )
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
-        (folder / "design.v").write_text(design.verilog())
+        (folder / "prepared.il").write_bytes(prepared(design).read_bytes())
         (folder / "mutate.ys").write_text(f"{script}write_verilog -noattr -norename mutated.v\n")
         run_yosys("script mutate.ys", folder)
         return (folder / "mutated.v").read_text()

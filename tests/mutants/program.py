@@ -9,13 +9,16 @@ import numpy.typing as npt
 
 from .tops import Design
 
-__all__ = ["ANY_LEVEL", "LAST_OF_FRAME", "Act", "Items", "write_program"]
+__all__ = ["ANY_LEVEL", "LAST_OF_FRAME", "RASTER_STALLS", "Act", "Items", "write_program"]
 
 LAST_OF_FRAME = 1
 """Flag of a code word that ends its frame."""
 
 ANY_LEVEL = 2 << 1
 """Flag of an output's item with which the level of ``irq`` does not count."""
+
+RASTER_STALLS = 1 << 3
+"""Flag of an output's item: its lowest word is the number of cycles in which a beat waited."""
 
 SHOWN = np.uint32(1 << 31)
 """In a count of items: those that are offered count as well."""
