@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.config import EngineConfig
 from splatline.contract.raster_beats import to_beats
 from splatline.contract.register_types import Access
@@ -178,7 +179,8 @@ def _answer(script: Script, frame, words, names, *, keep=None, drawn=None, start
     picture = golden.render(dataclasses.replace(frame, codewords=whole), start)
     script.picture(to_beats(picture))
     script.settle()
-    script.wait(2)
+    script.sent("codewords")
+    script.wait(3)
     script.errors(*names)
     script.read("STATUS", 0)
 
@@ -256,7 +258,7 @@ def _odd_rasters(config: EngineConfig, rng) -> Script:
     script.sent("initial")
     script.wait(2)
     script.errors("INITIAL_WITHOUT_LAST")
-    size = 9 * len(beats[0]) and script.map["CONFIG_1"] and 16
+    size = raster_stream_bytes(config)
     keep = np.ones((len(beats) + 1, size), np.uint8)
     keep[3, int(rng.integers(size))] = 0
     extra = np.insert(beats, 3, other[0], axis=0)
@@ -274,6 +276,7 @@ def _open_frame(config: EngineConfig, rng) -> Script:
     frame = _frame(config, rng)
     _prepare(script, frame)
     words, at = frame.codewords, 25
+    script.picture(to_beats(golden.render(frame)))
     script.packet("codewords", words[:at], last=False)
     script.sent("codewords")
     script.wait(6)
@@ -285,7 +288,6 @@ def _open_frame(config: EngineConfig, rng) -> Script:
         script.write(script.map.materials.offset + 4 * n, 1, SLVERR)
         script.errors("BUS_BUSY")
     script.packet("codewords", words[at:])
-    script.picture(to_beats(golden.render(frame)))
     script.settle()
     script.read("STATUS", 0)
     hold = script.bits("CONTROL", "HOLD")
@@ -299,8 +301,8 @@ def _open_frame(config: EngineConfig, rng) -> Script:
     for write in writes:
         script.write(write >> 32, write & FULL)
     script.read("STATUS", 0)
-    script.write("CONTROL", 0)
     script.picture(to_beats(golden.render(dataclasses.replace(frame, tables=other.tables))))
+    script.write("CONTROL", 0)
     script.settle()
     script.errors(clear=False)
     return script
@@ -311,7 +313,7 @@ def _aborts(config: EngineConfig, rng) -> Script:
     script = Script(config)
     frame = _frame(config, rng)
     few = [bus_words.block(config, x) for x in (0, 9, 20)]
-    nothing = np.zeros((1, len(to_beats(golden.render(frame))[0])), np.uint64)
+    nothing = to_beats(golden.render(frame))[-1:]
     abort = script.bits("CONTROL", "ABORT")
     _prepare(script, frame)
     script.write("CONTROL", abort)  # of no frame
@@ -322,8 +324,8 @@ def _aborts(config: EngineConfig, rng) -> Script:
         script.sent("codewords")
         script.wait(6)
         script.read("STATUS", script.bits("STATUS", "BUSY"))
-        script.write("CONTROL", abort)
         script.picture(nothing)
+        script.write("CONTROL", abort)
         script.settle()
         script.wait(2)
         script.read("STATUS", script.bits("STATUS", "DROPPING"))
@@ -342,8 +344,8 @@ def _aborts(config: EngineConfig, rng) -> Script:
     script.packet("codewords", [*few, bus_words.end(config)])
     script.sent("codewords", "initial")
     script.wait(6)
-    script.write("CONTROL", abort)
     script.picture(nothing)
+    script.write("CONTROL", abort)
     script.settle()
     script.wait(4)
     script.read("STATUS", script.bits("STATUS", "DROPPING_INITIAL"))
