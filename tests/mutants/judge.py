@@ -93,6 +93,8 @@ def _play(program: Path, file: Path, first: int, last: int, acts):
         command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     ) as run:
         for line in run.stdout:
+            if not line[0].isdigit():
+                continue  # what Verilator says as it stops
             number, act, reason, cycles = line.split()
             if int(number) != found:
                 raise SimulationError(f"the bench came to mutant {number}, not {found}")
