@@ -11,7 +11,9 @@ from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cycles.cycles import count_cycles
 from tests.support.random_frames import films, frame_of, nonsense, random_raster, shapes
 
-from .frames import borders, corners, equal_depths, extremes, few_far_apart, wide_line
+from .frames import (
+    borders, corners, equal_depths, every_row, extremes, few_far_apart, wide_line,
+)  # fmt: skip
 from .odd_inputs import odd_beats, odd_writes
 from .program import ANY_LEVEL, LAST_OF_FRAME, Act, Items
 
@@ -111,12 +113,14 @@ def _single(rng, config: EngineConfig) -> Iterator[Act]:
         "any bits": nonsense(rng, 150, *SIZE, config=config),
         "far apart": few_far_apart(rng, config),
         "wide": wide_line(rng, config),
+        "every row": every_row(rng, config),
+        "every row again": every_row(rng, config),
         "one pixel": shapes(rng, 4, 1, 1, config=config),
     }
     for number, (kind, frame) in enumerate(kinds.items()):
         yield act_of(kind, Job(frame=frame), exact=True)
         again = Job(frame=frame, write_tables="none", seed=number + 1)
-        if kind not in ("far apart", "wide", "empty"):
+        if kind not in ("far apart", "wide", "empty", "every row again"):
             yield act_of(f"{kind}, stalled", again, STALLS[1 + number % 4])
     yield odd_writes(act_of("odd writes", Job(frame=kinds["extremes"])), rng, config)
 

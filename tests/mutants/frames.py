@@ -7,7 +7,15 @@ from splatline.contract.frame import Frame
 from splatline.host.encode.sort_by_line import advance_word
 from tests.support.random_frames import frame_of, random_plane, word
 
-__all__ = ["borders", "corners", "equal_depths", "extremes", "few_far_apart", "wide_line"]
+__all__ = [
+    "borders",
+    "corners",
+    "equal_depths",
+    "every_row",
+    "extremes",
+    "few_far_apart",
+    "wide_line",
+]
 
 FULL = [(0, 7)] * 4
 EMPTY = [(1, 0)] * 3
@@ -132,3 +140,23 @@ def wide_line(rng: np.random.Generator, config: EngineConfig, height: int = 12) 
             for x in rng.permutation(np.arange(0, width, 8)):
                 words.add(FULL, int(x), mode=int(rng.integers(2)))
     return words.frame(width, height)
+
+
+def every_row(rng: np.random.Generator, config: EngineConfig) -> Frame:
+    """Return a frame in which each row of a word has every pair of ends, in either mode.
+
+    The word's other rows are random. Elements do not overlap.
+    """
+    words = _Words(config, rng)
+    width = min(config.max_width, 512)
+    across = (width - 12) // 10
+    pairs = [(row, first, last) for row in range(4) for first in range(8) for last in range(8)]
+    for number, (row, first, last) in enumerate(pairs):
+        words.at(4 + number // across * 9)
+        rows = [tuple(map(int, rng.integers(0, 8, 2))) for _ in range(4)]
+        rows[row] = first, last
+        mode = int(rng.integers(2))
+        if all(one > other for one, other in rows):
+            mode = 0  # else it is a control word
+        words.add(rows, number % across * 10 + int(rng.integers(3)), mode=mode)
+    return words.frame(width, words.line + 5)

@@ -20,11 +20,12 @@ PREPARE = (
 """What Yosys does before it mutates. Modules stay apart. A memory is a cell, and its contents are
 no mutants. A choice between a value and an undefined one is the value, as in hardware."""
 
-CLOCKS = ("CLK", "RD_CLK", "WR_CLK")
-"""Ports that are not mutated: an inverted clock is a fault of a netlist, not of its design."""
+FIXED = ("CLK", "RD_CLK", "WR_CLK", "RD_EN")
+"""Ports that are not mutated. An inverted clock is a fault of a netlist, not of its design. The
+reads of the memories' cells have no enable."""
 
 SPARE = 1.1
-"""More mutants are drawn, so that enough are left without those at clocks."""
+"""More mutants are drawn, so that enough are left without those at these ports."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def draw_mutants(design: Design, count: int, seed: int) -> list[Mutant]:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes((folder / "list").read_bytes())
     mutants = map(_parse, path.read_text().splitlines())
-    return [mutant for mutant in mutants if mutant.port not in CLOCKS][:count]
+    return [mutant for mutant in mutants if mutant.port not in FIXED][:count]
 
 
 def _parse(line: str) -> Mutant:
