@@ -13,9 +13,10 @@ from splatline.sim.cosim.standalone.register_writes import register_writes
 from splatline.sim.cycles.cycles import count_cycles
 from tests.rtl.bus.axi_cases import expected_errors
 from tests.support import bus_words
-from tests.support.random_frames import random_raster
+from tests.support.random_frames import random_raster, word
 
 from .bus_script import DECERR, FULL, OKAY, SLVERR, Script
+from .frames import any_control, any_empty_row
 from .program import Act
 
 __all__ = ["axi_acts"]
@@ -38,6 +39,7 @@ def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
     acts += [_refused(config, rng).act("refused accesses", stalls) for stalls in (FREE, STALLED)]
     acts += [_odd_packets(config, rng).act("odd packets", stalls) for stalls in STALLS]
     acts += [_any_packets(config, rng).act("any packets", stalls) for stalls in STALLS]
+    acts.append(_control_words(config, rng).act("control words"))
     acts += [_odd_rasters(config, rng).act("odd initial rasters", stalls) for stalls in STALLS]
     acts += [_open_frame(config, rng).act("an open frame", stalls) for stalls in (FREE, STALLED)]
     acts += [_aborts(config, rng).act("aborted frames", stalls) for stalls in (FREE, STALLED)]
@@ -234,6 +236,31 @@ def _any_packets(config: EngineConfig, rng) -> Script:
         taken = kept[: int(np.argmax(ends)) + 1] if ends.any() else kept
         names = expected_errors(words, keep, config)
         _answer(script, frame, words, names, keep=keep, drawn=taken)
+    return script
+
+
+def _control_words(config: EngineConfig, rng) -> Script:
+    """Send words that are just no control words, and every kind of end word; count elements."""
+    script = Script(config)
+    frame = _frame(config, rng)
+    _prepare(script, frame)
+    script.write("CONTROL", script.bits("CONTROL", "CLEAR"))
+    elements = 0
+    row_of = [(row, first, last) for row in range(4) for first in range(8) for last in range(8)]
+    for begin in range(0, len(row_of), 32):
+        words = []
+        for row, first, last in row_of[begin : begin + 32]:
+            rows = [any_empty_row(rng) for _ in range(4)]
+            rows[row] = first, last
+            if first > last:
+                words.append(any_control(rng, config, end=False))
+            # An odd intensity: a control word with it ends the frame.
+            depth = int(rng.integers(config.background_depth))
+            words.append(word(rows, 5 * row, depth, mode=int(first <= last), diffuse=1, config=config))
+            elements += 1
+        words.append(any_control(rng, config, end=True))
+        _answer(script, frame, np.array(words, np.uint64), [])
+        script.read("ELEMENTS", elements)
     return script
 
 

@@ -12,7 +12,7 @@ from splatline.sim.cycles.cycles import count_cycles
 from tests.support.random_frames import films, frame_of, nonsense, random_raster, shapes
 
 from .frames import (
-    borders, corners, equal_depths, every_row, extremes, few_far_apart, wide_line,
+    any_control, borders, corners, equal_depths, every_row, extremes, few_far_apart, wide_line,
 )  # fmt: skip
 from .odd_inputs import odd_beats, odd_writes
 from .program import ANY_LEVEL, LAST_OF_FRAME, Act, Items
@@ -149,6 +149,13 @@ def _films(rng, config: EngineConfig) -> Iterator[Act]:
         ]
         film = Job(frame=frames[0], followed_by=frames[1:], write_tables="first", seed=number)
         yield act_of("film", film, stalls)
+    ends = []
+    for _ in range(16):
+        frame = frame_of([any_control(rng, config, end=True)], *SIZE, config=config)
+        ends.append(dataclasses.replace(frame, codewords=frame.codewords[:1], tables=tables))
+    ends.append(dataclasses.replace(frames[0], tables=tables))
+    film = Job(frame=ends[0], followed_by=ends[1:], write_tables="first")
+    yield act_of("any end word", film)
 
 
 def _initial(rng, config: EngineConfig) -> Iterator[Act]:

@@ -8,6 +8,8 @@ from splatline.host.encode.sort_by_line import advance_word
 from tests.support.random_frames import frame_of, random_plane, word
 
 __all__ = [
+    "any_control",
+    "any_empty_row",
     "borders",
     "corners",
     "equal_depths",
@@ -142,10 +144,31 @@ def wide_line(rng: np.random.Generator, config: EngineConfig, height: int = 12) 
     return words.frame(width, height)
 
 
+def any_empty_row(rng: np.random.Generator) -> tuple[int, int]:
+    """Return first and last column of a row without pixels."""
+    last = int(rng.integers(7))
+    return int(rng.integers(last + 1, 8)), last
+
+
+def any_control(rng: np.random.Generator, config: EngineConfig, *, end: bool, x: int = 0) -> int:
+    """Return a control word with any empty rows, and anything in the bits that mean nothing."""
+    diffuse = int(rng.integers(config.diffuse.mask + 1)) & ~1 | int(end)
+    return word(
+        [any_empty_row(rng) for _ in range(4)],
+        int(rng.integers(config.x.mask + 1)) if end else x,
+        int(rng.integers(config.background_depth)),
+        mode=1, diffuse=diffuse,
+        specular=int(rng.integers(config.specular.mask + 1)),
+        material=int(rng.integers(config.material.mask + 1)),
+        plane=random_plane(rng, config), config=config,
+    )  # fmt: skip
+
+
 def every_row(rng: np.random.Generator, config: EngineConfig) -> Frame:
     """Return a frame in which each row of a word has every pair of ends, in either mode.
 
-    The word's other rows are random. Elements do not overlap.
+    The word's other rows are random, or empty in any way; of a word without pixels in mode 1, which
+    is a control word, X is 0. Elements do not overlap.
     """
     words = _Words(config, rng)
     width = min(config.max_width, 512)
@@ -153,10 +176,15 @@ def every_row(rng: np.random.Generator, config: EngineConfig) -> Frame:
     pairs = [(row, first, last) for row in range(4) for first in range(8) for last in range(8)]
     for number, (row, first, last) in enumerate(pairs):
         words.at(4 + number // across * 9)
-        rows = [tuple(map(int, rng.integers(0, 8, 2))) for _ in range(4)]
+        bare = rng.random() < 0.5
+        rows = [
+            any_empty_row(rng) if bare else tuple(map(int, rng.integers(0, 8, 2)))
+            for _ in range(4)
+        ]
         rows[row] = first, last
-        mode = int(rng.integers(2))
-        if all(one > other for one, other in rows):
-            mode = 0  # else it is a control word
+        mode = 1 if bare else int(rng.integers(2))
+        if mode and all(one > other for one, other in rows):
+            words.words.append(any_control(rng, config, end=False))
+            mode = 0
         words.add(rows, number % across * 10 + int(rng.integers(3)), mode=mode)
     return words.frame(width, words.line + 5)
