@@ -40,6 +40,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--fresh-seed", type=int, default=20261127, help="seed of the others")
     parser.add_argument("--jobs", type=int, default=2, help="designs at a time")
     parser.add_argument("--no-proofs", action="store_true", help="leave survivors as they are")
+    parser.add_argument("--deep", action="store_true", help="proofs in the whole design too: hours")
     parser.add_argument("--page", type=Path, metavar="FILE", help="write the tables as Markdown")
     options = parser.parse_args(arguments)
     options.designs = [d for d in DESIGNS if options.preset in ("all", d.name)]
@@ -76,7 +77,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{time.monotonic() - begin:6.0f} s  {batch.design.name:10} {text}", flush=True)
 
     def run(batch: Batch) -> Judged:
-        return judge_batch(batch, told, proofs=not options.no_proofs)
+        return judge_batch(batch, told, proofs=not options.no_proofs, deep=options.deep)
 
     try:
         with ThreadPoolExecutor(options.jobs) as pool:

@@ -16,8 +16,11 @@ from tests.support import bus_words
 from tests.support.random_frames import random_raster, word
 
 from .bus_script import DECERR, FULL, OKAY, SLVERR, Script
-from .frames import any_control, any_empty_row
-from .program import Act
+from .frames import (
+    any_control, any_empty_row, borders, corners, equal_depths, every_row, extremes, few_far_apart,
+    wide_line,
+)  # fmt: skip
+from .program import SHY, Act
 
 __all__ = ["axi_acts"]
 
@@ -27,7 +30,8 @@ SIZE = (48, 40)
 FREE = ({}, {})
 STALLED = ({"aw": 90, "w": 120, "b": 100, "ar": 140, "r": 90, "codewords": 160, "initial": 120, "raster": 110}, {})
 BURSTS = ({"aw": 128, "w": 128, "codewords": 128, "raster": 100, "b": 60}, {"aw": 5, "w": 7, "codewords": 20, "raster": 40})
-STALLS = (FREE, STALLED, BURSTS)
+WAITS = ({name: SHY for name in ("b", "r", "raster")}, {})
+STALLS = (FREE, STALLED, BURSTS, WAITS)
 
 
 def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
@@ -35,6 +39,7 @@ def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
     rng = np.random.default_rng(seed)
     acts = [_registers(config, rng).act("registers after reset", STALLED, reset_edges=1)]
     acts += [_frames(config, rng, stalls).act("frames", stalls) for stalls in STALLS]
+    acts += [_kinds(config, rng).act("frames of every kind", stalls) for stalls in (FREE, BURSTS, WAITS)]
     acts.append(_registers(config, rng, fresh=False).act("registers"))
     acts += [_refused(config, rng).act("refused accesses", stalls) for stalls in (FREE, STALLED)]
     acts += [_odd_packets(config, rng).act("odd packets", stalls) for stalls in STALLS]
@@ -47,7 +52,7 @@ def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
     for number, cut in enumerate((900, 1300, 1700, 2100)):
         edges = int(number > 0)
         script = _frames(config, rng, FREE, counters=False)
-        acts.append(script.act("reset", STALLS[number % 3], cut=cut, reset_edges=edges, seed=number))
+        acts.append(script.act("reset", STALLS[number % 4], cut=cut, reset_edges=edges, seed=number))
     acts.append(_registers(config, rng).act("registers after a reset", reset_edges=2))
     acts.append(_frames(config, rng, FREE).act("frames after a reset", FREE))
     return acts
@@ -173,6 +178,37 @@ def _frames(config: EngineConfig, rng, stalls, counters: bool = True) -> Script:
     return script
 
 
+def _kinds(config: EngineConfig, rng) -> Script:
+    """Draw frames of other kinds and sizes with the tables of the first, and count in them."""
+    script = Script(config)
+    kinds = {
+        "extremes": extremes(rng, config, 37, 41),
+        "borders": borders(rng, config, 37, 41),
+        "equal depths": equal_depths(rng, config, 37, 41),
+        "corners": corners(rng, config, 300, 30),
+        "wide": wide_line(rng, config),
+        "every row": every_row(rng, config),
+        "far apart": few_far_apart(rng, config),
+    }
+    tables = kinds["extremes"].tables
+    for number, frame in enumerate(kinds.values()):
+        frame = dataclasses.replace(frame, tables=tables)
+        if number == 0:
+            _prepare(script, frame)
+        script.write("LAST_COLUMN", frame.width - 1)
+        script.write("LAST_LINE", frame.height - 1)
+        script.write("CONTROL", script.bits("CONTROL", "CLEAR"))
+        script.packet("codewords", frame.codewords)
+        beats = to_beats(golden.render(frame))
+        script.picture(beats)
+        script.settle()
+        control = bus_words.decoded(frame.codewords, config)["control"]
+        script.read("ELEMENTS", int((~control).sum()))
+        script.read("WORDS", len(beats) - 1)
+        script.write("ERROR", FULL)
+    return script
+
+
 def _answer(script: Script, frame, words, names, *, keep=None, drawn=None, start=None) -> None:
     """Send a packet; expect the picture of ``drawn``, and bits of ERROR."""
     script.packet("codewords", words, keep)
@@ -198,6 +234,21 @@ def _odd_packets(config: EngineConfig, rng) -> Script:
     _answer(script, frame, [*words[:20], bus_words.block(config, width), *words[20:]], ["X_OUTSIDE"])
     _answer(script, frame, [bus_words.block(config, width - 1), *words], [])
     _answer(script, frame, [bus_words.block(config, config.x.mask), *words], ["X_OUTSIDE"])
+    for bit in range(6, config.x_bits):
+        outside = bus_words.block(config, 1 << bit)
+        _answer(script, frame, [block, outside, words[-1]], ["X_OUTSIDE"])
+    for bit in range(6, config.x_bits):
+        _answer(script, frame, [block, advance(config, 1 << bit), words[-1]], ["LINE_PAST"])
+    for size in ((16, 16), (400, 16), (200, 300)):
+        script.write("LAST_COLUMN", size[0] - 1)
+        script.write("LAST_LINE", size[1] - 1)
+        small = dataclasses.replace(frame, width=size[0], height=size[1])
+        for x, step in ((size[0] - 1, size[1] + 3), (size[0], size[1] + 4)):
+            sent = [bus_words.block(config, x), advance(config, step), words[-1]]
+            wrong = ["X_OUTSIDE", "LINE_PAST"] if x == size[0] else []
+            _answer(script, small, sent, wrong)
+    script.write("LAST_COLUMN", width - 1)
+    script.write("LAST_LINE", height - 1)
     _answer(script, frame, [block, advance(config, height + 3), block, words[-1]], [])
     _answer(script, frame, [block, advance(config, height + 4), block, words[-1]], ["LINE_PAST"])
     _answer(script, frame, [*[advance(config, config.x.mask)] * 9, *words], ["LINE_PAST"])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from .judge import Verdict, judge
 from .mutate import Mutant, draw_mutants
-from .prove import EQUAL, prove
+from .prove import EQUAL, LEVELS, QUICK, prove
 from .tops import Design
 
 __all__ = ["Batch", "Judged", "judge_batch"]
@@ -45,9 +45,12 @@ class Judged:
 
 
 def judge_batch(
-    batch: Batch, told: Callable[[Batch, str], None], *, proofs: bool = True
+    batch: Batch, told: Callable[[Batch, str], None], *, proofs: bool = True, deep: bool = False
 ) -> Judged:
-    """Judge a batch; ``told`` is called with lines of progress."""
+    """Judge a batch; ``told`` is called with lines of progress.
+
+    ``proofs``: try to show that survivors are equal; ``deep``: in the whole design as well.
+    """
     mutants = draw_mutants(batch.design, batch.count, batch.seed)
     told(batch, f"{len(mutants)} mutants of seed {batch.seed}")
 
@@ -60,9 +63,8 @@ def judge_batch(
     told(batch, f"{len(mutants) - len(left)} noticed, {len(left)} survived")
     answers = dict.fromkeys(left, "open")
     if proofs:
-        answers = {}
-        for mutant, answer in zip(left, prove(batch.design, left), strict=True):
-            answers[mutant] = answer
+        found = prove(batch.design, left, tuple(LEVELS) if deep else QUICK)
+        answers = dict(zip(left, found, strict=True))
         judged = Judged(batch, mutants, verdicts, answers)
         told(batch, f"{len(judged.equal)} of them are shown to be equal, {len(judged.left)} are left")
     return Judged(batch, mutants, verdicts, answers)

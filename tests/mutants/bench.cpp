@@ -5,7 +5,7 @@
 // Mutant 0 is the design itself. Every mutant gets a new model. `wrap.py` writes the top module and `program.py` the
 // file, in words of 32 bits: channels in, channels out, words of a payload; acts; and of each act
 //   edges of reset, cycle of a reset or 0, most cycles, exact cycles or 0, seed, quiet cycles,
-//   of each channel the rate (0..256) and the longest burst, and then its items:
+//   of each channel the rate (0..256, or 512) and the longest burst, and then its items:
 //   flags, the transfers of each channel that go before it, the payload, and of an output the mask.
 // Flags: 1: the last item of a frame; bits 1..2: the level of the wire then, 2: any; 8: the lowest word of the payload
 // is the number of cycles in which a beat of the raster has waited.
@@ -24,6 +24,8 @@ static const uint32_t SHOWN = 1u << 31;  // in a count of transfers: those that 
 static std::vector<uint32_t> file;
 static size_t at = 0;
 static unsigned inputs, outputs, payload_words, channels, codewords, raster;
+
+static const uint32_t SHY = 512;  // for a rate
 
 struct Channel {
     uint32_t rate, burst, count, stride;
@@ -158,8 +160,12 @@ public:
                 }
                 valids |= uint32_t(valid[c]) << c;
             }
-            for (unsigned o = 0; o < outputs; o++)
-                readies |= uint32_t(goes(act.channel[inputs + o], inputs + o)) << o;
+            for (unsigned o = 0; o < outputs; o++) {
+                const Channel& channel = act.channel[inputs + o];
+                // A shy one is ready once it was offered something, and a source may not wait for it.
+                const bool ready = channel.rate == SHY ? bool(waiting[inputs + o]) : goes(channel, inputs + o);
+                readies |= uint32_t(ready) << o;
+            }
             top->in_valid = valids;
             top->out_ready = readies;
             top->eval();

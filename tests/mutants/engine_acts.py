@@ -15,7 +15,7 @@ from .frames import (
     any_control, borders, corners, equal_depths, every_row, extremes, few_far_apart, wide_line,
 )  # fmt: skip
 from .odd_inputs import odd_beats, odd_writes
-from .program import ANY_LEVEL, LAST_OF_FRAME, Act, Items
+from .program import ANY_LEVEL, LAST_OF_FRAME, SHY, Act, Items
 
 __all__ = ["act_of", "engine_acts"]
 
@@ -24,8 +24,9 @@ STALLED = ({"codewords": 90, "tables": 128, "initial": 100, "raster": 160}, {})
 SLOW_RASTER = ({"raster": 60}, {"raster": 40})
 BURSTS = ({"codewords": 128, "initial": 40}, {"codewords": 24, "initial": 9})
 STARVED = ({"initial": 200, "raster": 100, "codewords": 220}, {"raster": 90})
-STALLS = (FREE, STALLED, SLOW_RASTER, BURSTS, STARVED)
-"""Rates and bursts of the streams: none stalls, all do, and one starves another."""
+WAITS = ({"raster": SHY, "codewords": 180}, {"codewords": 3})
+STALLS = (FREE, STALLED, SLOW_RASTER, BURSTS, STARVED, WAITS)
+"""Rates and bursts of the streams: none stalls, all do, one starves another, one waits for it."""
 
 SIZE = (37, 41)
 """Width and height of most images: no multiple of a word or of the window."""
@@ -121,7 +122,7 @@ def _single(rng, config: EngineConfig) -> Iterator[Act]:
         yield act_of(kind, Job(frame=frame), exact=True)
         again = Job(frame=frame, write_tables="none", seed=number + 1)
         if kind not in ("far apart", "wide", "empty", "every row again"):
-            yield act_of(f"{kind}, stalled", again, STALLS[1 + number % 4])
+            yield act_of(f"{kind}, stalled", again, STALLS[1 + number % 5])
     yield odd_writes(act_of("odd writes", Job(frame=kinds["extremes"])), rng, config)
 
 
@@ -161,7 +162,8 @@ def _films(rng, config: EngineConfig) -> Iterator[Act]:
 def _initial(rng, config: EngineConfig) -> Iterator[Act]:
     """Yield frames over a raster, and films of them."""
     for number, stalls in enumerate(STALLS):
-        for size, share in ((SIZE, 0.4), ((64, 60), 0.02)):
+        wide = (config.max_width, 9)
+        for size, share in ((SIZE, 0.4), ((64, 60), 0.02), (wide, (0.7, 0.1)[number % 2])):
             job = Job(
                 frame=shapes(rng, 60, *size, config=config),
                 followed_by=[shapes(rng, 30, 33, 20, config=config), frame_of([], *SIZE, config=config)],
@@ -191,7 +193,7 @@ def _resets(rng, config: EngineConfig) -> Iterator[Act]:
             seed=number,
             write_tables="every" if number else "none",
         )
-        yield act_of("reset", job, STALLS[number % 5], cut=cut, reset_edges=edges)
+        yield act_of("reset", job, STALLS[number % 6], cut=cut, reset_edges=edges)
         edges = 1 + number % 2
     # A reset keeps the materials, and sets size and I0.
     frame = shapes(rng, 60, *SIZE, config=config)

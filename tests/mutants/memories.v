@@ -1,7 +1,6 @@
 // Memories as boxes, for proofs: what goes in is compared where it counts, and what comes out is any, the same for both
-// designs. So two designs are equal if what goes into their memories is.
-//
-// A bit that is 1 in `FLIP` is inverted in every address: memories that differ in the places of their words are equal.
+// designs. So two designs are equal if what goes into their memories is. `renamed.py` changes the two lines with
+// addresses: memories that differ in the places of their words are equal as well.
 (* techmap_celltype = "$mem_v2" *)
 module memory_box (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN, WR_ADDR, WR_DATA);
     parameter MEMID = "";
@@ -25,7 +24,6 @@ module memory_box (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR
     parameter WR_CLK_POLARITY = 1'b1;
     parameter WR_PRIORITY_MASK = 1'b0;
     parameter WR_WIDE_CONTINUATION = 1'b0;
-    parameter FLIP = 0;
     input [RD_PORTS-1:0] RD_CLK, RD_EN, RD_ARST, RD_SRST;
     input [RD_PORTS*ABITS-1:0] RD_ADDR;
     output [RD_PORTS*WIDTH-1:0] RD_DATA;
@@ -38,9 +36,9 @@ module memory_box (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR
     genvar n;
     generate
         for (n = 0; n < RD_PORTS; n = n + 1)
-            assign read[n*ABITS +: ABITS] = RD_EN[n] ? RD_ADDR[n*ABITS +: ABITS] ^ FLIP : 0;
+            assign read[n*ABITS +: ABITS] = RD_EN[n] ? RD_ADDR[n*ABITS +: ABITS] : 0;
         for (n = 0; n < WR_PORTS; n = n + 1)
-            assign written[n*ABITS +: ABITS] = |WR_EN[n*WIDTH +: WIDTH] ? WR_ADDR[n*ABITS +: ABITS] ^ FLIP : 0;
+            assign written[n*ABITS +: ABITS] = |WR_EN[n*WIDTH +: WIDTH] ? WR_ADDR[n*ABITS +: ABITS] : 0;
     endgenerate
     memory_ports #(.READS(RD_PORTS), .WRITES(WR_PORTS), .ABITS(ABITS), .WIDTH(WIDTH)) _TECHMAP_REPLACE_ (
         .read_address(read), .read_data(RD_DATA),

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from .tops import Design
 
-__all__ = ["ANY_LEVEL", "LAST_OF_FRAME", "RASTER_STALLS", "Act", "Items", "write_program"]
+__all__ = ["ANY_LEVEL", "LAST_OF_FRAME", "RASTER_STALLS", "SHY", "Act", "Items", "write_program"]
 
 LAST_OF_FRAME = 1
 """Flag of a code word that ends its frame."""
@@ -19,6 +19,9 @@ ANY_LEVEL = 2 << 1
 
 RASTER_STALLS = 1 << 3
 """Flag of an output's item: its lowest word is the number of cycles in which a beat waited."""
+
+SHY = 512
+"""Rate of an output that is ready only once something was offered."""
 
 SHOWN = np.uint32(1 << 31)
 """In a count of items: those that are offered count as well."""
@@ -60,7 +63,7 @@ class Act:
     items
         By name of a stream; a stream that is not named has none.
     rates, bursts
-        By name of a stream, the share 0..256 of the cycles in which it goes, of 256; and the
+        By name of a stream, the share 0..256 of the cycles in which it goes, or ``SHY``; and the
         longest time for which it does or does not go.
     reset_edges
         Clock edges of a reset before the act; 0: none.

@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from splatline.flow.tools import run_yosys
@@ -19,13 +19,15 @@ from tests.formal.abc_tool import NOTHING
 
 from .keep import ROOT, digest, versions
 from .mutate import Mutant, prepared
+from .renamed import renaming_of
 from .tops import Design
 
-__all__ = ["EQUAL", "LEVELS", "prove"]
+__all__ = ["EQUAL", "LEVELS", "QUICK", "prove"]
 
 LEVELS = {
     "module": "equal in its module",
     "reads": "equal in its module, where a memory's read counts if it is enabled",
+    "renamed": "equal in its module with the parts of it, but for the places of a memory's words",
     "top": "equal at the ports; a payload counts while VALID is 1",
 }
 """How a mutant is compared, in this order."""
@@ -33,7 +35,7 @@ LEVELS = {
 EQUAL = tuple(LEVELS)
 """Answers that say that a mutant is equal. The others: ``differs``, ``open``."""
 
-SECONDS = {"module": 20, "reads": 20, "top": 60}
+SECONDS = {"module": 20, "reads": 20, "renamed": 20, "top": 60}
 """Seconds of PDR for a mutant."""
 
 TOGETHER = 12
@@ -54,7 +56,11 @@ SEARCH = (
 """ABC's commands for a pair."""
 
 
-def prove(design: Design, mutants: list[Mutant], levels=tuple(LEVELS)) -> Iterator[str]:
+QUICK = tuple(level for level in LEVELS if level != "top")
+"""The levels that take seconds a mutant; ``top`` takes minutes."""
+
+
+def prove(design: Design, mutants: list[Mutant], levels: Sequence[str] = QUICK) -> Iterator[str]:
     """Yield for each mutant what is shown of it: one of ``EQUAL``, ``differs`` or ``open``.
 
     ``differs``: a run from the reset tells them apart at the ports of the design, where memories
@@ -68,12 +74,14 @@ def prove(design: Design, mutants: list[Mutant], levels=tuple(LEVELS)) -> Iterat
         for level in levels:
             left = [m for m in part if known.get(_key(m), ("", ""))[0] not in EQUAL]
             left = [m for m in left if level not in known.get(_key(m), ("", ""))[1]]
+            if level == "renamed":
+                left = [m for m in left if renaming_of(design, m)]
             for mutant, answer in zip(left, _compare(design, left, level), strict=True):
                 tried = known.get(_key(mutant), ["", ""])[1]
                 answer = level if answer == "equal" else answer
                 known[_key(mutant)] = [answer, f"{tried} {level}"]
             kept.write_text(json.dumps(known, indent=1))
-        yield from (known[_key(mutant)][0] for mutant in part)
+        yield from (known.get(_key(mutant), ["open"])[0] for mutant in part)
 
 
 def _key(mutant: Mutant) -> str:
@@ -82,7 +90,7 @@ def _key(mutant: Mutant) -> str:
 
 def _sources() -> list[str]:
     """Return what the answers depend on, beside the design."""
-    files = [Path(__file__).with_name(name) for name in ("memories.v", "memory_ports.v")]
+    files = [Path(__file__).with_name(name) for name in ("memories.v", "memory_ports.v", "renamed.py")]
     return [*(file.read_text() for file in files), PAIR, SEARCH, str(SECONDS), str(versions())]
 
 
@@ -101,21 +109,26 @@ def _compare(design: Design, mutants: list[Mutant], level: str) -> list[str]:
         for number, mutant in enumerate(mutants):
             top = "observed" if level == "top" else mutant.module
             script += "design -load base\n" + _shape(top, level, "gold")
-            change = f"mutate {mutant.arguments()}\n"
-            script += "design -load base\n" + change + _shape(top, level, "gate")
+            change, renamed = f"mutate {mutant.arguments()}\n", ""
+            if level == "renamed":
+                renaming = renaming_of(design, mutant)
+                boxes = renaming.verilog((folder / "memories.v").read_text())
+                (folder / f"renamed_{number}.v").write_text(boxes)
+                renamed = f"techmap -map renamed_{number}.v c:{renaming.memory}\n"
+            script += "design -load base\n" + change + _shape(top, level, "gate", renamed)
             script += PAIR.format(name=number)
         (folder / "pairs.ys").write_text(script)
         run_yosys("script pairs.ys", folder)
         return _search(folder, len(mutants), SECONDS[level])
 
 
-def _shape(top: str, level: str, name: str) -> str:
+def _shape(top: str, level: str, name: str, renamed: str = "") -> str:
     """Return commands that make a module alone of a design; memories and parts are ports."""
-    flat = "flatten\nopt_clean\n" if level == "top" else ""
+    flat = "flatten\nopt_clean\n" if level in ("renamed", "top") else ""
     reads = "" if level == "module" else "memory_dff\nopt_clean\n"
     return (
         f"hierarchy -top {top}\n{flat}{reads}read_verilog memory_ports.v\n"
-        f"techmap -map memories.v\nhierarchy -top {top}\nexpose -evert c:*\nopt_clean\n"
+        f"{renamed}techmap -map memories.v\nhierarchy -top {top}\nexpose -evert c:*\nopt_clean\n"
         f"rename {top} {name}\ndesign -stash {name}\n"
     )
 
