@@ -40,7 +40,6 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--fresh-seed", type=int, default=20261127, help="seed of the others")
     parser.add_argument("--jobs", type=int, default=2, help="designs at a time")
     parser.add_argument("--no-proofs", action="store_true", help="leave survivors as they are")
-    parser.add_argument("--deep", action="store_true", help="proofs in the whole design too: hours")
     parser.add_argument("--page", type=Path, metavar="FILE", help="write the tables as Markdown")
     options = parser.parse_args(arguments)
     options.designs = [d for d in DESIGNS if options.preset in ("all", d.name)]
@@ -64,7 +63,9 @@ def batches(options: argparse.Namespace) -> list[Batch]:
     fresh = each // FRESH if each >= 60 else 0
     found = [Batch(design, options.seed, each - fresh) for design in options.designs]
     if fresh:
-        found += [Batch(design, options.fresh_seed, fresh, fresh=True) for design in options.designs]
+        found += [
+            Batch(design, options.fresh_seed, fresh, fresh=True) for design in options.designs
+        ]
     return found
 
 
@@ -77,7 +78,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{time.monotonic() - begin:6.0f} s  {batch.design.name:10} {text}", flush=True)
 
     def run(batch: Batch) -> Judged:
-        return judge_batch(batch, told, proofs=not options.no_proofs, deep=options.deep)
+        return judge_batch(batch, told, proofs=not options.no_proofs)
 
     try:
         with ThreadPoolExecutor(options.jobs) as pool:

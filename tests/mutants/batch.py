@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from .judge import Verdict, judge
 from .mutate import Mutant, draw_mutants
-from .prove import EQUAL, LEVELS, QUICK, prove
+from .prove import EQUAL, prove
 from .tops import Design
 
 __all__ = ["Batch", "Judged", "judge_batch"]
@@ -44,12 +44,10 @@ class Judged:
         return [mutant for mutant, answer in self.answers.items() if answer not in EQUAL]
 
 
-def judge_batch(
-    batch: Batch, told: Callable[[Batch, str], None], *, proofs: bool = True, deep: bool = False
-) -> Judged:
+def judge_batch(batch: Batch, told: Callable[[Batch, str], None], *, proofs: bool = True) -> Judged:
     """Judge a batch; ``told`` is called with lines of progress.
 
-    ``proofs``: try to show that survivors are equal; ``deep``: in the whole design as well.
+    ``proofs``: try to show that survivors are equal.
     """
     mutants = draw_mutants(batch.design, batch.count, batch.seed)
     told(batch, f"{len(mutants)} mutants of seed {batch.seed}")
@@ -63,8 +61,9 @@ def judge_batch(
     told(batch, f"{len(mutants) - len(left)} noticed, {len(left)} survived")
     answers = dict.fromkeys(left, "open")
     if proofs:
-        found = prove(batch.design, left, tuple(LEVELS) if deep else QUICK)
-        answers = dict(zip(left, found, strict=True))
+        answers = dict(zip(left, prove(batch.design, left), strict=True))
         judged = Judged(batch, mutants, verdicts, answers)
-        told(batch, f"{len(judged.equal)} of them are shown to be equal, {len(judged.left)} are left")
+        told(
+            batch, f"{len(judged.equal)} of them are shown to be equal, {len(judged.left)} are left"
+        )
     return Judged(batch, mutants, verdicts, answers)

@@ -50,6 +50,8 @@ def build(design: Design, mutants: list[Mutant]) -> Path:
             check=False,
         )
         if made.returncode:
-            raise SimulationError(f"Verilator could not build {design.name}:\n{made.stdout[-2000:]}")
+            raise SimulationError(
+                f"Verilator could not build {design.name}:\n{made.stdout[-2000:]}"
+            )
         (folder / "obj_dir" / "Vbench").rename(program)
     return program

@@ -66,9 +66,7 @@ class Script:
         address = self.offset(address) if isinstance(address, str) else address
         self._add("ar", address)
         flags = level << 1 | (RASTER_STALLS if stalls else 0)
-        self._add(
-            "r", value | answer << 32, mask | 3 << 32, flags, ar=len(self.rows["ar"])
-        )
+        self._add("r", value | answer << 32, mask | 3 << 32, flags, ar=len(self.rows["ar"]))
         self._answered()
 
     def wait(self, reads: int = 6) -> None:

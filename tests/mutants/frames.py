@@ -1,9 +1,11 @@
 """Small frames of every kind: corners, borders, ties, extremes, elements far apart."""
 
+import dataclasses
+
 import numpy as np
 
 from splatline.contract.config import EngineConfig
-from splatline.contract.frame import Frame
+from splatline.contract.frame import Frame, Tables
 from splatline.host.encode.sort_by_line import advance_word
 from tests.support.random_frames import frame_of, random_plane, word
 
@@ -16,6 +18,7 @@ __all__ = [
     "every_row",
     "extremes",
     "few_far_apart",
+    "rounding",
     "wide_line",
 ]
 
@@ -178,8 +181,7 @@ def every_row(rng: np.random.Generator, config: EngineConfig) -> Frame:
         words.at(4 + number // across * 9)
         bare = rng.random() < 0.5
         rows = [
-            any_empty_row(rng) if bare else tuple(map(int, rng.integers(0, 8, 2)))
-            for _ in range(4)
+            any_empty_row(rng) if bare else tuple(map(int, rng.integers(0, 8, 2))) for _ in range(4)
         ]
         rows[row] = first, last
         mode = 1 if bare else int(rng.integers(2))
@@ -188,3 +190,24 @@ def every_row(rng: np.random.Generator, config: EngineConfig) -> Frame:
             mode = 0
         words.add(rows, number % across * 10 + int(rng.integers(3)), mode=mode)
     return words.frame(width, words.line + 5)
+
+
+def rounding(rng: np.random.Generator, config: EngineConfig, width: int, height: int) -> Frame:
+    """Return a frame whose colours are just below and at the next level, for each channel of I0."""
+    step = 32
+    fraction = 1 << config.colour_shift
+    ambient = rng.integers(0, 3 * fraction, 3)
+    shape = (1 << config.material_bits, 3)
+    tables = Tables(ambient, np.ones(shape, np.int64), np.full(shape, step))
+    words = _Words(config, rng)
+    words.at(4)
+    for number, value in enumerate(ambient.tolist()):
+        for below in (0, 1):
+            missing = fraction - value % fraction - below
+            material = int(rng.integers(shape[0]))
+            dot = word(
+                DOT, 5 * (2 * number + below), 5, diffuse=missing % step,
+                specular=missing // step, material=material, config=config,
+            )  # fmt: skip
+            words.words.append(dot)
+    return dataclasses.replace(words.frame(width, height), tables=tables)

@@ -64,7 +64,9 @@ def odd_beats(act: Act, rng: np.random.Generator, frame: Frame) -> Act:
             result.append(own[n])
             if result and rng.random() < 0.3:
                 past = put(own[n], word_field, int(rng.integers(words, word_field.mask + 1)))
-                below = put(own[n], line_field, int(rng.integers(frame.height, line_field.mask + 1)))
+                below = put(
+                    own[n], line_field, int(rng.integers(frame.height, line_field.mask + 1))
+                )
                 above = put(own[n], line_field, max(0, line - 1 - int(rng.integers(9))))
                 choices = [past, below] + ([above] if line else [])
                 result.append(choices[int(rng.integers(len(choices)))])
@@ -75,7 +77,8 @@ def odd_beats(act: Act, rng: np.random.Generator, frame: Frame) -> Act:
     result.append(end)
     limbs = beats.shape[1]
     act.items["initial"].payload = np.array(
-        [[value >> 64 * limb & (1 << 64) - 1 for limb in range(limbs)] for value in result], np.uint64
+        [[value >> 64 * limb & (1 << 64) - 1 for limb in range(limbs)] for value in result],
+        np.uint64,
     )
     act.items["initial"].after = {}
     return act

@@ -12,16 +12,17 @@ __all__ = ["page", "share", "summary"]
 HEAD = """\
 # Mutants
 
-How well would the benches notice a fault that nobody thought of? Yosys changes a bit at a cell of the
-generated Verilog: a mutant. It inverts the bit, makes it constant, or inverts it by another bit of the port. The
-mutants are spread over all modules, cells and kinds. Contents of memories and clocks are left alone.
+How well would the benches notice a fault that nobody thought of? A mutant is the generated Verilog
+with a bit at a cell changed by Yosys: inverted, constant, or inverted by another bit of the port.
+Mutants are spread over all modules, cells and kinds. Memories' contents and clocks are left alone.
 
 Made by `make mutants`, with {tools}.
 
-The **fast bench** plays small frames of every kind to each mutant: it compares every beat with the golden renderer,
-every cycle with the rules of the streams, and the cycles of a frame with the cycle model. On AXI it compares every
-answer of the bus as well. A mutant that is not noticed **survives**. Then ABC tries to show that it is **equal** to the
-design: {levels}. Memories hold anything in these proofs, so a mutant can be equal and the proof fail.
+The **fast bench** plays small frames of every kind to each mutant. It compares every beat with the
+golden renderer, every cycle with the rules of the streams, and the cycles of a frame with the cycle
+model. On AXI it compares every answer of the bus as well. A mutant that it does not notice
+**survives**. Then ABC tries to show that the mutant is **equal** to the design: {levels}.
+A module gets any inputs in these proofs. So a mutant can be equal in the design without a proof.
 The **score** is the share of the noticed among those that are not shown to be equal.
 """
 
@@ -73,8 +74,15 @@ def page(judged: Sequence[Judged]) -> str:
     for design in designs:
         own = [one for one in judged if one.batch.design == design]
         names = sorted({mutant.part for one in own for mutant in one.mutants})
-        parts += [f"\n## {design.name}\n", _table("module", [(n, [_of(o, n) for o in own]) for n in names])]
-    parts += ["\n## What notices first\n", _kinds(judged), "\n## Neither noticed nor shown to be equal\n"]
+        parts += [
+            f"\n## {design.name}\n",
+            _table("module", [(n, [_of(o, n) for o in own]) for n in names]),
+        ]
+    parts += [
+        "\n## What notices first\n",
+        _kinds(judged),
+        "\n## Neither noticed nor shown to be equal\n",
+    ]
     left = [f"- `{one.batch.design.name}` {mutant}" for one in judged for mutant in one.left]
     parts.append("\n".join(left) or "None.")
     return "\n".join(parts) + "\n"
@@ -93,10 +101,14 @@ def _of(judged: Judged, part: str) -> Judged:
 
 def _table(title: str, rows: Iterable[tuple[str, Sequence[Judged]]]) -> str:
     """Return a table with a row for each name."""
-    lines = [f"| {title} | mutants | noticed | equal | left | score |", "|---|---:|---:|---:|---:|---:|"]
+    lines = [
+        f"| {title} | mutants | noticed | equal | left | score |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
     for name, part in rows:
         mutants, noticed, equal, left = _counts(part)
-        lines.append(f"| {name} | {mutants} | {noticed} | {equal} | {left} | {share(noticed, mutants, equal)} |")
+        score = share(noticed, mutants, equal)
+        lines.append(f"| {name} | {mutants} | {noticed} | {equal} | {left} | {score} |")
     return "\n".join(lines)
 
 
@@ -110,7 +122,9 @@ def _kinds(judged: Iterable[Judged]) -> str:
     ):
         lines += [f"| {title} | mutants |", "|---|---:|"]
         lines += [f"| {name} | {count} |" for name, count in counted.most_common()] + [""]
-    answers = Counter(answer for one in judged for answer in one.answers.values() if answer in EQUAL)
+    answers = Counter(
+        answer for one in judged for answer in one.answers.values() if answer in EQUAL
+    )
     lines += ["| why a survivor is equal | mutants |", "|---|---:|"]
     lines += [f"| {LEVELS[name]} | {count} |" for name, count in answers.most_common()]
     return "\n".join(lines)

@@ -1,9 +1,9 @@
 """Shows that mutants are equal to the design: by correspondence of signals and PDR, in ABC.
 
 The design and the mutant start from their initial values and get the same inputs, resets at any
-time included. Memories are boxes (``memories.v``). A mutant is first compared in its own module,
-where every input is possible and all outputs count. If it differs there it is compared in the whole
-design. Then a payload counts while VALID is 1, and of an end beat the end bit.
+time included. Memories are boxes (``memories.v``). A mutant is compared in its own module, where
+every input is possible in every cycle and all outputs count. So one that is equal there is equal
+everywhere, and one that differs there may still be equal in the design.
 """
 
 import json
@@ -22,20 +22,19 @@ from .mutate import Mutant, prepared
 from .renamed import renaming_of
 from .tops import Design
 
-__all__ = ["EQUAL", "LEVELS", "QUICK", "prove"]
+__all__ = ["EQUAL", "LEVELS", "prove"]
 
 LEVELS = {
     "module": "equal in its module",
     "reads": "equal in its module, where a memory's read counts if it is enabled",
     "renamed": "equal in its module with the parts of it, but for the places of a memory's words",
-    "top": "equal at the ports; a payload counts while VALID is 1",
 }
 """How a mutant is compared, in this order."""
 
 EQUAL = tuple(LEVELS)
 """Answers that say that a mutant is equal. The others: ``differs``, ``open``."""
 
-SECONDS = {"module": 20, "reads": 20, "renamed": 20, "top": 60}
+SECONDS = {"module": 20, "reads": 20, "renamed": 20}
 """Seconds of PDR for a mutant."""
 
 TOGETHER = 12
@@ -47,7 +46,7 @@ PAIR = (
     "opt_merge -share_all\nopt_clean\nasync2sync\ndffunmap\nzinit -all\nsimplemap\ntechmap\n"
     "opt_clean\nsetundef -zero\naigmap\nzinit -all\nopt_clean\nwrite_aiger {name}.aig\n"
 )
-"""Yosys' commands from two modules, ``gold`` and ``gate``, to a circuit that is 1 if they differ."""
+"""Yosys' commands from the modules ``gold`` and ``gate`` to a circuit that is 1 if they differ."""
 
 SEARCH = (
     "read_aiger {name}.aig\nstrash\nlcorr\nscorr\nwrite_aiger {name}.left\npdr -T {seconds}\n"
@@ -56,15 +55,12 @@ SEARCH = (
 """ABC's commands for a pair."""
 
 
-QUICK = tuple(level for level in LEVELS if level != "top")
-"""The levels that take seconds a mutant; ``top`` takes minutes."""
-
-
-def prove(design: Design, mutants: list[Mutant], levels: Sequence[str] = QUICK) -> Iterator[str]:
+def prove(
+    design: Design, mutants: list[Mutant], levels: Sequence[str] = tuple(LEVELS)
+) -> Iterator[str]:
     """Yield for each mutant what is shown of it: one of ``EQUAL``, ``differs`` or ``open``.
 
-    ``differs``: a run from the reset tells them apart at the ports of the design, where memories
-    may hold anything. ``open``: none was found, nor a proof.
+    ``differs``: some inputs of the module tell them apart. ``open``: none was found, nor a proof.
     """
     kept = ROOT / "proofs" / f"{design.name}-{digest(prepared(design).name, _sources())}.json"
     kept.parent.mkdir(parents=True, exist_ok=True)
@@ -90,7 +86,9 @@ def _key(mutant: Mutant) -> str:
 
 def _sources() -> list[str]:
     """Return what the answers depend on, beside the design."""
-    files = [Path(__file__).with_name(name) for name in ("memories.v", "memory_ports.v", "renamed.py")]
+    files = [
+        Path(__file__).with_name(name) for name in ("memories.v", "memory_ports.v", "renamed.py")
+    ]
     return [*(file.read_text() for file in files), PAIR, SEARCH, str(SECONDS), str(versions())]
 
 
@@ -104,10 +102,9 @@ def _compare(design: Design, mutants: list[Mutant], level: str) -> list[str]:
         for name in ("memories.v", "memory_ports.v"):
             (folder / name).write_text(Path(__file__).with_name(name).read_text())
         (folder / "prepared.il").write_bytes(prepared(design).read_bytes())
-        (folder / "observed.v").write_text(_observed(design))
-        script = "read_rtlil prepared.il\nread_verilog observed.v\nproc\ndesign -save base\n"
+        script = "read_rtlil prepared.il\ndesign -save base\n"
         for number, mutant in enumerate(mutants):
-            top = "observed" if level == "top" else mutant.module
+            top = mutant.module
             script += "design -load base\n" + _shape(top, level, "gold")
             change, renamed = f"mutate {mutant.arguments()}\n", ""
             if level == "renamed":
@@ -124,7 +121,7 @@ def _compare(design: Design, mutants: list[Mutant], level: str) -> list[str]:
 
 def _shape(top: str, level: str, name: str, renamed: str = "") -> str:
     """Return commands that make a module alone of a design; memories and parts are ports."""
-    flat = "flatten\nopt_clean\n" if level in ("renamed", "top") else ""
+    flat = "flatten\nopt_clean\n" if level == "renamed" else ""
     reads = "" if level == "module" else "memory_dff\nopt_clean\n"
     return (
         f"hierarchy -top {top}\n{flat}{reads}read_verilog memory_ports.v\n"
@@ -167,38 +164,3 @@ def _answer(folder: Path, name: int) -> str:
         return "open"
     word = status.read_text().split()[0]
     return {"snl_UNSAT": "equal", "snl_SAT": "differs"}.get(word, "open")
-
-
-def _observed(design: Design) -> str:
-    """Return a module around a design whose outputs are 0 where they do not count."""
-    ports, links, lines = [], [], []
-    wires = ["clk", "rst"] if design.top == "engine" else ["aclk", "aresetn"]
-    ports += [f"input {wire}" for wire in wires]
-    links += [f".{wire}({wire})" for wire in wires]
-    if design.top == "axi":
-        links += [f".s_axi_ctrl_{name}prot(3'd0)" for name in ("aw", "ar")]
-    level = "in_frame" if design.top == "engine" else "irq"
-    ports.append(f"output {level}")
-    links.append(f".{level}({level})")
-    for channels, out in ((design.inputs, False), (design.outputs, True)):
-        forward, backward = ("output", "input") if out else ("input", "output")
-        for channel in channels:
-            ports += [f"{forward} {channel.valid}", f"{backward} {channel.ready}"]
-            links += [f".{wire}({wire})" for wire in (channel.valid, channel.ready)]
-            for port, width in channel.ports:
-                ports.append(f"{forward} [{width - 1}:0] {port}")
-                links.append(f".{port}({'all_' if out else ''}{port})")
-                if out:
-                    lines.append(f"wire [{width - 1}:0] all_{port};")
-                    counts = _counts(design, channel, port, width)
-                    lines.append(f"assign {port} = {channel.valid} ? {counts} : 0;")
-    body = "\n".join([*lines, f"splatline dut({', '.join(links)});", "endmodule", ""])
-    return f"module observed({', '.join(ports)});\n{body}"
-
-
-def _counts(design: Design, channel, port: str, width: int) -> str:
-    """Return the bits of an output's payload that count."""
-    if channel.name != "raster" or not port.endswith(("payload", "tdata")):
-        return f"all_{port}"
-    end = design.config.raster_end.lsb
-    return f"(all_{port}[{end}] ? {width}'d1 << {end} : all_{port})"

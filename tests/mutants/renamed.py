@@ -21,8 +21,8 @@ __all__ = ["Renaming", "renaming_of"]
 ALIGNED = ("$mux", "$dff", "$pmux", "$pos")
 """Cells whose outputs' bits depend on the same bits of their inputs."""
 
-MODES = {"inv": "1'b1", "cnot0": "!{address}[{control}]", "cnot1": "{address}[{control}]"}
-"""When a bit is inverted, by kind of mutant."""
+MODES = ("inv", "cnot0", "cnot1")
+"""The kinds of mutants that rename: they can be undone."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,9 @@ class Renaming:
             control = f"{port}[n*ABITS+{self.control}]"
             inverts = {"inv": "1'b1", "cnot0": f"!{control}", "cnot1": control}[self.mode]
             before = f"{port}[n*ABITS +: ABITS] :"
-            place = f"({port}[n*ABITS +: ABITS] ^ ({{{{ABITS-1{{1'b0}}}}, {inverts}}} << {self.bit})) :"
+            place = (
+                f"({port}[n*ABITS +: ABITS] ^ ({{{{ABITS-1{{1'b0}}}}, {inverts}}} << {self.bit})) :"
+            )
             if before not in text:
                 raise ValueError(f"memories.v has no {before!r}")
             text = text.replace(before, place)
@@ -64,7 +66,9 @@ def _netlist(design: Design, module: str) -> dict:
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "prepared.il").write_bytes(prepared(design).read_bytes())
-        script = "read_rtlil prepared.il\nhierarchy -top {}\nflatten\nopt_clean\nwrite_json flat.json"
+        script = (
+            "read_rtlil prepared.il\nhierarchy -top {}\nflatten\nopt_clean\nwrite_json flat.json"
+        )
         run_yosys(script.format(module), folder)
         return json.loads((folder / "flat.json").read_text())["modules"][module]
 

@@ -95,7 +95,11 @@ def test_proofs_tell_equal_mutants_from_others(judged):
 def test_the_page_counts_by_design_and_module():
     parts = ["splatline__tiler", "splatline__tiler", "splatline__window__lane_0_1", "splatline"]
     mutants = [Mutant("inv", module, "cell", "A", n) for n, module in enumerate(parts)]
-    verdicts = [Verdict("dense", "value", 9), *[Verdict("", "-", 99)] * 2, Verdict("film", "hang", 1)]
+    verdicts = [
+        Verdict("dense", "value", 9),
+        *[Verdict("", "-", 99)] * 2,
+        Verdict("film", "hang", 1),
+    ]
     answers = {mutants[1]: "module", mutants[2]: "open"}
     judged = [Judged(Batch(PAPER, 1, 4), mutants, verdicts, answers)]
     text = page(judged)
