@@ -16,12 +16,15 @@ from pathlib import Path
 from splatline.sim.cosim.simulator import SimulationError
 
 from .batch import Batch, Judged, judge_batch
-from .page import page, summary
+from .page import page, score, summary
 from .tops import DESIGNS
 
 __all__ = ["main"]
 
 COUNT, SEED = 1200, 1
+LEAST = 0.95
+"""The least score."""
+
 FRESH = 6
 """One mutant of so many comes from the second seed, which no frame was written for."""
 
@@ -70,7 +73,7 @@ def batches(options: argparse.Namespace) -> list[Batch]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Judge; return 1 if a mutant is neither noticed nor shown to be equal."""
+    """Judge; return 1 if a design fails without a mutant, or the score is too low."""
     options = parse(arguments)
     begin = time.monotonic()
 
@@ -89,7 +92,7 @@ def main(arguments: list[str] | None = None) -> int:
     print(summary(judged))
     if options.page:
         options.page.write_text(page(judged), encoding="utf-8")
-    return int(any(each.left for each in judged))
+    return int(score(judged) < LEAST)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import numpy as np
 from splatline.contract.config import EngineConfig
 
 from .bus_aborts import aborts, open_frame
-from .bus_frames import frames, kinds
+from .bus_frames import frames, kinds, late_counters
 from .bus_packets import any_packets, control_words, odd_packets, odd_rasters
 from .bus_registers import interrupts, refused, registers
 from .program import SHY, Act
@@ -43,6 +43,9 @@ def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
     acts += [
         kinds(config, rng).act("frames of every kind", stalls) for stalls in (FREE, BURSTS, WAITS)
     ]
+    for stalls in (FREE, WAITS):
+        script = late_counters(config, rng, shy=stalls is WAITS)
+        acts.append(script.act("late counters", stalls))
     acts.append(registers(config, rng, fresh=False).act("registers"))
     acts += [refused(config, rng).act("refused accesses", stalls) for stalls in (FREE, STALLED)]
     acts += [odd_packets(config, rng).act("odd packets", stalls) for stalls in STALLS]

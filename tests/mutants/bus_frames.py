@@ -23,7 +23,7 @@ from .frames import (
     wide_line,
 )
 
-__all__ = ["SIZE", "a_frame", "answer", "frames", "kinds", "prepare"]
+__all__ = ["SIZE", "a_frame", "answer", "frames", "kinds", "late_counters", "prepare"]
 
 SIZE = (48, 40)
 """Width and height of the images, those of ``tests.rtl.bus.axi_cases``."""
@@ -93,6 +93,34 @@ def frames(
             script.read("INPUT_STALLS", 0, FULL << 13 & FULL)
             if number == 0:
                 script.read("OUTPUT_STALLS", 0, stalls=True)
+    return script
+
+
+def late_counters(config: EngineConfig, rng: np.random.Generator, *, shy: bool) -> Script:
+    """Draw a small frame from several values of the counters, up to where they wrap.
+
+    ``shy``: each beat of the raster waits. Stalls are fewer than 128, and some.
+    """
+    script = Script(config)
+    frame = a_frame(config, rng, 5)
+    prepare(script, frame)
+    beats = to_beats(golden.render(frame))
+    control = bus_words.decoded(frame.codewords, config)["control"]
+    counts = {"FRAMES": 1, "ELEMENTS": int((~control).sum()), "WORDS": len(beats) - 1}
+    if not shy:
+        counts |= {"CYCLES": count_cycles(frame, after_reset=False), "OUTPUT_STALLS": 0}
+    some = ("INPUT_STALLS", "OUTPUT_STALLS") if shy else ("INPUT_STALLS",)
+    for value in [FULL, *(FULL >> bit for bit in range(1, 25)), FULL // 3, FULL // 3 * 2]:
+        script.poke(value)
+        for name in sorted({*counts, *some}):
+            script.read(name, value)
+        script.packet("codewords", frame.codewords)
+        script.picture(beats)
+        script.settle()
+        for name, count in counts.items():
+            script.read(name, value + count & FULL)
+        for name in some if value & 0xFF == 0xFF else ():
+            script.read(name, value + 1 & FULL, FULL ^ 0x7F)
     return script
 
 

@@ -13,7 +13,7 @@ __all__ = ["DECERR", "OKAY", "SLVERR", "Script"]
 
 OKAY, SLVERR, DECERR = 0, 2, 3
 FULL = (1 << 32) - 1
-NAMES = ("aw", "w", "ar", "codewords", "initial", "b", "r", "raster")
+NAMES = ("aw", "w", "ar", "codewords", "initial", "poke", "b", "r", "raster")
 
 
 class Script:
@@ -68,6 +68,11 @@ class Script:
         flags = level << 1 | (RASTER_STALLS if stalls else 0)
         self._add("r", value | answer << 32, mask | 3 << 32, flags, ar=len(self.rows["ar"]))
         self._answered()
+
+    def poke(self, value: int) -> None:
+        """Set all counters, once all that comes before is done; what follows waits for it."""
+        self._add("poke", value)
+        self.sent("poke")
 
     def wait(self, reads: int = 6) -> None:
         """Let some cycles pass, by reads of STATUS of which nothing counts but the answer."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from splatline.flow.tools import run_yosys
 
 from .keep import ROOT, digest, versions
+from .poke import add_pokes
 from .tops import Design
 
 __all__ = ["Mutant", "draw_mutants", "mutated_verilog", "prepared", "select_bits"]
@@ -116,7 +117,10 @@ def _parse(line: str) -> Mutant:
 
 
 def mutated_verilog(design: Design, mutants: list[Mutant]) -> str:
-    """Return a design with an input ``mutsel``: number n, from 1 on, is mutant n, 0 is none."""
+    """Return a design with an input ``mutsel``: number n, from 1 on, is mutant n, 0 is none.
+
+    The counters of an AXI top can be set: see :mod:`.poke`.
+    """
     bits = select_bits(len(mutants))
     script = "read_rtlil prepared.il\n" + "".join(
         f"mutate -ctrl mutsel {bits} {number} {mutant.arguments()}\n"
@@ -124,7 +128,12 @@ def mutated_verilog(design: Design, mutants: list[Mutant]) -> str:
     )
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
-        (folder / "prepared.il").write_bytes(prepared(design).read_bytes())
-        (folder / "mutate.ys").write_text(f"{script}write_verilog -noattr -norename mutated.v\n")
+        base = prepared(design).read_text()
+        (folder / "prepared.il").write_text(base)
+        (folder / "mutate.ys").write_text(f"{script}write_rtlil mutated.il\n")
         run_yosys("script mutate.ys", folder)
+        if design.top == "axi":
+            mutated = (folder / "mutated.il").read_text()
+            (folder / "mutated.il").write_text(add_pokes(mutated, base))
+        run_yosys("read_rtlil mutated.il\nwrite_verilog -noattr -norename mutated.v", folder)
         return (folder / "mutated.v").read_text()

@@ -7,7 +7,7 @@ from .batch import Judged
 from .keep import versions
 from .prove import EQUAL, LEVELS
 
-__all__ = ["page", "share", "summary"]
+__all__ = ["page", "score", "share", "summary"]
 
 HEAD = """\
 # Mutants
@@ -39,6 +39,12 @@ def _counts(judged: Iterable[Judged]) -> tuple[int, int, int, int]:
     mutants = sum(len(one.mutants) for one in each)
     noticed = sum(verdict.noticed for one in each for verdict in one.verdicts)
     return mutants, noticed, sum(len(one.equal) for one in each), sum(len(one.left) for one in each)
+
+
+def score(judged: Sequence[Judged]) -> float:
+    """Return the share of the noticed among the mutants that are not shown to be equal."""
+    mutants, noticed, equal, _ = _counts(judged)
+    return noticed / max(1, mutants - equal)
 
 
 def summary(judged: Sequence[Judged]) -> str:

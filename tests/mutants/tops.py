@@ -81,6 +81,7 @@ class Design:
             _axi("s_axi_ctrl", "ar", "araddr", 14, "ar"),
             _packets("s_axis_codewords", codeword_stream_bytes(config)),
             _packets("s_axis_initial", raster_stream_bytes(config)),
+            Channel("poke", (("poke_value", 32),), "poke", "poke_ready"),
         )
 
     @property
@@ -154,7 +155,8 @@ def wrapper(design: Design, select_bits: int) -> str:
             spare = pitch * (number + 1) - lsb
             if side == "out" and spare:
                 assigns.append(f"assign out_payload[{lsb} +: {spare}] = 0;")
-            links.append(f".{channel.valid}({side}_valid[{number}])")
+            outside = " && !rst" if channel.name == "poke" else ""
+            links.append(f".{channel.valid}({side}_valid[{number}]{outside})")
             links.append(f".{channel.ready}({side}_ready[{number}])")
     if design.top == "engine":
         links += [".clk(clk)", ".rst(rst)", ".in_frame(level)"]
