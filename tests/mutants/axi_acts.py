@@ -7,7 +7,7 @@ from splatline.contract.config import EngineConfig
 from .bus_aborts import aborts, open_frame
 from .bus_frames import frames, kinds, late_counters
 from .bus_packets import any_packets, control_words, odd_packets, odd_rasters
-from .bus_registers import interrupts, refused, registers
+from .bus_registers import in_a_row, interrupts, refused, registers
 from .program import SHY, Act
 
 __all__ = ["axi_acts"]
@@ -47,6 +47,7 @@ def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
         script = late_counters(config, rng, shy=stalls is WAITS)
         acts.append(script.act("late counters", stalls))
     acts.append(registers(config, rng, fresh=False).act("registers"))
+    acts += [in_a_row(config, rng).act("accesses in a row", stalls) for stalls in STALLS]
     acts += [refused(config, rng).act("refused accesses", stalls) for stalls in (FREE, STALLED)]
     acts += [odd_packets(config, rng).act("odd packets", stalls) for stalls in STALLS]
     acts += [any_packets(config, rng).act("any packets", stalls) for stalls in STALLS]

@@ -13,7 +13,7 @@ from tests.support import bus_words
 from .bus_frames import SIZE, a_frame, prepare
 from .bus_script import DECERR, FULL, OKAY, SLVERR, Script
 
-__all__ = ["interrupts", "refused", "registers"]
+__all__ = ["in_a_row", "interrupts", "refused", "registers"]
 
 
 def registers(config: EngineConfig, rng, fresh: bool = True) -> Script:
@@ -117,4 +117,32 @@ def interrupts(config: EngineConfig, rng) -> Script:
             script.wait(1)
             script.read("IRQ_STATUS", 0, level=0)
     script.write("IRQ_ENABLE", 0)
+    return script
+
+
+def in_a_row(config: EngineConfig, rng: np.random.Generator) -> Script:
+    """Make accesses that do not wait for the answers to those before."""
+    script = Script(config)
+    column, line = (script.bits(name, "VALUE") for name in ("LAST_COLUMN", "LAST_LINE"))
+    constants = {
+        name: sum(field.reset << field.place.lsb for field in script.map[name].fields)
+        for name in ("ID", "VERSION", "CONFIG_0", "CONFIG_1")
+    }
+    for _ in range(8):
+        last = {}
+        for _ in range(12):
+            name, mask = (("LAST_COLUMN", column), ("LAST_LINE", line))[int(rng.integers(2))]
+            last[name] = int(rng.integers(mask + 1))
+            script.write(name, last[name], at_once=True)
+            if rng.random() < 0.2:
+                script.write("ID", int(rng.integers(1 << 32)), SLVERR, at_once=True)
+            chosen = list(constants)[int(rng.integers(4))]
+            script.read(chosen, constants[chosen], at_once=True)
+            if rng.random() < 0.2:
+                script.read(0x80, 0, FULL, DECERR, at_once=True)
+        script.answered()
+        for name, value in last.items():
+            script.read(name, value)
+    script.write("ERROR", FULL)
+    script.read("ERROR", 0)
     return script

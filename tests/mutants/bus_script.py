@@ -32,11 +32,6 @@ class Script:
     def _add(self, name: str, value: int, mask: int = 0, flags: int = 0, **more: int) -> None:
         self.rows[name].append((value, mask, flags, {**self.waits, **more}))
 
-    def _answered(self) -> None:
-        """Let all that follows wait for the answers so far."""
-        for name in ("b", "r"):
-            self.waits[name] = len(self.rows[name])
-
     def offset(self, name: str) -> int:
         """Return the address of a register."""
         return self.map[name].offset
@@ -49,25 +44,35 @@ class Script:
             if field.name in fields
         )
 
-    def write(self, address: int | str, value: int, answer: int = OKAY, strobe: int = 15) -> None:
-        """Write a register, and expect an answer."""
+    def answered(self) -> None:
+        """Let all that follows wait for the answers so far."""
+        for name in ("b", "r"):
+            self.waits[name] = len(self.rows[name])
+
+    def write(
+        self, address: int | str, value: int, answer: int = OKAY, strobe: int = 15,
+        *, at_once: bool = False,
+    ) -> None:  # fmt: skip
+        """Write a register, and expect an answer; ``at_once``: what follows may overtake it."""
         address = self.offset(address) if isinstance(address, str) else address
         self._add("aw", address)
         self._add("w", value | strobe << 32)
         both = {name: len(self.rows[name]) for name in ("aw", "w")}
         self._add("b", answer, 3, ANY_LEVEL, **both)
-        self._answered()
+        if not at_once:
+            self.answered()
 
     def read(
         self, address: int | str, value: int = 0, mask: int = FULL, answer: int = OKAY,
-        level: int = 2, stalls: bool = False,
+        level: int = 2, stalls: bool = False, at_once: bool = False,
     ) -> None:  # fmt: skip
         """Read a register, and expect bits of its value, an answer, and a level of ``irq``."""
         address = self.offset(address) if isinstance(address, str) else address
         self._add("ar", address)
         flags = level << 1 | (RASTER_STALLS if stalls else 0)
         self._add("r", value | answer << 32, mask | 3 << 32, flags, ar=len(self.rows["ar"]))
-        self._answered()
+        if not at_once:
+            self.answered()
 
     def poke(self, value: int) -> None:
         """Set all counters, once all that comes before is done; what follows waits for it."""

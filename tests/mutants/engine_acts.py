@@ -12,6 +12,7 @@ from tests.support.random_frames import films, frame_of, nonsense, random_raster
 from .frames import (
     any_control,
     borders,
+    bright,
     corners,
     equal_depths,
     every_row,
@@ -80,6 +81,8 @@ def _single(rng, config: EngineConfig) -> Iterator[Act]:
 
 def _films(rng, config: EngineConfig) -> Iterator[Act]:
     """Yield frames back to back: with tables, of other sizes, and with the tables of the first."""
+    frames = [bright(rng, config, bit) for bit in range(config.ambient_bits)]
+    yield act_of("bright", Job(frame=frames[0], followed_by=frames[1:]))
     for number, stalls in enumerate(STALLS[:4]):
         frames = [shapes(rng, 50, *size, config=config) for size in (SIZE, (52, 23), (20, 60))]
         yield act_of(

@@ -13,6 +13,7 @@ __all__ = [
     "any_control",
     "any_empty_row",
     "borders",
+    "bright",
     "corners",
     "equal_depths",
     "every_row",
@@ -211,3 +212,12 @@ def rounding(rng: np.random.Generator, config: EngineConfig, width: int, height:
             )  # fmt: skip
             words.words.append(dot)
     return dataclasses.replace(words.frame(width, height), tables=tables)
+
+
+def bright(rng: np.random.Generator, config: EngineConfig, bit: int) -> Frame:
+    """Return a frame whose channels are one bit each of I0: ``bit`` and two others."""
+    bits = config.ambient_bits
+    ambient = np.array([1 << (bit + other) % bits for other in (0, 5, 11)])
+    shape = (1 << config.material_bits, 3)
+    tables = Tables(ambient, np.zeros(shape, np.int64), np.zeros(shape, np.int64))
+    return dataclasses.replace(corners(rng, config, 9, 9), tables=tables)

@@ -92,9 +92,13 @@ def renaming_of(design: Design, mutant: Mutant) -> Renaming | None:
     cells = _netlist(design, mutant.module)["cells"]
     bits = _bits_at(design, mutant, cells)
     seen, found = set(bits), {}
+    own = cells.get(mutant.cell, {"port_directions": {}})["port_directions"]
+    part = "" if mutant.port in own else mutant.cell
     while bits:
         for name, port, position in _readers(design, mutant.module)[bits.pop()]:
             cell = cells[name]
+            if part and not name.removeprefix("$flatten\\").startswith(f"{part}."):
+                continue  # the port of a part is mutated, and not what comes to it
             if cell["type"] == "$mem_v2":
                 if port.endswith("_ADDR"):
                     width = int(cell["parameters"]["ABITS"], 2)
@@ -110,7 +114,9 @@ def renaming_of(design: Design, mutant: Mutant) -> Renaming | None:
     if len(found) != 1:
         return None
     ((memory, bit),) = found.items()
-    control = bit + (mutant.ctrlbit or 0) - mutant.portbit
+    if mutant.ctrlbit is None:
+        return Renaming(memory, bit, 0, mutant.mode)
+    control = bit + mutant.ctrlbit - mutant.portbit
     return Renaming(memory, bit, control, mutant.mode) if control >= 0 else None
 
 
