@@ -142,8 +142,8 @@ def _initial(rng, config: EngineConfig) -> Iterator[Act]:
     job = Job(frame=frame, initial=random_raster(rng, *SIZE, 0.4, config))
     yield odd_beats(act_of("odd beats", job), rng, frame)
     yield odd_beats(act_of("odd beats, stalled", job, STALLED), rng, frame)
-    for job in list(films(rng, [{}], config))[-1:]:
-        yield act_of("late line", job)
+    for number, job in enumerate(films(rng, [{}, {}], config)):
+        yield act_of("long film", job, STALLS[number % len(STALLS)], limit=400_000)
 
 
 def _resets(rng, config: EngineConfig) -> Iterator[Act]:
