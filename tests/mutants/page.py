@@ -102,7 +102,7 @@ def page(judged: Sequence[Judged]) -> str:
         _kinds(judged),
         "\n## Neither noticed nor shown to be equal\n",
     ]
-    left = [f"- `{one.batch.design.name}` {mutant}" for one in judged for mutant in one.left]
+    left = [f"- `{one.batch.design.name}: {mutant}`" for one in judged for mutant in one.left]
     parts.append("\n".join(left) + "\n" + LEFT if left else "None.")
     return "\n".join(parts) + "\n"
 

@@ -114,7 +114,7 @@ def test_the_page_counts_by_design_and_module():
     assert "| paper | 4 | 2 | 1 | 1 | 66.7 % |" in text
     assert "| tiler | 2 | 1 | 1 | 0 | 100.0 % |" in text
     assert "| window.lane | 1 | 0 | 0 | 1 | 0.0 % |" in text
-    assert "- `paper` inv window.lane" in text
+    assert "- `paper: inv window.lane" in text
     assert "66.7 %" in summary(judged)
 
 
