@@ -128,9 +128,10 @@ formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)
 
 # Without PRESET and COUNT it takes all designs, and writes the page.
-MUTANTS := $(if $(filter-out file,$(origin PRESET)),--preset '$(PRESET)') $(if $(COUNT),--count '$(COUNT)')
 mutants: setup
-	@$(VENV)/bin/python -m tests.mutants $(or $(strip $(MUTANTS)),--page docs/mutants.md)
+	@$(VENV)/bin/python -m tests.mutants $(or $(strip \
+	  $(if $(filter-out file,$(origin PRESET)),--preset '$(PRESET)') \
+	  $(if $(COUNT),--count '$(COUNT)')),--page docs/mutants.md)
 
 # mypy does not follow the import hook of an editable install whose packages live outside a folder
 # named splatline, so it gets that folder, made of links.
