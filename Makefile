@@ -5,6 +5,7 @@ SCENE ?= terrain
 SCANS ?=
 PRESET ?= rgb24
 PROOFS ?=
+COUNT ?=
 SECONDS ?= 60
 STAGE ?= lint lint_axi sim sim_axi
 
@@ -20,7 +21,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-board test-browser fuzz formal lint types docs \
+.PHONY: help setup render film bench test test-board test-browser fuzz formal mutants lint types docs \
   docs-links verilog synth fusesoc clean distclean tools
 
 help:
@@ -35,6 +36,8 @@ help:
 	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
+	@echo 'make mutants    changes bits of the Verilog, and counts what the benches notice -> docs/mutants.md'
+	@echo '                (PRESET=paper COUNT=50: a sample, and no page)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make docs       the manual -> build/site/ (docs-links: asks for the addresses in it too)'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
@@ -123,6 +126,12 @@ fuzz: setup
 
 formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)
+
+# Without PRESET and COUNT it takes all designs, and writes the page.
+mutants: setup
+	@$(VENV)/bin/python -m tests.mutants $(or $(strip \
+	  $(if $(filter-out file,$(origin PRESET)),--preset '$(PRESET)') \
+	  $(if $(COUNT),--count '$(COUNT)')),--page docs/mutants.md)
 
 # mypy does not follow the import hook of an editable install whose packages live outside a folder
 # named splatline, so it gets that folder, made of links.
