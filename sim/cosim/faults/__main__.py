@@ -47,7 +47,7 @@ def main() -> int:
 
 
 def _run(campaign: Campaign, subject: str, count: int, kept: Path) -> dict[str, Tally]:
-    """Return the tally of each kind; what an earlier run of the same campaign did is not repeated."""
+    """Return the tally of each kind; an earlier run of the same campaign goes on."""
     kept.mkdir(parents=True, exist_ok=True)
     file = kept / f"{subject}.json"
     key = [campaign.seed, count, campaign.model.name]

@@ -10,7 +10,10 @@ import numpy as np
 
 from splatline.contract.config import EngineConfig
 
+from .axi_stock import AxiStock
+from .bus_trials import abort_trials, access_trials
 from .model import Model
+from .packet_trials import packet_trials
 from .records import Batch, Phase
 from .reset_trials import reset_trials
 from .stall_trials import stall_trials
@@ -21,12 +24,14 @@ from .trial import Trial, cycle_bound, faults_of, phase
 from .upset_trials import OUTCOMES, outcome_of, upset_trials
 from .write_trials import write_trials
 
-__all__ = ["CHUNK", "KINDS", "Campaign", "kinds_of"]
+__all__ = ["CHUNK", "Campaign", "kinds_of"]
 
 CHUNK = 250
 """Trials that are played together. Each such chunk begins with a reset and a seed of its own."""
 
-KINDS: dict[str, tuple[Callable[..., Iterator[Trial]], float]] = {
+Maker = Callable[..., Iterator[Trial]]
+
+ENGINE: dict[str, tuple[Maker, float]] = {
     "stalls": (stall_trials, 0.12),
     "resets": (reset_trials, 0.12),
     "table writes": (write_trials, 0.12),
@@ -34,7 +39,21 @@ KINDS: dict[str, tuple[Callable[..., Iterator[Trial]], float]] = {
     "words of any bits": (nonsense_trials, 0.16),
     "initial rasters": (initial_trials, 0.10),
 }
-"""What makes the trials of a kind, and their share of the campaign."""
+"""What makes the trials of a kind at an engine's own ports, and their share of the campaign."""
+
+AXI: dict[str, tuple[Maker, float]] = {
+    "stalls": (stall_trials, 0.10),
+    "resets": (reset_trials, 0.10),
+    "packets": (packet_trials, 0.24),
+    "words of any bits": (nonsense_trials, 0.16),
+    "initial rasters": (initial_trials, 0.08),
+    "accesses of the bus": (access_trials, 0.10),
+    "aborts": (abort_trials, 0.06),
+}
+"""The same for the AXI top."""
+
+ACCESS = 8
+"""Cycles of an access of the register bus, more than a table write takes."""
 
 UPSETS = 0.16
 """Share of upsets."""
@@ -42,7 +61,8 @@ UPSETS = 0.16
 
 def kinds_of(top: str) -> dict[str, float]:
     """Return the kinds of trials of a top, and the share of each in the campaign."""
-    return {**{kind: share for kind, (_, share) in KINDS.items()}, "upsets": UPSETS}
+    makers = AXI if top == "axi" else ENGINE
+    return {**{kind: share for kind, (_, share) in makers.items()}, "upsets": UPSETS}
 
 
 class Campaign:
@@ -70,18 +90,19 @@ class Campaign:
     ) -> None:
         self.config, self.seed, self.top = config, seed, top
         self.model = Model(config, top, edit=edit)
-        self.stock = Stock(config, seed)
+        self.stock = (AxiStock if top == "axi" else Stock)(config, seed)
         self.limbs = -(-config.raster_end.end // 64)
 
     def play(self, kind: str, numbers: range, total: int) -> Tally:
         """Play the trials of a kind with some numbers; the same at any time."""
-        place = [*KINDS, "upsets"].index(kind)
+        makers = AXI if self.top == "axi" else ENGINE
+        place = list(kinds_of(self.top)).index(kind)
         rng = np.random.default_rng([self.seed, place, numbers.start])
         if kind == "upsets":
             pairs = list(upset_trials(self.stock, rng, numbers, self.model.registers()))
             trials = [trial for trial, _ in pairs]
         else:
-            trials = list(KINDS[kind][0](self.stock, rng, numbers, total))
+            trials = list(makers[kind][0](self.stock, rng, numbers, total))
         parts = [self._first(), *(part for trial in trials for part in trial.phases)]
         batch = Batch(parts, self.limbs)
         played = self.model.play(batch)
@@ -123,7 +144,8 @@ class Campaign:
         calm = not np.any(part.settings.get("stalls", 0)) and part.settings["reset_at"] < 0
         if not calm or len(part.writes) > part.settings["hold"]:
             return math.inf
-        return float(cycle_bound(self.config, part))
+        a_write = ACCESS if self.top == "axi" else 0
+        return float(cycle_bound(self.config, part) + a_write * len(part.writes))
 
 
 def _short(module: str) -> str:

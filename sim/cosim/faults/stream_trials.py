@@ -103,7 +103,7 @@ def nonsense_trials(
 def initial_trials(
     stock: Stock, rng: np.random.Generator, numbers: range, total: int
 ) -> Iterator[Trial]:
-    """Yield frames from an initial raster whose beats have a fault, and a frame from a whole one."""
+    """Yield frames from an initial raster with a fault, and a frame from a whole one."""
     config = stock.config
     for number in numbers:
         kind = MUTATIONS[number % len(MUTATIONS)]

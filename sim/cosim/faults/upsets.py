@@ -43,7 +43,7 @@ class Register(NamedTuple):
 
 
 def with_upsets(text: str, top: str = "splatline") -> tuple[str, list[Register]]:
-    """Return Verilog of :func:`splatline.flow.verilog.convert` with upsets, and all of its state."""
+    """Return Verilog of ``splatline.flow.verilog.convert`` with upsets, and all of its state."""
     state: list[Register] = []
 
     def extend(found: re.Match[str]) -> str:
