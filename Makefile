@@ -6,6 +6,8 @@ SCANS ?=
 PRESET ?= rgb24
 PROOFS ?=
 SECONDS ?= 60
+TOP ?= engine
+COUNT ?= 100000
 STAGE ?= lint lint_axi sim sim_axi
 
 VENV := .venv
@@ -20,7 +22,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-board test-browser fuzz formal lint types docs \
+.PHONY: help setup render film bench test test-board test-browser fuzz faults formal lint types docs \
   docs-links verilog synth fusesoc clean distclean tools
 
 help:
@@ -34,6 +36,8 @@ help:
 	@echo 'make test-board  a whole board in a simulator, from its link to its HDMI pins'
 	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
+	@echo 'make faults     streams, stalls, resets, upsets by the hundred thousand -> docs/faults.md'
+	@echo '                (PRESET=paper TOP=engine|axi COUNT=100000)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make docs       the manual -> build/site/ (docs-links: asks for the addresses in it too)'
@@ -120,6 +124,10 @@ $(VENV)/.board: $(READY)
 
 fuzz: setup
 	@$(VENV)/bin/python -m tests.host.files.fuzz --seconds $(SECONDS)
+
+# What is done so far is kept in build/faults, so that a run that was stopped goes on.
+faults: setup
+	@$(VENV)/bin/python -m splatline.sim.cosim.faults --preset $(PRESET) --top $(TOP) --count $(COUNT)
 
 formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)

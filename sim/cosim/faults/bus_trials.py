@@ -12,7 +12,7 @@ from splatline.contract.register_types import BusRegister
 
 from .axi_stock import READ, WHOLE, AxiStock, access
 from .packet_trials import check_errors
-from .records import INITIAL, WRITE
+from .records import INITIAL, RASTER, WORDS, WRITE, Phase
 from .stall_trials import film, random_stalls
 from .stock import SIZES, writes_of
 from .trial import Trial, cycle_bound, phase
@@ -21,6 +21,9 @@ __all__ = ["abort_trials", "access_trials"]
 
 CYCLES = 700
 """Cycles in which an access comes."""
+
+OPENED = 100
+"""Cycle by which the frame of a phase is open: its registers are written by then."""
 
 OKAY, SLVERR, DECERR = 0, 2 << 32, 3 << 32
 RESPONSE = 3 << 32
@@ -57,7 +60,27 @@ def abort_trials(
         writes, count = check_errors(stock, size)
         after = phase(check.words, size, config, check.digests, writes=writes)
         answers = [[], [(~allowed, 0), *[(-1, 0)] * (count - 1)]]
+        if number % 3 == 0:
+            _stop(part, rng, cycle)
+            resync = stock.write("CONTROL", stock.map["CONTROL"]["RESYNC"].mask)
+            after.writes = np.concatenate([writes_of([resync]), writes])
+            after.settings["hold"] += 1
+            late = errors["END_WITHOUT_LAST"].mask  # of a packet that stops with its end word
+            answers = [[], [(-1, 0), (~(allowed | late), 0), *answers[1][1:]]]
         yield Trial(f"abort in cycle {cycle}", [part, after], [None, [check.digests]], answers)
+
+
+def _stop(part: Phase, rng: np.random.Generator, cycle: int) -> None:
+    """Let the packets of a phase stop before their ends, as of a host that is gone."""
+    part.words = part.words[: max(1, int(rng.integers(len(part.words))))]
+    part.words["last"] = 0
+    if part.initial is not None:
+        part.initial = part.initial[: int(rng.integers(len(part.initial)))]
+    stalls = part.settings["stalls"]
+    stalls[3 * WORDS : 3 * WORDS + 3] = 0
+    part.writes["at"][-1] = max(cycle, OPENED)
+    part.settings["silence"] += OPENED + CYCLES
+    part.settings["optional"] = 1
 
 
 def access_trials(
@@ -126,9 +149,12 @@ def _frame_register(stock: AxiStock, rng: np.random.Generator, cycle: int) -> Tr
     before = [digest for item in items for digest in item.digests]
     after = [digest for item in items for digest in stock.digests(item.words, changed, tables)]
     setup: list[tuple[Any, ...]] = [*stock.setup(size), stock.write(name, value, at=cycle)]
+    stalls = random_stalls(rng, 0.2)
+    # A frame is over once its end beat has left the engine, and would wait in the port's registers.
+    stalls[3 * RASTER : 3 * RASTER + 3] = 0
     part = phase(
         np.concatenate([item.words for item in items]), largest, config, before,
-        writes=writes_of(setup), hold=len(setup) - 1, stalls=random_stalls(rng, 0.2), seed=cycle,
+        writes=writes_of(setup), hold=len(setup) - 1, stalls=stalls, seed=cycle,
         expected=0,
     )  # fmt: skip
     return Trial(f"{name} written in cycle {cycle}", [part], [[before, after]], [[]], overlap=1)

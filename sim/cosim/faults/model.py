@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import hashlib
+import os
 import shutil
 import subprocess
 import tempfile
@@ -34,7 +35,12 @@ VERILATOR = (
     *("--cc", "-O3", "-Wno-fatal", "-Wno-lint", "-Wno-style", "-Wno-MULTIDRIVEN"),
     *("--x-assign", "unique", "--output-split", "0", "--prefix", "Vsplatline"),
 )
-COMPILER = ("-std=c++20", "-fPIC", "-O1", "-w")
+COMPILER = (
+    "-std=c++20",
+    "-fPIC",
+    "-w",
+    "-O0" if os.environ.get("SPLATLINE_QUICK_BUILD") else "-O1",
+)
 RUNTIME = ("verilated.cpp", "verilated_threads.cpp")
 
 
@@ -85,10 +91,10 @@ class Model:
         library = _build(text, _defines(config, top))
         self.name = library.parent.name  # which tells all that it was made of
         # A copy of its own, since a library that is loaded twice has one state.
-        self._scratch = tempfile.TemporaryDirectory(prefix="splatline-")
-        own = Path(self._scratch.name) / "player.so"
-        shutil.copyfile(library, own)
-        self._play = ctypes.CDLL(str(own)).play
+        with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
+            own = Path(scratch) / "player.so"
+            shutil.copyfile(library, own)
+            self._play = ctypes.CDLL(str(own)).play
         self._play.restype = None
         self._layout = _layout(config, top)
 

@@ -25,7 +25,7 @@ struct Phase {
     int64_t expected;            // digest of the last frame, 0 if it is unknown
     int64_t seed;
     int64_t flush;               // cycles after it, in which nothing may come
-    int64_t optional;            // the phase may be over before its initial raster was taken
+    int64_t optional;            // it may be over before its initial raster was taken, or within a frame
 };
 
 struct Result {
@@ -33,11 +33,11 @@ struct Result {
 };
 
 struct Frame {
-    int64_t digest, beats, opened, closed;
+    int64_t digest, beats, offered, opened, closed;  // cycles of the first code word and of the end
 };
 
 struct Written {
-    int64_t cycle, opened, closed, answer;
+    int64_t offered, cycle, opened, closed, answer;  // frames that were open and closed by then
 };
 
 static VerilatedContext context;
@@ -85,6 +85,7 @@ struct Player {
     uint64_t random, idle[32];
     int64_t used[PORTS];
     int64_t next[3];
+    int64_t since[3] = {};
     bool offered[3] = {}, in_frame = false, waiting = false;
     uint64_t held[16];
 
@@ -108,6 +109,7 @@ struct Player {
         for (int port = 0; port < RASTER; port++) {
             const bool will = willing(p.stalls[port], port, cycle, used, random);
             const bool there = more(port, cycle);
+            if (!offered[port]) since[port] = cycle;
             offered[port] |= there && will;
             all &= !there || offered[port];
         }
@@ -126,7 +128,8 @@ struct Player {
     void take_word(int64_t cycle) {
         if (!in_frame) {
             if (p.frames[0] + result.opened < p.frames[1])
-                frames[p.frames[0] + result.opened].opened = cycle;
+                frames[p.frames[0] + result.opened].opened = cycle,
+                frames[p.frames[0] + result.opened].offered = since[WORDS];
             result.opened++;
         }
         in_frame = !Ports::ends(in.words[next[WORDS]]);
@@ -166,7 +169,7 @@ struct Player {
         const bool took[PORTS] = {ports.word_taken(), ports.write_taken(), ports.initial_taken(),
                                   ports.raster_taken()};
         if (took[WRITES]) {
-            written[next[WRITES]] = {cycle, result.opened, result.closed, int64_t(ports.answer())};
+            written[next[WRITES]] = {since[WRITES], cycle, result.opened, result.closed, int64_t(ports.answer())};
             result.written++;
         }
         if (took[WORDS]) take_word(cycle);
@@ -182,8 +185,9 @@ struct Player {
     }
 
     bool done() const {
-        return next[WORDS] == p.words[1] && next[WRITES] == p.writes[1] && (p.optional || next[INITIAL] == p.initial[1]) &&
-               !in_frame && result.closed >= result.opened;
+        const bool whole = next[INITIAL] == p.initial[1] && !in_frame;
+        return next[WORDS] == p.words[1] && next[WRITES] == p.writes[1] && (whole || p.optional) &&
+               result.closed >= result.opened;
     }
 
     // Whether there is something to do.

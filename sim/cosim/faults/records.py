@@ -59,8 +59,8 @@ RESULT = _record(
     *((name, 1) for name in ("outcome", "cycles", "silence", "breaches", "opened", "closed")),
     *((name, 1) for name in ("words", "written")),
 )
-FRAME = _record(("digest", 1), ("beats", 1), ("opened", 1), ("closed", 1))
-WRITTEN = _record(("cycle", 1), ("opened", 1), ("closed", 1), ("answer", 1))
+FRAME = _record(*((name, 1) for name in ("digest", "beats", "offered", "opened", "closed")))
+WRITTEN = _record(*((name, 1) for name in ("offered", "cycle", "opened", "closed", "answer")))
 WORD = np.dtype([("data", np.uint64, (2,)), ("keep", np.uint64), ("last", np.uint64)])
 WRITE = np.dtype([("at", np.uint64), ("data", np.uint64, (2,)), ("kind", np.uint64)])
 

@@ -12,6 +12,7 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.frame import are_control
 from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import LIMB
+from splatline.host.encode.sort_by_line import advance_word
 
 from .frames import any_bits, digest_of, ended
 from .loaded import loaded_raster
@@ -89,14 +90,22 @@ def stream_trials(
 def nonsense_trials(
     stock: Stock, rng: np.random.Generator, numbers: range, total: int
 ) -> Iterator[Trial]:
-    """Yield frames of 64 words of random bits; in every second one the lines advance slowly."""
+    """Yield frames of 64 words of random bits.
+
+    In a third of them the lines advance slowly, and in a third by thousands: past every line that
+    the engine can count.
+    """
     config = stock.config
     for number in numbers:
         words = any_bits(rng, 64, config)
-        if number % 2:
-            low = words[:, 0] if config.plane else words
+        low = words[:, 0] if config.plane else words
+        if number % 3 == 1:
             control = are_control(low, config)
             low[control] &= ~np.uint64(config.x.mask - 7 << config.x.lsb)
+        elif number % 3 == 2:
+            empty, end = advance_word(0, config), np.uint64(1 << config.control_end.lsb)
+            low[::3] = low[::3] & ~end | np.uint64(empty)
+            low[::3] &= ~np.uint64(config.scans.mask << config.scans.lsb) | np.uint64(empty)
         yield _with_check(stock, rng, words, stock.size(rng), "words of any bits")
 
 

@@ -12,6 +12,9 @@ from splatline.contract.config import EngineConfig
 
 from .records import BREACHES, DONE, HANG, RESET, SKIPPED, Phase, code_words
 
+SKEW = 8
+"""Most cycles between an access at the port, or a code word there, and what it does."""
+
 __all__ = ["Trial", "cycle_bound", "faults_of", "phase", "silence_bound"]
 
 
@@ -55,12 +58,12 @@ def cycle_bound(config: EngineConfig, part: Phase) -> int:
     See ``docs/contract.md``, "Time".
     """
     width, height = (part.settings.get(name, 0) + 1 for name in ("last_column", "last_line"))
-    a_word = 1 if config.draws_blocks else 3 * config.block_words + 1
+    a_word = 2 if config.draws_blocks else 3 * config.block_words + 1
     beats = 0 if part.initial is None else len(part.initial)
     flushed = height * (-(-width // config.raster_pixels) + 1)
     a_frame = flushed + height + 64
     clearing = config.clear_cycles if part.settings.get("reset_edges") else 0
-    sent = a_word * len(part.words) + len(part.writes) + 2 * beats
+    sent = a_word * len(part.words) + len(part.writes) + 3 * beats
     return clearing + sent + max(1, part.frames) * a_frame
 
 
@@ -151,11 +154,24 @@ def _unlike(
     allowed = [{digest} for digest in expected[0][:closed]]
     if len(expected) > 1:
         late = written[part.settings["hold"]]
+        if overlap and not late["answer"] and _was_open(frames, late):
+            return ["a write to a frame register was not refused within a frame"]
         if int(result["outcome"]) == DONE and not late["answer"]:
             if late["opened"] - late["closed"] > 2 * overlap:
                 return ["a table write was taken while a frame was open"]
+            before = frames[: int(late["opened"])]
+            if not overlap and (before["offered"] > late["offered"]).any():
+                return ["a frame was opened before a table write that was offered before it"]
             for n in range(max(int(late["opened"]) - overlap, 0), closed):
                 allowed[n].add(expected[1][n])
             for n in range(int(late["opened"]), closed):
                 allowed[n] = {expected[1][n]}
     return [f"frame {n} is not golden's" for n in range(closed) if digests[n] not in allowed[n]]
+
+
+def _was_open(frames: Any, late: Any) -> bool:
+    """Return whether a frame was open for certain when an access of the bus was made."""
+    begun = np.maximum(frames["opened"], np.concatenate([[0], frames["closed"][:-1]]))
+    return bool(
+        ((begun + SKEW <= late["offered"]) & (frames["closed"] > late["offered"] + SKEW)).any()
+    )
