@@ -12,6 +12,7 @@ from splatline.contract.config import EngineConfig
 
 from .axi_stock import AxiStock
 from .bus_trials import abort_trials, access_trials
+from .counter_trials import counter_trials
 from .model import Model
 from .packet_trials import packet_trials
 from .records import Batch, Phase
@@ -58,11 +59,17 @@ ACCESS = 8
 UPSETS = 0.16
 """Share of upsets."""
 
+COUNTERS = 0.08
+"""Share of films with their counters, on top of the others: with 100,000 trials more than 90,000
+frames, an hour of a film."""
+
+MAKERS = {"engine": ENGINE, "axi": AXI}
+
 
 def kinds_of(top: str) -> dict[str, float]:
     """Return the kinds of trials of a top, and the share of each in the campaign."""
-    makers = AXI if top == "axi" else ENGINE
-    return {**{kind: share for kind, (_, share) in makers.items()}, "upsets": UPSETS}
+    makers = {kind: share for kind, (_, share) in MAKERS[top].items()}
+    return {**makers, "upsets": UPSETS, **({"counters": COUNTERS} if top == "axi" else {})}
 
 
 class Campaign:
@@ -95,13 +102,13 @@ class Campaign:
 
     def play(self, kind: str, numbers: range, total: int) -> Tally:
         """Play the trials of a kind with some numbers; the same at any time."""
-        makers = AXI if self.top == "axi" else ENGINE
         place = list(kinds_of(self.top)).index(kind)
         rng = np.random.default_rng([self.seed, place, numbers.start])
         if kind == "upsets":
             pairs = list(upset_trials(self.stock, rng, numbers, self.model.registers()))
             trials = [trial for trial, _ in pairs]
         else:
+            makers = {"counters": (counter_trials, COUNTERS), **MAKERS[self.top]}
             trials = list(makers[kind][0](self.stock, rng, numbers, total))
         parts = [self._first(), *(part for trial in trials for part in trial.phases)]
         batch = Batch(parts, self.limbs)

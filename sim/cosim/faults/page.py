@@ -32,7 +32,8 @@ def write_page(folder: Path, subject: str, tallies: dict[str, Tally], *, seed: i
         },
         "kinds": {kind: to_json(tally) for kind, tally in tallies.items()},
     }
-    file.write_text(json.dumps(dict(sorted(numbers.items())), indent=1) + "\n")
+    numbers = dict(sorted(numbers.items()))
+    file.write_text(json.dumps(numbers, indent=1) + "\n")
     text = page.read_text() if page.exists() else f"# Faults from outside\n\n{BEGIN}\n{END}\n"
     before, rest = text.split(BEGIN)
     _, after = rest.split(END)

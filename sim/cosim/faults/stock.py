@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.fields import Register
-from splatline.contract.frame import Tables
+from splatline.contract.frame import Frame, Tables
 from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import to_beats
+from splatline.sim.golden.renderer import render
 
 from .frames import KINDS, digest_of, random_frame, random_raster, random_tables
 from .records import WRITE, are_ends
@@ -34,11 +35,14 @@ class Item(NamedTuple):
         Of the picture of each frame, from background.
     loaded
         The same, the first one from the size's initial raster.
+    beats
+        Of all pictures from background, without the end beats.
     """
 
     words: npt.NDArray[np.uint64]
     digests: list[int]
     loaded: list[int]
+    beats: int
 
 
 def table_write(address: int, data: int, config: EngineConfig, at: int = 0) -> tuple[Any, ...]:
@@ -79,7 +83,11 @@ class Stock:
         digests = self.digests(words, size)
         first = frames_of(words, self.config)[0]
         loaded = digest_of(first, self.tables, *size, self.config, self.rasters[size])
-        return Item(words, digests, [loaded, *digests[1:]])
+        frames = [
+            Frame(part, self.tables, *size, self.config) for part in frames_of(words, self.config)
+        ]
+        beats = sum(len(to_beats(render(frame))) - 1 for frame in frames)
+        return Item(words, digests, [loaded, *digests[1:]], beats)
 
     def digests(
         self,

@@ -11,7 +11,7 @@ from tests.support.planted import PLUSARG, plant
 
 __all__ = ["COUNTS", "PlantedCampaign"]
 
-COUNTS = {"stalls": 80, "resets": 60, "table writes": 240}
+COUNTS = {"stalls": 80, "resets": 60, "table writes": 240, "counters": 12}
 """Trials of a sample by kind; of any other kind there are 60."""
 
 

@@ -16,6 +16,9 @@ FAULTS = {
     "tables change within a frame": (
         *(AxiTop, "elaborate", r"registers\.busy\.eq\(busy\)", "registers.busy.eq(0)"),
     ),
+    "counters wrap early": (
+        *(AxiTop, "_count", r"counter\.eq\(counter \+ 1\)", "counter.eq((counter + 1)[:9])"),
+    ),
     "an initial raster goes on after an abort": (
         *(AxiTop, "elaborate", r"initial\.cut\.eq\(aborting", "initial.cut.eq(0 & aborting"),
     ),
@@ -34,5 +37,5 @@ def test_a_sample_of_every_kind_is_right(campaign):
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_planted_fault_is_noticed(campaign, name):
-    kinds = ["packets", "accesses of the bus", "aborts"]
+    kinds = ["packets", "accesses of the bus", "aborts", "counters"]
     assert campaign.sample(1 + list(FAULTS).index(name), kinds).wrong
