@@ -105,9 +105,8 @@ def _refused(stock: AxiStock, rng: np.random.Generator, cycle: int) -> Trial:
     found = _register_at(stock, offset)
     if rng.random() < 0.5:
         kind, value = READ, 0
-        wanted = (
-            DECERR if found is None else OKAY if found != "materials" and found.readable else SLVERR
-        )
+        readable = isinstance(found, BusRegister) and found.readable
+        wanted = DECERR if found is None else OKAY if readable else SLVERR
     else:
         kind = int(rng.integers(WHOLE))  # a byte is missing
         value = int(rng.integers(1 << 32))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -97,7 +98,7 @@ class Campaign:
     ) -> None:
         self.config, self.seed, self.top = config, seed, top
         self.model = Model(config, top, edit=edit)
-        self.stock = (AxiStock if top == "axi" else Stock)(config, seed)
+        self.stock: Any = (AxiStock if top == "axi" else Stock)(config, seed)
         self.limbs = -(-config.raster_end.end // 64)
 
     def play(self, kind: str, numbers: range, total: int) -> Tally:
@@ -108,8 +109,8 @@ class Campaign:
             pairs = list(upset_trials(self.stock, rng, numbers, self.model.registers()))
             trials = [trial for trial, _ in pairs]
         else:
-            makers = {"counters": (counter_trials, COUNTERS), **MAKERS[self.top]}
-            trials = list(makers[kind][0](self.stock, rng, numbers, total))
+            make = counter_trials if kind == "counters" else MAKERS[self.top][kind][0]
+            trials = list(make(self.stock, rng, numbers, total))
         parts = [self._first(), *(part for trial in trials for part in trial.phases)]
         batch = Batch(parts, self.limbs)
         played = self.model.play(batch)

@@ -91,12 +91,13 @@ def _trial(stock: Stock, rng: np.random.Generator, place: tuple[int, int, int]) 
 
 def outcome_of(trial: Trial, results: Any, frames: Sequence[Any]) -> int:
     """Return the place in ``OUTCOMES`` of what came of an upset."""
+    wanted = [digests[0] if digests else [] for digests in trial.digests]
     right = [
         int(result["outcome"]) == DONE
         and not result["breaches"]
-        and int(result["closed"]) == len(wanted[0])
-        and np.array_equal(found["digest"], np.array(wanted[0], np.int64))
-        for result, wanted, found in zip(results, trial.digests, frames, strict=True)
+        and int(result["closed"]) == len(digests)
+        and np.array_equal(found["digest"], np.array(digests, np.int64))
+        for result, digests, found in zip(results, wanted, frames, strict=True)
     ]
     played = [int(result["outcome"]) != SKIPPED for result in results]
     hung = any(int(result["outcome"]) == HANG for result in results)
