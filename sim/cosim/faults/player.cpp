@@ -228,7 +228,10 @@ extern "C" void play(const int64_t *numbers, const Phase *phases, int64_t count,
                      const Write *writes, const uint64_t *beats, Result *results, Frame *frames,
                      Written *written) {
     std::memcpy(&layout, numbers, sizeof layout);
-    if (!model) model = new Vsplatline(&context);
+    if (!model) {
+        model = new Vsplatline(&context);
+        model->eval();  // the first one sees no edges
+    }
     const Streams streams{words, writes, beats};
     for (int64_t n = 0; n < count; n++) {
         const Phase &phase = phases[n];
