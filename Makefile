@@ -7,6 +7,7 @@ PRESET ?= rgb24
 PROOFS ?=
 COUNT ?=
 SECONDS ?= 60
+TOP ?= engine
 STAGE ?= lint lint_axi sim sim_axi
 
 VENV := .venv
@@ -21,7 +22,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-board test-browser fuzz formal mutants lint types docs \
+.PHONY: help setup render film bench test test-board test-browser fuzz faults formal mutants lint types docs \
   docs-links verilog synth fusesoc clean distclean tools
 
 help:
@@ -35,6 +36,8 @@ help:
 	@echo 'make test-board  a whole board in a simulator, from its link to its HDMI pins'
 	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
+	@echo 'make faults     streams, stalls, resets, upsets by the hundred thousand -> docs/faults.md'
+	@echo '                (PRESET=paper TOP=engine|axi COUNT=100000)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make mutants    changes bits of the Verilog, and counts what the benches notice -> docs/mutants.md'
 	@echo '                (PRESET=paper COUNT=50: a sample, and no page)'
@@ -123,6 +126,10 @@ $(VENV)/.board: $(READY)
 
 fuzz: setup
 	@$(VENV)/bin/python -m tests.host.files.fuzz --seconds $(SECONDS)
+
+# What is done so far is kept in build/faults, so that a run that was stopped goes on.
+faults: setup
+	@$(VENV)/bin/python -m splatline.sim.cosim.faults --preset $(PRESET) --top $(TOP) --count $(or $(COUNT),100000)
 
 formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)

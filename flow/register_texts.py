@@ -56,7 +56,8 @@ sets CONTROL.HOLD, waits for BUSY to fall, writes, and clears it.
 
 CONTROL.ABORT ends the frame that is open: the rest of its packets is dropped up to TLAST, of
 its picture only the end beat still leaves, and the tables stay. If the rest of a packet will never
-come, because the host's DMA was reset, write RESYNC after it.
+come, because the host's DMA was reset, write RESYNC after it. An initial raster of which no beat
+has come by then is not dropped: it waits for the next frame that asks for one.
 
 ## Answers of the bus
 

@@ -22,7 +22,7 @@ from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import Materials
 from splatline.host.visibility.block_index import Index
 from splatline.host.visibility.skips import DEFAULT_SKIPS, check_skips
-from splatline.host.visibility.view import View
+from splatline.host.visibility.view import View, check_view
 
 from .sample_positions import SAMPLES
 from .stages import Stopwatch, draw_up, indexed
@@ -127,6 +127,7 @@ def make_frames(
     """
     chosen = check_skips(skips)
     check_size(view.width, view.height, config)
+    check_view(view)
     check_request(samples, config, quality, shapes, chosen)
     clock = Stopwatch()
     index = indexed(cloud, radii, thin, materials, config, clock)

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BusError", "Device", "DeviceTimeoutError", "Registers"]
+__all__ = ["BusError", "Device", "DeviceLostError", "DeviceTimeoutError", "Registers"]
 
 
 class BusError(OSError):
@@ -16,6 +16,10 @@ class BusError(OSError):
 
 class DeviceTimeoutError(TimeoutError):
     """A packet of the raster did not end in time."""
+
+
+class DeviceLostError(OSError):
+    """The device is gone, or what its streams hold is unknown: it must be opened again."""
 
 
 class Registers(Protocol):
@@ -71,4 +75,6 @@ class Device(Registers, Protocol):
         ------
         DeviceTimeoutError
             If it does not end in time.
+        DeviceLostError
+            If a packet could not be sent, or the raster cannot be read or makes no sense.
         """

@@ -23,7 +23,7 @@ from splatline.contract.register_map import CHOICES, COUNTERS, IDENTITY, registe
 from splatline.contract.register_types import RegisterMap
 from splatline.contract.variants import CONFIGS
 
-from .device import Device, DeviceTimeoutError, Registers
+from .device import Device, DeviceLostError, DeviceTimeoutError, Registers
 
 __all__ = ["Driver", "Engine", "EngineError", "read_config"]
 
@@ -181,17 +181,36 @@ class Driver:
         self.set("CONTROL", QUIET=1, CLEAR=1)
 
     def errors(self) -> list[str]:
-        """Return the names of the bits of ERROR that are set."""
-        register = self.registers["ERROR"]
-        word = self.device.read32(register.offset)
-        return [field.name for field in register.fields if word & field.mask]
+        """Return the names of the bits of ERROR that are set.
+
+        Raises
+        ------
+        DeviceLostError
+            If bits are set that the register does not have.
+        """
+        word = self._read("ERROR")
+        return [field.name for field in self.registers["ERROR"].fields if word & field.mask]
 
     def clear(self, name: str) -> None:
-        """Clear the set bits of a register that a written 1 clears."""
+        """Clear the set bits of a register that a written 1 clears.
+
+        Raises
+        ------
+        DeviceLostError
+            If bits are set that the register does not have.
+        """
         register = self.registers[name]
-        word = self.device.read32(register.offset) & register.writable
+        word = self._read(name) & register.writable
         if word:
             self.device.write32(register.offset, word)
+
+    def _read(self, name: str) -> int:
+        """Return a register; raise if it has bits that it lacks, as of a card that is gone."""
+        register = self.registers[name]
+        word = self.device.read32(register.offset)
+        if word & ~sum(field.mask for field in register.fields):
+            raise DeviceLostError(f"the device is gone: its register {name} reads as {word:#010x}")
+        return word
 
     def _raise_errors(self, what: str, beats: npt.NDArray[np.uint64] | None = None) -> None:
         """Raise if a bit of ERROR is set, and clear it."""
@@ -231,6 +250,7 @@ class Engine(Driver):
 
     def __init__(self, device: Device) -> None:
         super().__init__(device)
+        self._lost = ""
 
     def draw(self, codewords: npt.NDArray[np.uint64], initial: Raster | None = None) -> Raster:
         """Draw a frame with the tables and the size that were written.
@@ -245,13 +265,17 @@ class Engine(Driver):
         Raises
         ------
         EngineError
-            If the engine found an error in the frame; the next frame is not affected.
-        ValueError
-            If the beats are no picture of that size.
+            If the engine found an error in the frame, or its beats are no picture of that size; the
+            next frame is not affected.
+        DeviceLostError
+            As :meth:`draw_beats`.
         """
         beats = self.draw_beats(codewords, None if initial is None else to_beats(initial))
         width, height = self.get("LAST_COLUMN") + 1, self.get("LAST_LINE") + 1
-        return from_beats(beats, width, height, self.config)
+        try:
+            return from_beats(beats, width, height, self.config)
+        except ValueError as error:
+            raise EngineError(f"the engine sent no picture: {error}", (), beats) from error
 
     def draw_beats(
         self,
@@ -279,9 +303,13 @@ class Engine(Driver):
         EngineError
             If the engine found an error in the frame, or did not end it in time; then the frame was
             aborted. In both cases the engine is ready for the next frame.
-        DeviceTimeoutError
-            If an aborted frame does not end either: the device does not answer.
+        DeviceLostError
+            If an aborted frame does not end either, or the device fails otherwise. So does every
+            later call: what the streams still hold belongs to a frame that nobody waits for. Open
+            the device again.
         """
+        if self._lost:
+            raise DeviceLostError(f"the device was lost before: {self._lost}; open it again")
         if not len(codewords):
             raise InputError("a frame has at least its end word")
         check_codewords(codewords, self.config)
@@ -290,23 +318,44 @@ class Engine(Driver):
         self.set("START", LOAD=int(initial is not None))
         self._raise_errors("no frame can begin")
         beats = None if initial is None else self.widen(initial)
-        self.device.send(np.ascontiguousarray(codewords, np.uint64), beats)
-        try:
-            drawn = self.device.receive()
-        except DeviceTimeoutError as error:
-            self.abort()
-            raise EngineError(f"the frame was aborted: {error}", ["ABORTED"]) from error
+        drawn = self._exchange(np.ascontiguousarray(codewords, np.uint64), beats)
         drawn = drawn[:, : -(-self.config.raster_end.end // 64)]
         self._raise_errors("the frame was drawn, but", drawn)
         return drawn
+
+    def _exchange(
+        self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None
+    ) -> npt.NDArray[np.uint64]:
+        """Send the packets of a frame, and return the raster's.
+
+        Whatever comes between, an interrupt from the keyboard as well, the device is lost: its
+        streams would be a frame apart.
+        """
+        try:
+            self.device.send(codewords, initial)
+            try:
+                return self.device.receive()
+            except DeviceTimeoutError as error:
+                try:
+                    self.abort()
+                except DeviceTimeoutError as still:
+                    raise DeviceLostError(
+                        f"the device does not answer: {error}, and an abort does not end the frame"
+                    ) from still
+                raise EngineError(f"the frame was aborted: {error}", ["ABORTED"]) from error
+        except (EngineError, InputError):
+            raise
+        except BaseException as error:
+            self._lost = str(error) or type(error).__name__
+            raise
 
     def abort(self) -> None:
         """End the open frame, and receive the rest of it.
 
         Raises
         ------
-        DeviceTimeoutError
-            If the frame does not end.
+        DeviceTimeoutError, DeviceLostError
+            If the frame does not end, or the device fails.
         """
         self.set("CONTROL", QUIET=1, ABORT=1)
         self.device.receive()

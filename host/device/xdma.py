@@ -10,6 +10,7 @@ files and pipes that behave as the driver's documentation says.
 from __future__ import annotations
 
 import contextlib
+import errno
 import mmap
 import os
 import select
@@ -24,13 +25,19 @@ import numpy.typing as npt
 from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.errors import InputError
 
-from .device import DeviceTimeoutError
+from .device import DeviceLostError, DeviceTimeoutError
 from .driver import read_config
 
 __all__ = ["XdmaDevice"]
 
 CHUNK = 1 << 22
 """Most bytes of one read."""
+
+LONGEST_WAIT = 0.1
+"""Seconds after which a wait looks whether the packets can be written."""
+
+PATIENCE = (errno.ETIMEDOUT, errno.EAGAIN, errno.EINTR, errno.ERESTART)
+"""Errors of a read that say that nothing has come yet."""
 
 
 class XdmaDevice:
@@ -85,6 +92,8 @@ class XdmaDevice:
             )
             config = read_config(self)
             self._beat, self._end = raster_stream_bytes(config), config.raster_end.lsb
+            words = config.max_width // config.raster_pixels
+            self._most = self._beat * (config.max_height * words + 1)
             self._stack = stack.pop_all()
 
     def read32(self, offset: int) -> int:
@@ -110,26 +119,52 @@ class XdmaDevice:
         self._start(self._codewords, codewords)
 
     def receive(self) -> npt.NDArray[np.uint64]:
-        """Read beats up to the end beat."""
+        """Read beats up to the end beat.
+
+        Raises
+        ------
+        DeviceTimeoutError
+            If the end beat does not come in time.
+        DeviceLostError
+            If a packet cannot be written or is not taken in time; if the raster cannot be read, or
+            has more beats than any picture.
+        """
         deadline = time.monotonic() + self.timeout
         while (size := self._packet(self._rest)) is None:
-            left = max(0.0, deadline - time.monotonic())
-            if not select.select([self._raster], [], [], left)[0]:
+            self._check_senders()
+            if len(self._rest) > self._most:
+                raise DeviceLostError("the raster has more beats than any picture, and no end beat")
+            left = deadline - time.monotonic()
+            if left <= 0:
                 raise DeviceTimeoutError(f"no end beat after {self.timeout} s")
-            try:
-                piece = os.read(self._raster, CHUNK)
-            except OSError as error:  # the driver has a limit of its own
-                raise DeviceTimeoutError(f"the raster could not be read: {error}") from error
-            if not piece:
-                raise DeviceTimeoutError("the raster's stream has ended, before an end beat")
-            self._rest += piece
+            if select.select([self._raster], [], [], min(left, LONGEST_WAIT))[0]:
+                self._rest += self._read()
         data, self._rest = self._rest[:size], self._rest[size:]
         for sender in self._senders:
-            sender.join()
+            sender.join(max(LONGEST_WAIT, deadline - time.monotonic()))
+            if sender.is_alive():
+                raise DeviceLostError("the frame has ended, but its packets were not taken")
         self._senders.clear()
-        if self._trouble:
-            raise self._trouble.pop()
+        self._check_senders()
         return np.frombuffer(data, "<u8").reshape(-1, self._beat // 8)
+
+    def _read(self) -> bytes:
+        """Return a piece of the raster, which is there."""
+        try:
+            piece = os.read(self._raster, CHUNK)
+        except OSError as error:
+            if error.errno in PATIENCE:  # the driver has a limit of its own
+                raise DeviceTimeoutError(f"the raster could not be read: {error}") from error
+            raise DeviceLostError(f"the raster cannot be read: {error}") from error
+        if not piece:
+            raise DeviceLostError("the raster's stream has ended, before an end beat")
+        return piece
+
+    def _check_senders(self) -> None:
+        """Raise if a packet could not be written."""
+        if self._trouble:
+            error = self._trouble.pop()
+            raise DeviceLostError(f"a packet cannot be written: {error}") from error
 
     def close(self) -> None:
         """Close the files."""

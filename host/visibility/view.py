@@ -18,6 +18,7 @@ __all__ = [
     "UP_AXES",
     "View",
     "check_camera",
+    "check_view",
     "fit_view",
     "focal_length",
     "orbit_axes",
@@ -25,6 +26,9 @@ __all__ = [
 
 LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
+
+FARTHEST = 1e100
+"""Coordinates beyond it have no square."""
 
 UP_AXES = {
     "x": (1.0, 0.0, 0.0),
@@ -124,7 +128,7 @@ def check_camera(
 ) -> None:
     """Raise ``InputError`` if a parameter of :func:`fit_view` is out of its range."""
     width, height = size
-    if not 0.0 < fov < 180.0:
+    if not (0.0 < fov < 180.0 and math.tan(math.radians(fov) / 2.0) > 1.0 / LARGEST):
         raise InputError(f"the field of view must lie between 0 and 180 degrees, not {fov:g}")
     if width < 1 or height < 1:
         raise InputError(f"the image must have at least one pixel, not {width}x{height}")
@@ -132,8 +136,25 @@ def check_camera(
         raise InputError(f"the up axis must be one of {', '.join(UP_AXES)}, not {up!r}")
     if not (math.isfinite(zoom) and zoom > 0.0):
         raise InputError(f"the zoom must be above 0, not {zoom:g}")
+    if not 1.0 / LARGEST < focal_length(size, fov) * zoom < LARGEST:
+        raise InputError(
+            f"a zoom of {zoom:g} with a field of view of {fov:g} degrees shows nothing"
+        )
     if not all(math.isfinite(angle) for angle in orbit):
         raise InputError(f"the orbit must be two finite angles, not {orbit}")
+
+
+def check_view(view: View) -> None:
+    """Raise ``InputError`` unless a view's numbers are finite and its lengths above 0."""
+    numbers = (*view.eye, *np.ravel(view.axes), *view.shift)
+    if not all(abs(number) < FARTHEST for number in numbers):
+        raise InputError("the view's eye, axes and shift must be numbers below 1e100")
+    if not 1.0 / LARGEST <= view.focal <= LARGEST:
+        raise InputError(
+            f"the view's focal length must be 2^-24 to 2^24 pixels, not {view.focal:g}"
+        )
+    if not 0.0 < view.near < FARTHEST:
+        raise InputError(f"the view's nearest distance must be above 0, not {view.near:g}")
 
 
 def focal_length(size: tuple[int, int], fov: float) -> float:

@@ -136,6 +136,16 @@ void splatline_resync(struct splatline *engine)
     control(engine, SPLATLINE_CONTROL_RESYNC_MASK);
 }
 
+/* Whether a packet of the raster has whole beats, and its last one is the end beat. Of a packet
+ * that is longer than the room its end is unknown. */
+static int is_whole(const uint64_t *beats, size_t room, size_t limbs)
+{
+    if (limbs == 0 || limbs % SPLATLINE_BEAT_LIMBS != 0)
+        return 0;
+    return limbs > room * SPLATLINE_BEAT_LIMBS
+        || SPLATLINE_BEAT_GET(END, beats + (limbs - SPLATLINE_BEAT_LIMBS), 0) != 0;
+}
+
 /* Starts both packets and waits for the picture. */
 static int exchange(
     struct splatline *engine, const uint64_t *codewords, size_t word_count, const uint64_t *initial,
@@ -154,7 +164,9 @@ static int exchange(
             word_count * SPLATLINE_CODEWORD_LIMBS)
         != 0)
         return 1;
-    return bus->receive(bus->context, beats, room * SPLATLINE_BEAT_LIMBS, limbs);
+    if (bus->receive(bus->context, beats, room * SPLATLINE_BEAT_LIMBS, limbs) != 0)
+        return 1;
+    return !is_whole(beats, room, *limbs);
 }
 
 enum splatline_status splatline_draw(

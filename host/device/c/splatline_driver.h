@@ -87,7 +87,7 @@ enum splatline_status splatline_set_ambient(struct splatline *engine, const uint
  * beats: room for `beat_room` beats of SPLATLINE_BEAT_LIMBS limbs each. `beat_count` becomes how many
  * came, the end beat included.
  *
- * A frame that does not end in time is aborted. The engine is ready for the next frame whatever
+ * A frame that does not end in time, or whose packet has no end beat, is aborted. The engine is ready for the next frame whatever
  * is returned, but after SPLATLINE_STREAM_FAILED the DMA of the bus may have to be reset, and then
  * splatline_resync called. */
 enum splatline_status splatline_draw(

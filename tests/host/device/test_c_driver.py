@@ -248,6 +248,27 @@ def test_a_picture_that_comes_late_is_aborted_and_the_next_frame_is_right(progra
     )
 
 
+@pytest.mark.parametrize("limbs", [0, 1, 3, 4])
+def test_a_packet_without_its_end_is_a_failure(program, monkeypatch, limbs):
+    """A DMA that gives a part of the picture, or half a beat, and says that all is well."""
+    frame = clean(program.config, 12, 60)
+    program.write(frame)
+    receive, cut = program.bus.device.receive, []
+
+    def short():
+        beats = receive()
+        if not cut:
+            cut.append(beats)
+            return beats.ravel()[:limbs]
+        return beats[:0]
+
+    monkeypatch.setattr(program.bus.device, "receive", short)
+    status, beats = program.draw_words(frame.codewords)
+    assert (status, len(beats)) == (STREAM_FAILED, 0)
+    monkeypatch.undo()
+    assert program.draw_words(frame.codewords)[0] == OK
+
+
 @pytest.mark.parametrize(
     ("change", "status"),
     [

@@ -8,7 +8,7 @@ from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER, PLANE, PRESETS, SWIFT
 from splatline.contract.register_map import register_map
 from splatline.contract.variants import CONFIGS, NARROW_BLOCKS
-from splatline.host.device.device import DeviceTimeoutError
+from splatline.host.device.device import DeviceLostError, DeviceTimeoutError
 from splatline.host.device.driver import Engine, EngineError, read_config
 from splatline.host.device.xdma import XdmaDevice
 from splatline.sim import golden
@@ -95,7 +95,7 @@ def test_a_raster_stream_that_ends_is_not_waited_for(tmp_path):
     fake = FakeBoard(tmp_path, PAPER)
     with XdmaDevice(fake.card, timeout=60.0) as device:
         fake.close()
-        with pytest.raises(DeviceTimeoutError, match="stream has ended"):
+        with pytest.raises(DeviceLostError, match="stream has ended"):
             device.receive()
 
 
