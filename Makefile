@@ -22,7 +22,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-board test-browser fuzz faults formal mutants lint types docs \
+.PHONY: help setup render film bench test test-board test-browser fuzz faults formal mutants coverage \
+  lint types docs \
   docs-links verilog synth fusesoc clean distclean tools
 
 help:
@@ -41,6 +42,7 @@ help:
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make mutants    changes bits of the Verilog, and counts what the benches notice -> docs/mutants.md'
 	@echo '                (PRESET=paper COUNT=50: a sample, and no page)'
+	@echo 'make coverage   what the tests reach, of Python and of the Verilog -> docs/coverage.md (half an hour)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make docs       the manual -> build/site/ (docs-links: asks for the addresses in it too)'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
@@ -122,6 +124,14 @@ test-board: $(VENV)/.board
 
 $(VENV)/.board: $(READY)
 	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[board-test]'
+	@touch $@
+
+# Each test runs with counters.
+coverage: $(VENV)/.coverage
+	@$(VENV)/bin/python -m tests.coverage
+
+$(VENV)/.coverage: $(READY)
+	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[coverage]'
 	@touch $@
 
 fuzz: setup

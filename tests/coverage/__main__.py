@@ -1,0 +1,74 @@
+"""What the tests reach, as a page: ``make coverage``.
+
+python -m tests.coverage run      runs the tests with counters, for half an hour -> build/coverage
+python -m tests.coverage report   writes docs/coverage.md from these
+python -m tests.coverage          both
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.coverage.page import write_page
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "build" / "coverage"
+PAGE = ROOT / "docs" / "coverage.md"
+
+PASSES = {
+    "the host and the models, whose compiled functions count": [
+        *("-p", "tests.coverage.compiled", "tests", "--ignore", "tests/rtl"),
+        *("--ignore", "tests/browser", "--ignore", "tests/boards", "--ignore", "tests/formal"),
+        *("--ignore", "tests/docs"),
+    ],
+    "the hardware, whose Verilog counts": [
+        *("-p", "tests.coverage.collect", "tests/rtl", "--ignore-glob", "*faults*", "--cov-append"),
+    ],
+}
+"""Arguments of pytest. Planted faults change the Verilog, so they are left out."""
+
+
+def main() -> int:
+    """Run the tests, write the page, and return 1 if a goal is missed or a test fails."""
+    parser = argparse.ArgumentParser(
+        prog="make coverage",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("what", nargs="?", choices=["run", "report"])
+    what = parser.parse_args().what
+    status = 0
+    if what != "report":
+        shutil.rmtree(FOLDER, ignore_errors=True)
+        for name, arguments in PASSES.items():
+            print(f"Running the tests of {name} ...", flush=True)
+            status |= _run(arguments)
+    if what != "run":
+        missed = write_page(FOLDER, PAGE)
+        print(f"{PAGE.relative_to(ROOT)} is written.")
+        for line in missed:
+            print(line, file=sys.stderr)
+        status |= bool(missed)
+    return status
+
+
+def _run(arguments: list[str]) -> int:
+    """Run pytest with the counters of coverage.py; return its status."""
+    environment = {
+        **os.environ,
+        "SPLATLINE_COUNTS": str(FOLDER / "counts"),
+        "COVERAGE_FILE": str(FOLDER / "python"),
+        # Builds with counters are of no use to others.
+        "SPLATLINE_CACHE": str(ROOT / "build" / "coverage-cache"),
+    }
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    call = [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile"]
+    call += ["--cov", "--cov-report", f"json:{FOLDER / 'python.json'}"]
+    return subprocess.run([*call, *arguments], cwd=ROOT, env=environment, check=False).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
