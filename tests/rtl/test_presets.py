@@ -104,10 +104,16 @@ def extreme_colours(_, config):
     size = (config.register_base, 3)
     kd, ks = np.zeros(size, np.int64), np.zeros(size, np.int64)
     kd[1], ks[2], kd[3], ks[3] = largest, largest, largest, largest
-    for ambient in (0, 1, unit - 1, unit, config.channel_max * unit, brightest - 1, brightest):
+    for ambient in (0, 1, unit - 1, unit, config.channel_max * unit, brightest - 1, brightest, 0):
         tables = Tables(np.full(3, min(ambient, brightest), np.int64), kd, ks)
         codewords = frame_of(words, config=config).codewords
         yield Job(frame=Frame(codewords, tables, 128, 8, config))
+
+
+def large_and_small_in_turn(rng, config):
+    """Each bit of the image's size is set, then cleared."""
+    for size in ((config.max_width, config.max_height), (1, 1)) * 2:
+        yield Job(frame=shapes(rng, 40, *size, config=config))
 
 
 CASES = [
@@ -118,6 +124,7 @@ CASES = [
     reset_in_the_middle,
     on_one_word,
     extreme_colours,
+    large_and_small_in_turn,
 ]
 
 
