@@ -125,7 +125,7 @@ def digest_of(
     return int(_digest(to_beats(render(frame, initial, bands=1))))
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _digest(beats: Any) -> Any:
     """Return the digest of all beats but the last, as ``Raster.take`` in ``beats.h``."""
     digest = np.uint64(1)

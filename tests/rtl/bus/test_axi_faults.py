@@ -6,7 +6,7 @@ import pytest
 
 from splatline.contract.presets import PAPER
 from splatline.flow.verilog import convert
-from splatline.host.device.device import DeviceTimeoutError
+from splatline.host.device.device import DeviceLostError, DeviceTimeoutError
 from splatline.host.device.driver import EngineError
 from splatline.rtl.bus.axi_registers import RegisterFile
 from splatline.rtl.bus.axi_stream import RegisterSlice, ReverseSlice
@@ -22,7 +22,10 @@ from tests.rtl.bus.axi_cases import STREAMS
 from tests.support.faults import switched
 from tests.support.planted import plant
 
-NOTICED = (AssertionError, DeviceTimeoutError, EngineError, SimulationError, ValueError)
+NOTICED = (
+    *(AssertionError, DeviceLostError, DeviceTimeoutError, EngineError),
+    *(SimulationError, ValueError),
+)
 
 SIGNALS = [
     (STREAMS, "an_end_word_without_last", "codewords", "dropped", "1'h0", "never done dropping"),
