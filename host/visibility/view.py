@@ -28,7 +28,13 @@ LARGEST = float(1 << 24)
 """Pixels beyond which a coordinate is far outside every image; exact in float32."""
 
 FARTHEST = 1e100
-"""Coordinates beyond it have no square."""
+"""Coordinates and focal lengths beyond it have no square."""
+
+SHORTEST = 1e-6
+"""Focal length in pixels below which any cloud is far less than a pixel."""
+
+NARROWEST = 1e-5
+"""Field of view in degrees; the cosine of a much smaller one is 1."""
 
 UP_AXES = {
     "x": (1.0, 0.0, 0.0),
@@ -100,7 +106,7 @@ def fit_view(
     orbit
         Azimuth and elevation of the eye in degrees, about the up axis.
     fov
-        Angle that the image's shorter side spans, in degrees, between 0 and 180.
+        Angle that the image's shorter side spans, in degrees, from 1e-5 to below 180.
     size
         Width and height of the image in pixels.
     up
@@ -128,17 +134,20 @@ def check_camera(
 ) -> None:
     """Raise ``InputError`` if a parameter of :func:`fit_view` is out of its range."""
     width, height = size
-    if not (0.0 < fov < 180.0 and math.tan(math.radians(fov) / 2.0) > 1.0 / LARGEST):
-        raise InputError(f"the field of view must lie between 0 and 180 degrees, not {fov:g}")
+    if not NARROWEST <= fov < 180.0:
+        raise InputError(
+            f"the field of view must be at least {NARROWEST:g} and below 180 degrees, not {fov:g}"
+        )
     if width < 1 or height < 1:
         raise InputError(f"the image must have at least one pixel, not {width}x{height}")
     if up not in UP_AXES:
         raise InputError(f"the up axis must be one of {', '.join(UP_AXES)}, not {up!r}")
     if not (math.isfinite(zoom) and zoom > 0.0):
         raise InputError(f"the zoom must be above 0, not {zoom:g}")
-    if not 1.0 / LARGEST < focal_length(size, fov) * zoom < LARGEST:
+    if not SHORTEST <= focal_length(size, fov) * zoom < FARTHEST:
         raise InputError(
-            f"a zoom of {zoom:g} with a field of view of {fov:g} degrees shows nothing"
+            f"a zoom of {zoom:g} does not go with a field of view of {fov:g} degrees; give numbers"
+            " nearer to 1 and 35"
         )
     if not all(math.isfinite(angle) for angle in orbit):
         raise InputError(f"the orbit must be two finite angles, not {orbit}")
@@ -149,9 +158,10 @@ def check_view(view: View) -> None:
     numbers = (*view.eye, *np.ravel(view.axes), *view.shift)
     if not all(abs(number) < FARTHEST for number in numbers):
         raise InputError("the view's eye, axes and shift must be numbers below 1e100")
-    if not 1.0 / LARGEST <= view.focal <= LARGEST:
+    if not SHORTEST <= view.focal < FARTHEST:
         raise InputError(
-            f"the view's focal length must be 2^-24 to 2^24 pixels, not {view.focal:g}"
+            f"the view's focal length must be {SHORTEST:g} to {FARTHEST:g} pixels, not"
+            f" {view.focal:g}"
         )
     if not 0.0 < view.near < FARTHEST:
         raise InputError(f"the view's nearest distance must be above 0, not {view.near:g}")

@@ -22,7 +22,7 @@ PASSES = {
     "the host and the models, whose compiled functions count": [
         *("-p", "tests.coverage.compiled", "tests", "--ignore", "tests/rtl"),
         *("--ignore", "tests/browser", "--ignore", "tests/boards", "--ignore", "tests/formal"),
-        *("--ignore", "tests/docs"),
+        *("--ignore", "tests/docs", "--ignore", "tests/python_mutants"),
     ],
     "the hardware, whose Verilog counts": [
         *("-p", "tests.coverage.collect", "tests/rtl", "--ignore-glob", "*faults*", "--cov-append"),

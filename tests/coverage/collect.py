@@ -1,6 +1,7 @@
 """A plugin of pytest: Verilator counts lines, branches and toggles in every run.
 
-``$SPLATLINE_COUNTS`` names the folder that the counts are folded into.
+``$SPLATLINE_COUNTS`` names the folder that the counts are folded into. Builds with planted faults
+have no counters.
 """
 
 import os
@@ -19,10 +20,11 @@ def pytest_configure(config):
     folder.mkdir(parents=True, exist_ok=True)
     build, run = simulator.build, simulator.run
 
-    def counting_build(*arguments, options=(), **rest):
-        if rest.get("simulator", "verilator") == "verilator":
+    def counting_build(sources, *arguments, options=(), **rest):
+        is_whole = not any("planted" in text for text in sources.values())
+        if is_whole and rest.get("simulator", "verilator") == "verilator":
             options = [*options, *OPTIONS]
-        return build(*arguments, options=options, **rest)
+        return build(sources, *arguments, options=options, **rest)
 
     def counting_run(built, *arguments, plusargs=(), **rest):
         counts = folder / f"{uuid.uuid4().hex}.dat"

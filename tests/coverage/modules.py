@@ -2,10 +2,9 @@
 
 import hashlib
 import re
-from bisect import bisect_right
 from dataclasses import dataclass
 
-__all__ = ["Module", "find_modules", "module_at"]
+__all__ = ["Module", "find_modules"]
 
 
 @dataclass(frozen=True)
@@ -52,8 +51,3 @@ def find_modules(text: str) -> list[Module]:
             )
         )
     return modules
-
-
-def module_at(modules: list[Module], line: int) -> Module:
-    """Return the module that a line of the text is in."""
-    return modules[bisect_right([module.first for module in modules], line) - 1]

@@ -33,7 +33,7 @@ def write_page(folder: Path, page: Path) -> list[str]:
     """
     told: list[str] = []
     used: Counter[str] = Counter()
-    parts = [HEAD, _python(folder, told), _verilog(folder / "counts", told, used)]
+    parts = [HEAD, _python(folder), _verilog(folder / "counts", told, used)]
     stale = [each.points for each in EXCUSES if not used[each.points]]
     told += [f"the excuse {points!r} explains nothing" for points in stale]
     page.write_text("".join(parts))
@@ -45,7 +45,7 @@ def _share(hit: int, total: int) -> str:
     return f"{100.0 * hit / total:.1f} % of {total:,}" if total else "none"
 
 
-def _python(folder: Path, told: list[str]) -> str:
+def _python(folder: Path) -> str:
     rows = [
         "## Python\n",
         "Statements of functions that numba compiles are counted in the compiled code, with its"

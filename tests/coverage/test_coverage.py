@@ -12,7 +12,7 @@ from tests.coverage import verilog
 from tests.coverage.constants import find_constants
 from tests.coverage.counts import fold, reached, read_keys
 from tests.coverage.excuses import Excuse
-from tests.coverage.modules import find_modules, module_at
+from tests.coverage.modules import find_modules
 
 ROOT = Path(__file__).parents[2]
 
@@ -39,7 +39,6 @@ def test_a_module_is_known_whatever_the_design_is_called():
     assert (part.name, part.place, part.first) == ("top__part", "part", 8)
     assert renamed[1].first == 10
     assert find_modules(DESIGN.replace("~a[1]", "a[1]"))[1].digest != part.digest
-    assert [module_at([top, part], line) for line in (1, 7, 8, 12)] == [top, top, part, part]
 
 
 def test_bits_that_nothing_moves_are_found_through_ports():

@@ -181,8 +181,9 @@ def test_a_cloud_in_the_current_folder_is_not_written_over(run, folder, cloud):
         (["{cloud}", "--fov", "200"], "field of view"),
         (["{cloud}", "--zoom", "0"], "zoom"),
         (["{cloud}", "--size", "70000x8"], "65536"),
-        (["{cloud}", "--zoom", "1e4", "--splat-size", "1e-9"], "in view"),
-        (["{cloud}", "--zoom", "1e6"], "a zoom of 1e+06 with a field of view of 35 degrees"),
+        (["{cloud}", "--zoom", "1e6", "--splat-size", "1e-9"], "in view"),
+        (["{cloud}", "--zoom", "1e98"], "a zoom of 1e+98 does not go with"),
+        (["{cloud}", "--fov", "1e-9"], "must be at least 1e-05 and below 180 degrees"),
         (["--scene", "nowhere"], "terrain"),
     ],
 )

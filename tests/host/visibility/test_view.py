@@ -3,7 +3,7 @@ import pytest
 
 from splatline.contract.errors import InputError
 from splatline.host.scenes.scenes import SCENES, load_scene
-from splatline.host.visibility.view import fit_view
+from splatline.host.visibility.view import check_view, fit_view
 from tests.support.clouds import cloud_of, sphere
 
 
@@ -108,17 +108,26 @@ def test_a_single_place_can_be_looked_at():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"fov": 0.0}, "between 0 and 180"),
-        ({"fov": float("nan")}, "between 0 and 180"),
+        ({"fov": 0.0}, "at least 1e-05 and below 180"),
+        ({"fov": float("nan")}, "at least 1e-05 and below 180"),
         ({"size": (0, 5)}, "at least one pixel"),
         ({"up": "w"}, "x, y, z"),
         ({"zoom": 0.0}, "zoom"),
+        ({"zoom": 1e98}, "a zoom of 1e.98 does not go with a field of view"),
+        ({"fov": 180.0 - 1e-9}, "a zoom of 1 does not go with a field of view of 180 degrees"),
         ({"orbit": (float("inf"), 0.0)}, "orbit"),
     ],
 )
 def test_bad_parameters_are_named(options, message):
     with pytest.raises(InputError, match=message):
         fit_view(sphere(10), **options)
+
+
+def test_a_poster_of_a_detail_is_no_error():
+    """Few points of it are in view, but its numbers are far from what float64 holds."""
+    view = fit_view(sphere(10), size=(16384, 16384), zoom=1e5)
+    assert view.focal > 1e9
+    check_view(view)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 10])
