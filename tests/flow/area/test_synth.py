@@ -1,13 +1,23 @@
 import pytest
 
-from splatline.contract.presets import PAPER
 from splatline.flow.area.budgets import read_budgets
-from splatline.flow.area.synth import DEVICE, PAPER_TABLE_1, group_instances, synthesise
+from splatline.flow.area.synth import DEVICE, PAPER_TABLE_1, group_instances
+from tests.flow.area import counted
 
 
 @pytest.fixture(scope="module")
-def report():
-    return synthesise(PAPER)
+def kept():
+    """The report on ``paper``, and whether Yosys had to make it."""
+    notes = []
+    return counted.report_of_paper(lambda *note: notes.append(note)), notes
+
+
+@pytest.fixture
+def report(kept, record_property):
+    report, notes = kept
+    for note in notes:
+        record_property(*note)
+    return report
 
 
 def test_the_paper_preset_fits_the_paper_s_device(report):
@@ -70,3 +80,11 @@ def test_instances_of_one_name_share_a_row_and_others_do_not():
     assert [(group["name"], group["instances"], group["ff"]) for group in groups] == [
         ("bank_0..10.port_2..3", 3, 6), ("lane_0..2_0..1", 2, 4), ("part_4", 1, 2),
     ]  # fmt: skip
+
+
+def test_a_report_of_other_verilog_is_made_again(monkeypatch):
+    monkeypatch.setattr(counted.synth, "synthesise", lambda config: {"preset": config.name})
+    monkeypatch.setattr(counted, "verilog", lambda *_: "module another; endmodule")
+    notes = []
+    made = counted.report_of_paper(lambda *note: notes.append(note))
+    assert (made, notes) == ({"preset": "paper"}, [(counted.NOTE, "paper")])
