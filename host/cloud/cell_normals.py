@@ -40,6 +40,13 @@ CLEARER = 0.35
 """A larger neighbourhood counts if its smallest extent has at most this part of the share that the
 smaller one's had."""
 
+THICK = 0.1
+"""A neighbourhood whose share is larger may be as thick as it is wide, so that a larger one is hardly
+clearer: the part is larger by what the share is above this."""
+
+MOST_PART = 0.9
+"""The largest part. At an edge, which looks the same at every size, it is 1."""
+
 FLAT = 1e-6
 """A neighbourhood is a line, not a plane, if its second extent is below this share of the first
 (as variances: its square root is 1e-3). It grows as well."""
@@ -183,7 +190,8 @@ def _grow(
             least, middle, most = thinnest(moments, vector)
         todo[at] = False
         # Noise is the same in a larger neighbourhood, relief is larger as well.
-        if flat[at] or least < CLEARER * thin[at] * middle:
+        part = min(CLEARER + max(thin[at] - THICK, 0.0), MOST_PART)
+        if flat[at] or least < part * thin[at] * middle:
             for axis in range(3):
                 normals[i, axis] = vector[axis]
             flat[at] = middle <= FLAT * most
