@@ -47,9 +47,10 @@ clearer: the part is larger by what the share is above this."""
 MOST_PART = 0.9
 """The largest part. At an edge, which looks the same at every size, it is 1."""
 
-FLAT = 1e-6
+FLAT = 0.1
 """A neighbourhood is a line, not a plane, if its second extent is below this share of the first
-(as variances: its square root is 1e-3). It grows as well."""
+(as variances: a third of its length). A scanner's line tells nothing of the slope across it. Such a
+neighbourhood grows as well, and the larger one counts."""
 
 REACH = 12.0
 """Square of the reach of all 27 cubes from a point in the middle one: two cubes along each axis, in

@@ -36,6 +36,30 @@ def test_a_sphere_has_its_radii_as_normals():
     assert angles.max() < 12.0
 
 
+@pytest.mark.parametrize("apart", [8, 20])
+def test_lines_of_a_scanner_are_no_planes(apart):
+    """Points along a line are this much closer than lines. A curve in the line's own plane, such as
+    a hill's profile, says nothing of the slope across."""
+    along, across = np.meshgrid(np.arange(400.0), apart * np.arange(40.0))
+    x, y = along.ravel(), across.ravel()
+    height = 6.0 * np.sin(x / 25.0) + 0.3 * y
+    slope = 6.0 / 25.0 * np.cos(x / 25.0)
+    exact = np.stack([-slope, np.full_like(x, -0.3), np.ones_like(x)], axis=1)
+    exact /= np.linalg.norm(exact, axis=1, keepdims=True)
+    noise = np.random.default_rng(8).normal(0.0, 0.1, len(x))
+    angles = degrees_between(estimate_normals(np.stack([x, y, height + noise], axis=1)), exact)
+    assert np.mean(angles > 20.0) < 0.01
+    assert np.median(angles) < 5.0
+
+
+def test_noise_as_thick_as_a_neighbourhood_is_averaged():
+    rng = np.random.default_rng(9)
+    points = rng.uniform(0.0, 100.0, (10_000, 3))  # one a square
+    points[:, 2] = rng.normal(0.0, 1.5, len(points))
+    angles = degrees_between(estimate_normals(points), np.array([0.0, 0.0, 1.0]))
+    assert np.mean(angles > 45.0) < 0.08
+
+
 def test_normals_are_of_unit_length():
     points = np.random.default_rng(3).normal(size=(300, 3))
     assert np.linalg.norm(estimate_normals(points), axis=1) == pytest.approx(1.0, abs=1e-6)
