@@ -28,7 +28,7 @@ LEAST, LEAST_OF_SAMPLE = 0.95, 0.85
 SAMPLE = 200
 
 FRESH = 6
-"""One mutant of so many comes from the second seed, which no frame was written for."""
+"""One mutant of so many comes from the second seed, which was drawn after the first frames."""
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:

@@ -4,9 +4,10 @@
 //
 // Mutant 0 is the design itself. Every mutant gets a new model. `wrap.py` writes the top module and `program.py` the
 // file, in words of 32 bits: channels in, channels out, words of a payload; acts; and of each act
-//   edges of reset, cycle of a reset or 0, most cycles, exact cycles or 0, seed, quiet cycles,
+//   edges of reset, cycle of a reset or 0, cycles until it hangs, least and most cycles, seed, quiet cycles,
 //   of each channel the rate (0..256, or 512) and the longest burst, and then its items:
 //   flags, the transfers of each channel that go before it, the payload, and of an output the mask.
+// Bit 31 of such a count: of an input, what is offered counts as well; an output is not ready until then.
 // Flags: 1: the last item of a frame; bits 1..2: the level of the wire then, 2: any; 8: the lowest word of the payload
 // is the number of cycles in which a beat of the raster has waited.
 #include <cstdint>
@@ -20,7 +21,7 @@
 #include "verilated.h"
 
 using Words = const uint32_t*;
-static const uint32_t SHOWN = 1u << 31;  // in a count of transfers: those that are offered count as well
+static const uint32_t SHOWN = 1u << 31, HELD = SHOWN;  // in a count of transfers: of an input, of an output
 static std::vector<uint32_t> file;
 static size_t at = 0;
 static unsigned inputs, outputs, payload_words, channels, codewords, raster;
@@ -34,7 +35,7 @@ struct Channel {
 };
 
 struct Act {
-    uint32_t edges, cut, limit, exact, seed, quiet;
+    uint32_t edges, cut, limit, least, most, seed, quiet;
     std::vector<Channel> channel;
 };
 
@@ -49,8 +50,8 @@ static std::vector<Act> read(const char* path) {
     channels = inputs + outputs;
     std::vector<Act> acts(next());
     for (Act& act : acts) {
-        act.edges = next(), act.cut = next(), act.limit = next(), act.exact = next();
-        act.seed = next(), act.quiet = next();
+        act.edges = next(), act.cut = next(), act.limit = next(), act.least = next();
+        act.most = next(), act.seed = next(), act.quiet = next();
         for (unsigned c = 0; c < channels; c++) {
             Channel one;
             one.rate = next(), one.burst = next(), one.count = next();
@@ -119,10 +120,13 @@ public:
         top->rst = 0;
     }
 
-    bool before(Words gates) const {
+    bool before(Words gates, uint32_t kind = 0) const {
         for (unsigned c = 0; c < channels; c++)
-            if (done[c] < gates[c]) return false;
+            if ((gates[c] & HELD) == kind && done[c] < (gates[c] & ~HELD)) return false;
         return true;
+    }
+    bool held(const Channel& channel, unsigned c) const {
+        return done[c] < channel.count && !before(channel.item(done[c]) + 1, HELD);
     }
 
     // Returns what is wrong, or nullptr.
@@ -164,7 +168,7 @@ public:
                 const Channel& channel = act.channel[inputs + o];
                 // A shy one is ready once it was offered something, and a source may not wait for it.
                 const bool ready = channel.rate == SHY ? bool(waiting[inputs + o]) : goes(channel, inputs + o);
-                readies |= uint32_t(ready) << o;
+                readies |= uint32_t(ready && !held(channel, inputs + o)) << o;
             }
             top->in_valid = valids;
             top->out_ready = readies;
@@ -210,8 +214,9 @@ public:
             quiet = all && !moved ? quiet + 1 : 0;
             if (all && quiet > act.quiet) break;
         }
-        if (act.exact && last - first + 1 != act.exact) {
-            if (getenv("SHOW")) fprintf(stderr, "%llu cycles, not %u\n", (unsigned long long)(last - first + 1), act.exact);
+        const uint64_t took = last - first + 1;
+        if (took < act.least || took > act.most) {
+            if (getenv("SHOW")) fprintf(stderr, "%llu cycles, not %u to %u\n", (unsigned long long)took, act.least, act.most);
             return "cycles";
         }
         return nullptr;

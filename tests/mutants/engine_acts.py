@@ -24,6 +24,8 @@ from .frames import (
 from .job_act import FREE, act_of
 from .odd_inputs import odd_beats, odd_writes
 from .program import SHY, Act
+from .timed_acts import timed_acts
+from .waiting_acts import waiting_acts
 
 __all__ = ["engine_acts"]
 
@@ -41,12 +43,14 @@ SIZE = (37, 41)
 
 def engine_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
     """Return the acts of an engine's fast bench; the first begins with a reset."""
-    rng = np.random.default_rng(seed)
+    rng, other = np.random.default_rng(seed), np.random.default_rng(seed + 4)
     return [
         act_of("after reset", Job(frame=shapes(rng, 60, *SIZE, config=config)), reset_edges=1),
         *_single(rng, config),
         *_films(rng, config),
         *_initial(rng, config),
+        *waiting_acts(other, config),
+        *timed_acts(other, config),
         *_resets(rng, config),
     ]
 

@@ -10,6 +10,9 @@ from splatline.host.encode.sort_by_line import advance_word
 from tests.support.random_frames import frame_of, random_plane, word
 
 __all__ = [
+    "DOT",
+    "FULL",
+    "Words",
     "any_control",
     "any_empty_row",
     "borders",
@@ -28,7 +31,7 @@ EMPTY = [(1, 0)] * 3
 DOT = [(0, 0), *EMPTY]
 
 
-class _Words:
+class Words:
     """Words of a frame by line: ``at`` moves to a line, ``add`` appends an element."""
 
     def __init__(self, config: EngineConfig, rng: np.random.Generator):
@@ -66,7 +69,7 @@ class _Words:
 
 def corners(rng: np.random.Generator, config: EngineConfig, width: int, height: int) -> Frame:
     """Return a frame with a pixel in each corner and one in the middle."""
-    words = _Words(config, rng)
+    words = Words(config, rng)
     for line in (0, height // 2, height - 1):
         words.at(line + 4)
         for x in (0, width - 1) if line != height // 2 else (width // 2,):
@@ -76,7 +79,7 @@ def corners(rng: np.random.Generator, config: EngineConfig, width: int, height: 
 
 def borders(rng: np.random.Generator, config: EngineConfig, width: int, height: int) -> Frame:
     """Return a frame of whole blocks that each border of the image cuts, by every amount."""
-    words = _Words(config, rng)
+    words = Words(config, rng)
     for line in [*range(5), *range(height - 4, height + 6)]:
         words.at(line)
         for x in range(width - 9, width + 1, 1 + line % 3):
@@ -87,7 +90,7 @@ def borders(rng: np.random.Generator, config: EngineConfig, width: int, height: 
 
 def equal_depths(rng: np.random.Generator, config: EngineConfig, width: int, height: int) -> Frame:
     """Return a frame of many elements over each other, of one depth or the next."""
-    words = _Words(config, rng)
+    words = Words(config, rng)
     depth = config.background_depth // 2
     for line in range(0, height + 4, 3):
         words.at(line)
@@ -100,7 +103,7 @@ def equal_depths(rng: np.random.Generator, config: EngineConfig, width: int, hei
 
 def extremes(rng: np.random.Generator, config: EngineConfig, width: int, height: int) -> Frame:
     """Return a frame with the least and the largest values of every field, one bit at a time."""
-    words = _Words(config, rng)
+    words = Words(config, rng)
     mask = config.background_depth
     depths = [0, 1, mask, mask - 1, *(1 << bit for bit in range(config.depth_bits))]
     for number, z in enumerate([*depths, *(mask ^ d for d in depths)]):
@@ -125,7 +128,7 @@ def _name(field, config: EngineConfig) -> str:
 
 def few_far_apart(rng: np.random.Generator, config: EngineConfig) -> Frame:
     """Return a frame of the largest size with few elements: most lines are skipped."""
-    words = _Words(config, rng)
+    words = Words(config, rng)
     width, height = config.max_width, config.max_height
     lines = {0, 7, *(1 << bit for bit in range(config.line_bits)), height - 1, height + 3}
     for line in sorted(lines):
@@ -138,7 +141,7 @@ def few_far_apart(rng: np.random.Generator, config: EngineConfig) -> Frame:
 
 def wide_line(rng: np.random.Generator, config: EngineConfig, height: int = 12) -> Frame:
     """Return a frame of the largest width, drawn from border to border, more than once."""
-    words = _Words(config, rng)
+    words = Words(config, rng)
     width = config.max_width
     for line in range(2, height + 3, 4):
         words.at(line)
@@ -174,7 +177,7 @@ def every_row(rng: np.random.Generator, config: EngineConfig) -> Frame:
     The word's other rows are random, or empty in any way; of a word without pixels in mode 1, which
     is a control word, X is 0. Elements do not overlap.
     """
-    words = _Words(config, rng)
+    words = Words(config, rng)
     width = min(config.max_width, 512)
     across = (width - 12) // 10
     pairs = [(row, first, last) for row in range(4) for first in range(8) for last in range(8)]
@@ -200,7 +203,7 @@ def rounding(rng: np.random.Generator, config: EngineConfig, width: int, height:
     ambient = rng.integers(0, 3 * fraction, 3)
     shape = (1 << config.material_bits, 3)
     tables = Tables(ambient, np.ones(shape, np.int64), np.full(shape, step))
-    words = _Words(config, rng)
+    words = Words(config, rng)
     words.at(4)
     for number, value in enumerate(ambient.tolist()):
         for below in (0, 1):

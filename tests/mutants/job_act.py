@@ -1,15 +1,18 @@
 """Jobs of the player as acts of the bench: the same frames, tables, rasters and stalls."""
 
+import dataclasses
+
 import numpy as np
 
 from splatline.contract.config import EngineConfig
+from splatline.contract.frame import Frame
 from splatline.contract.raster_beats import to_beats
 from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cycles.cycles import count_cycles
 
 from .program import ANY_LEVEL, LAST_OF_FRAME, Act, Items
 
-__all__ = ["FREE", "act_of"]
+__all__ = ["FREE", "act_of", "film"]
 
 FREE = ({}, {})
 """Rates and bursts of streams that never stall."""
@@ -55,9 +58,18 @@ def act_of(
         after = np.concatenate([np.full(len(each), out[number]) for number, each in given])
         gates = {"raster": after} if job.initial_waits else {}
         items["initial"] = Items(np.concatenate([each for _, each in given]), after=gates)
-    cycles = count_cycles(frames[0], after_reset=False) if exact else 0
-    options = {"seed": job.seed, "exact_cycles": cycles, **options}
+    if exact:
+        cycles = count_cycles(frames[0], after_reset=False)
+        options = {"least_cycles": cycles, "most_cycles": cycles, **options}
+    options = {"seed": job.seed, **options}
     return Act(kind, items, *stalls, **options)
+
+
+def film(kind: str, frames: list[Frame], **options) -> Act:
+    """Return the act of frames with the tables of the first one."""
+    frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
+    job = Job(frame=frames[0], followed_by=frames[1:], write_tables="first")
+    return act_of(kind, job, **options)
 
 
 def _expected(beats, begins, ends, config: EngineConfig) -> Items:

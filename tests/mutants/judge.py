@@ -4,7 +4,7 @@ import json
 import subprocess
 import tempfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from splatline.sim.cosim.simulator import SimulationError
@@ -16,7 +16,7 @@ from .mutate import Mutant
 from .program import write_program
 from .tops import Design
 
-__all__ = ["Verdict", "judge"]
+__all__ = ["Verdict", "judge", "judge_engine"]
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,14 @@ class Verdict:
         wrong. ``stopped``: the simulator did not come to rest in a cycle.
     cycles
         Cycles that were played.
+    alone
+        The bench is that of the engine of an AXI top, alone.
     """
 
     kind: str
     reason: str
     cycles: int
+    alone: bool = False
 
     @property
     def noticed(self) -> bool:
@@ -83,6 +86,22 @@ def judge(
                     out.write(json.dumps(asdict(verdict)) + "\n")
                 told(len(verdicts) - 1)
     return verdicts[1:]
+
+
+def judge_engine(design: Design, mutants: list[Mutant], verdicts: list[Verdict]) -> list[Verdict]:
+    """Return the verdicts on mutants of an AXI top once survivors in its engine are played alone.
+
+    The bench of the engine has more frames, and counts their cycles.
+    """
+    left = [n for n, verdict in enumerate(verdicts) if not verdict.noticed and mutants[n].in_engine]
+    if design.top != "axi" or not left:
+        return verdicts
+    result = list(verdicts)
+    for n, verdict in zip(
+        left, judge(design.engine, [mutants[n].inside() for n in left]), strict=True
+    ):
+        result[n] = replace(verdict, alone=verdict.noticed)
+    return result
 
 
 def _play(program: Path, file: Path, first: int, last: int, acts):

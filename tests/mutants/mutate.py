@@ -1,5 +1,6 @@
 """Lists mutants of a design with Yosys, and writes all of them into one Verilog with a choice."""
 
+import dataclasses
 import re
 import shlex
 import tempfile
@@ -10,7 +11,7 @@ from splatline.flow.tools import run_yosys
 
 from .keep import ROOT, digest, versions
 from .poke import add_pokes
-from .tops import Design
+from .tops import ENGINE, Design
 
 __all__ = ["Mutant", "draw_mutants", "mutated_verilog", "prepared", "select_bits"]
 
@@ -20,6 +21,12 @@ PREPARE = (
 )
 """What Yosys does before it mutates. Modules stay apart. A memory is a cell, and its contents are
 no mutants. A choice between a value and an undefined one is the value, as in hardware."""
+
+TAKE = (
+    f"read_rtlil outer.il\nhierarchy -top {ENGINE}\nrename {ENGINE} splatline\n"
+    "write_rtlil prepared.il\n"
+)
+"""How Yosys takes the engine from an AXI top."""
 
 FIXED = ("CLK", "RD_CLK", "WR_CLK", "RD_EN")
 """Ports that are not mutated. An inverted clock is a fault of a netlist, not of its design. The
@@ -58,6 +65,16 @@ class Mutant:
         name = self.module.removeprefix("splatline").strip("_") or "top"
         return re.sub(r"_\d+(_\d+)?(?=$|__)", "", name).replace("__", ".")
 
+    @property
+    def in_engine(self) -> bool:
+        """It is in the engine of an AXI top."""
+        return f"{self.module}__".startswith(f"{ENGINE}__")
+
+    def inside(self) -> "Mutant":
+        """Return the mutant in the engine that was taken from an AXI top."""
+        module = "splatline" if self.module == ENGINE else self.module
+        return dataclasses.replace(self, module=module)
+
     def arguments(self) -> str:
         """Return the options of Yosys' ``mutate`` that make this change."""
         options = {k: v for k, v in asdict(self).items() if k != "wire" and v is not None}
@@ -80,8 +97,12 @@ def prepared(design: Design) -> Path:
     if not path.exists():
         with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
             folder = Path(scratch)
-            (folder / "design.v").write_text(design.verilog())
-            run_yosys(PREPARE, folder)
+            if design.inside:
+                (folder / "outer.il").write_bytes(prepared(design.outer).read_bytes())
+                run_yosys(TAKE, folder)
+            else:
+                (folder / "design.v").write_text(design.verilog())
+                run_yosys(PREPARE, folder)
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes((folder / "prepared.il").read_bytes())
     return path

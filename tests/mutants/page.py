@@ -3,9 +3,10 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from .batch import Judged
+from .batch import SHOWN, Judged
+from .context import CONTEXTS
 from .keep import versions
-from .prove import EQUAL, LEVELS
+from .prove import LEVELS
 
 __all__ = ["page", "score", "share", "summary"]
 
@@ -20,30 +21,30 @@ Made by `make mutants`, with {tools}.
 
 The **fast bench** plays small frames of every kind to each mutant. It compares every beat with the
 golden renderer, every cycle with the rules of the streams, and the cycles of a frame with the cycle
-model. On AXI it compares every answer of the bus as well. A mutant that it does not notice
-**survives**. Then ABC tries to show that the mutant is **equal** to the design: {levels}.
-A module gets any inputs in these proofs. So a mutant can be equal in the design without a proof.
+model. Streams wait for each other, so that an engine that waits too long hangs. Some frames have
+bounds on their cycles. On AXI it compares every answer of the bus as well. A survivor in the
+engine of an AXI top is played to that engine **alone**, with the frames of an engine.
+
+A mutant that nothing notices **survives**. Then ABC tries to show that it is **equal** to the
+design: {levels}. A module gets any inputs in these proofs.
+
+What is left is compared where the design uses it: {contexts}.
+For the first, induction over one cycle compares all but the clearing. The clearing is simulated
+from an unknown state with unknown inputs, and writes every word in all of its cycles.
+
 The **score** is the share of the noticed among those that are not shown to be equal.
 """
-
-
-LEFT = """
-The 100 % that is the aim needs a test or a proof for each of these. By reading, and without a
-proof, three kinds are harmless; the others are open:
-
-- An address bit of a lane is inverted at every access but those of the clearing after a reset.
-  That writes every word, in any order.
-- A lane keeps a request over a reset. The clearing after it writes the same word later.
-- A draw, a load or a flush waits longer, or less, and the picture stays. The cycle model has no
-  initial raster and no stalls.
-"""
-"""What is said below the list of the mutants that are left."""
 
 
 def share(noticed: int, mutants: int, equal: int) -> str:
     """Return the score in per cent."""
     real = mutants - equal
     return f"{100 * noticed / real:.1f} %" if real else "-"
+
+
+def _alone(judged: Iterable[Judged]) -> int:
+    """Return how many mutants were noticed by the frames of an engine alone."""
+    return sum(verdict.alone for one in judged for verdict in one.verdicts)
 
 
 def _counts(judged: Iterable[Judged]) -> tuple[int, int, int, int]:
@@ -77,15 +78,15 @@ def summary(judged: Sequence[Judged]) -> str:
 def page(judged: Sequence[Judged]) -> str:
     """Return the page of the manual."""
     tools = ", ".join(f"{name} {version}" for name, version in versions().items())
-    levels = "; ".join(LEVELS.values())
+    levels, contexts = ("; ".join(each.values()) for each in (LEVELS, CONTEXTS))
     designs = dict.fromkeys(one.batch.design for one in judged)
     seeds = sorted({(one.batch.fresh, one.batch.seed) for one in judged})
-    parts = [HEAD.format(tools=tools, levels=levels), "## By design\n"]
+    parts = [HEAD.format(tools=tools, levels=levels, contexts=contexts), "## By design\n"]
     rows = [
         (design.name, [one for one in judged if one.batch.design == design]) for design in designs
     ]
     rows += [
-        (f"of seed {seed}" + (", drawn once the bench was written" if fresh else ""),
+        (f"of seed {seed}" + (", drawn once the first frames were written" if fresh else ""),
          [one for one in judged if one.batch.seed == seed])
         for fresh, seed in seeds
     ]  # fmt: skip
@@ -103,7 +104,7 @@ def page(judged: Sequence[Judged]) -> str:
         "\n## Neither noticed nor shown to be equal\n",
     ]
     left = [f"- `{one.batch.design.name}: {mutant}`" for one in judged for mutant in one.left]
-    parts.append("\n".join(left) + "\n" + LEFT if left else "None.")
+    parts.append("\n".join(left) if left else "None.")
     return "\n".join(parts) + "\n"
 
 
@@ -121,13 +122,14 @@ def _of(judged: Judged, part: str) -> Judged:
 def _table(title: str, rows: Iterable[tuple[str, Sequence[Judged]]]) -> str:
     """Return a table with a row for each name."""
     lines = [
-        f"| {title} | mutants | noticed | equal | left | score |",
-        "|---|---:|---:|---:|---:|---:|",
+        f"| {title} | mutants | noticed | of them alone | equal | left | score |",
+        "|---|---:|---:|---:|---:|---:|---:|",
     ]
     for name, part in rows:
         mutants, noticed, equal, left = _counts(part)
         score = share(noticed, mutants, equal)
-        lines.append(f"| {name} | {mutants} | {noticed} | {equal} | {left} | {score} |")
+        row = [name, mutants, noticed, _alone(part), equal, left, score]
+        lines.append("| " + " | ".join(map(str, row)) + " |")
     return "\n".join(lines)
 
 
@@ -142,8 +144,9 @@ def _kinds(judged: Iterable[Judged]) -> str:
         lines += [f"| {title} | mutants |", "|---|---:|"]
         lines += [f"| {name} | {count} |" for name, count in counted.most_common()] + [""]
     answers = Counter(
-        answer for one in judged for answer in one.answers.values() if answer in EQUAL
+        answer for one in judged for answer in one.answers.values() if answer in SHOWN
     )
     lines += ["| why a survivor is equal | mutants |", "|---|---:|"]
-    lines += [f"| {LEVELS[name]} | {count} |" for name, count in answers.most_common()]
+    titles = LEVELS | CONTEXTS
+    lines += [f"| {titles[name]} | {count} |" for name, count in answers.most_common()]
     return "\n".join(lines)

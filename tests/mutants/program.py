@@ -24,7 +24,13 @@ SHY = 512
 """Rate of an output that is ready only once something was offered."""
 
 SHOWN = np.uint32(1 << 31)
-"""In a count of items: those that are offered count as well."""
+"""In a count of items before an input's: those that are offered count as well."""
+
+HELD = SHOWN
+"""In a count of items before an output's: it is not ready until then."""
+
+MANY = (1 << 32) - 1
+"""Most cycles of an act that may take any."""
 
 
 @dataclass
@@ -41,6 +47,9 @@ class Items:
         By name of a stream, how many of its items are taken before each: shape (n,).
     shown
         By name of an input, how many of its items are at least offered before each: shape (n,).
+    held
+        By name of a stream, how many of its items are taken before an output is ready for each:
+        shape (n,).
     flags
         Shape (n,): see ``LAST_OF_FRAME`` and ``ANY_LEVEL``.
     """
@@ -49,6 +58,7 @@ class Items:
     mask: npt.NDArray[np.uint64] | None = None
     after: dict[str, npt.NDArray[np.int64]] = field(default_factory=dict)
     shown: dict[str, npt.NDArray[np.int64]] = field(default_factory=dict)
+    held: dict[str, npt.NDArray[np.int64]] = field(default_factory=dict)
     flags: npt.NDArray[np.int64] | None = None
 
 
@@ -69,8 +79,8 @@ class Act:
         Clock edges of a reset before the act; 0: none.
     cut
         Cycle in which the act is cut off, which needs a reset in the next one; 0: none.
-    exact_cycles
-        Cycles from the first code word taken to the last beat, both included; 0: any.
+    least_cycles, most_cycles
+        Cycles from the first code word taken to the last beat, both included.
     quiet
         Cycles after the last item in which nothing further may come.
     """
@@ -83,7 +93,8 @@ class Act:
     reset_edges: int = 0
     cut: int = 0
     limit: int = 60_000
-    exact_cycles: int = 0
+    least_cycles: int = 0
+    most_cycles: int = MANY
     quiet: int = 16
 
 
@@ -100,7 +111,8 @@ def write_program(path: Path, design: Design, acts: Sequence[Act]) -> None:
     ]
     parts = [np.array(heads, np.uint32)]
     for act in acts:
-        head = [act.reset_edges, act.cut, act.limit, act.exact_cycles, act.seed, act.quiet]
+        cycles = [act.least_cycles, act.most_cycles]
+        head = [act.reset_edges, act.cut, act.limit, *cycles, act.seed, act.quiet]
         parts.append(np.array(head, np.uint32))
         for number, channel in enumerate(design.channels):
             items = act.items.get(channel.name, Items(np.zeros((0, 1), np.uint64)))
@@ -119,8 +131,9 @@ def _rows(
     gates = np.zeros((count, len(names)), np.uint32)
     for name, after in items.after.items():
         gates[:, names.index(name)] = after
-    for name, shown in items.shown.items():
-        gates[:, names.index(name)] = SHOWN | np.asarray(shown, np.uint32)
+    for flag, counts in ((SHOWN, items.shown), (HELD, items.held)):
+        for name, count_before in counts.items():
+            gates[:, names.index(name)] = flag | np.asarray(count_before, np.uint32)
     parts = [np.asarray(flags, np.uint32)[:, None], gates, _words(items.payload, words)]
     if number >= len(design.inputs):
         every = np.zeros((1, -(-width // 64)), np.uint64)

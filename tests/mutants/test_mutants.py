@@ -6,13 +6,15 @@ import pytest
 from tests.mutants import __main__, judge, prove
 from tests.mutants.acts import acts_of
 from tests.mutants.batch import Batch, Judged
+from tests.mutants.cleared import prove_cleared
+from tests.mutants.context import prove_in_context
 from tests.mutants.judge import Verdict
 from tests.mutants.mutate import FIXED, Mutant, draw_mutants
 from tests.mutants.page import page, share, summary
 from tests.mutants.renamed import renaming_of
 from tests.mutants.tops import DESIGNS
 
-PAPER = DESIGNS[0]
+PAPER, AXI = DESIGNS[0], DESIGNS[-1]
 COUNT = 50
 """Mutants of the sample: those that ``.ci/run`` takes."""
 
@@ -100,20 +102,59 @@ def test_a_renamed_memory_is_equal_and_a_stuck_address_is_not():
     assert list(prove.prove(PAPER, [inverted, stuck])) == ["renamed", "differs"]
 
 
+def test_what_only_waits_bounds_or_rare_frames_show_is_noticed():
+    """Mutants that the frames of before did not notice."""
+    drawn = [*draw_mutants(PAPER, 200, 1), *draw_mutants(PAPER, 40, 3434)]
+    kinds = {
+        "const0 window _201_[0]": "flush beside load",
+        "const0 window.loader _23_[4]": "rasters wait for lines",
+        "const0 tiler _263_[0]": "far end",
+        "const1 tiler _27_[0]": "half pixels",
+    }
+    mutants = [next(m for m in drawn if str(m).startswith(begin)) for begin in kinds]
+    assert [verdict.kind for verdict in judge.judge(PAPER, mutants)] == [*kinds.values()]
+
+
+def test_survivors_in_the_engine_of_an_axi_top_are_played_alone():
+    drawn = [*draw_mutants(AXI, 200, 1), *draw_mutants(AXI, 40, 3434)]
+    begins = "const1 engine.window _14_[0]", "const0 engine.tiler $le", "cnot0 registers.front _19_"
+    mutants = [next(m for m in drawn if str(m).startswith(begin)) for begin in begins]
+    verdicts = judge.judge_engine(AXI, mutants, [Verdict("", "-", 1)] * 3)
+    assert [verdict.alone for verdict in verdicts] == [True, True, False]
+
+
+def test_what_the_clearing_overwrites_is_equal_and_no_more():
+    """An address bit inverted but in the clearing; the clearing without a bit; a wrong colour."""
+    drawn = draw_mutants(PAPER, 200, 1)
+    inverted = next(m for m in drawn if str(m).startswith("inv window address_3_2[8]"))
+    assert list(prove_in_context(PAPER, [inverted])) == ["cleared"]
+    sweep = next(m for m in drawn if str(m).startswith("inv window sweep[6]"))
+    assert not prove_cleared(PAPER, dataclasses.replace(sweep, mode="const0"))
+    colour = next(m for m in drawn if str(m).startswith("inv window.lane loaded[16]"))
+    assert not prove_cleared(PAPER, colour)
+
+
+def test_a_bit_that_the_module_around_does_not_read_is_equal():
+    drawn = draw_mutants(AXI, 200, 1)
+    unread = next(m for m in drawn if str(m).startswith("cnot0 registers.front _19_[1]"))
+    read = dataclasses.replace(unread, portbit=2)
+    assert list(prove_in_context(AXI, [unread, read])) == ["parent", "open"]
+
+
 def test_the_page_counts_by_design_and_module():
     parts = ["splatline__tiler", "splatline__tiler", "splatline__window__lane_0_1", "splatline"]
     mutants = [Mutant("inv", module, "cell", "A", n) for n, module in enumerate(parts)]
     verdicts = [
         Verdict("dense", "value", 9),
         *[Verdict("", "-", 99)] * 2,
-        Verdict("film", "hang", 1),
+        Verdict("film", "hang", 1, alone=True),
     ]
     answers = {mutants[1]: "module", mutants[2]: "open"}
     judged = [Judged(Batch(PAPER, 1, 4), mutants, verdicts, answers)]
     text = page(judged)
-    assert "| paper | 4 | 2 | 1 | 1 | 66.7 % |" in text
-    assert "| tiler | 2 | 1 | 1 | 0 | 100.0 % |" in text
-    assert "| window.lane | 1 | 0 | 0 | 1 | 0.0 % |" in text
+    assert "| paper | 4 | 2 | 1 | 1 | 1 | 66.7 % |" in text
+    assert "| tiler | 2 | 1 | 0 | 1 | 0 | 100.0 % |" in text
+    assert "| window.lane | 1 | 0 | 0 | 0 | 1 | 0.0 % |" in text
     assert "- `paper: inv window.lane" in text
     assert "66.7 %" in summary(judged)
 

@@ -1,5 +1,6 @@
 """The designs that are mutated, and their ports as channels of the bench."""
 
+import re
 from dataclasses import dataclass
 from functools import cache
 
@@ -9,7 +10,10 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.presets import get_preset
 from splatline.flow.tops import TOPS
 
-__all__ = ["DESIGNS", "Channel", "Design", "wrapper"]
+__all__ = ["DESIGNS", "ENGINE", "Channel", "Design", "wrapper"]
+
+ENGINE = "splatline__engine"
+"""Module of the engine in an AXI top."""
 
 
 @dataclass(frozen=True)
@@ -39,15 +43,38 @@ class Channel:
 
 @dataclass(frozen=True)
 class Design:
-    """A top module of a preset."""
+    """A top module of a preset.
+
+    Parameters
+    ----------
+    preset
+        Name of the preset.
+    top
+        ``engine`` or ``axi``.
+    inside
+        The top that the engine is a part of and is taken from; empty if it is the top.
+    """
 
     preset: str
     top: str = "engine"
+    inside: str = ""
 
     @property
     def name(self) -> str:
         """Name in tables and options: ``paper``, or ``paper-axi``."""
+        if self.inside:
+            return f"{self.outer.name}-engine"
         return self.preset if self.top == "engine" else f"{self.preset}-{self.top}"
+
+    @property
+    def outer(self) -> "Design":
+        """The design that this one is taken from."""
+        return Design(self.preset, self.inside)
+
+    @property
+    def engine(self) -> "Design":
+        """The engine of an AXI top, as a design of its own."""
+        return Design(self.preset, inside=self.top)
 
     @property
     def config(self) -> EngineConfig:
@@ -57,7 +84,7 @@ class Design:
     @cache  # noqa: B019  designs are few, and live as long as the process
     def verilog(self) -> str:
         """Return the Verilog; the top module is ``splatline``."""
-        return TOPS[self.top](self.config, "splatline")[0]
+        return TOPS[self.inside or self.top](self.config, "splatline")[0]
 
     @property
     def inputs(self) -> tuple[Channel, ...]:
@@ -69,7 +96,8 @@ class Design:
                 "codewords": config.codeword_bits,
                 "initial": config.raster_end.end,
             }
-            return tuple(_stream(name, width) for name, width in widths.items())
+            stream = self._stream_inside if self.inside else _stream
+            return tuple(stream(name, width) for name, width in widths.items())
         return (
             _axi("s_axi_ctrl", "aw", "awaddr", 14, "aw"),
             Channel(
@@ -83,6 +111,14 @@ class Design:
             _packets("s_axis_initial", raster_stream_bytes(config)),
             Channel("poke", (("poke_value", 32),), "poke", "poke_ready"),
         )
+
+    def _stream_inside(self, name: str, width: int) -> Channel:
+        """Return a stream into an engine that is a part: its ports are found by their widths."""
+        text = self.verilog()
+        text = text[text.index(f"module {ENGINE}(") :]
+        found = re.search(rf"input \[{width - 1}:0\] ((?:{name}|i)__payload\w*);", text)
+        valid = found[1].replace("payload", "valid")
+        return Channel(name, ((found[1], width),), valid, f"{name}__ready")
 
     @property
     def outputs(self) -> tuple[Channel, ...]:
@@ -159,7 +195,7 @@ def wrapper(design: Design, select_bits: int) -> str:
             links.append(f".{channel.valid}({side}_valid[{number}]{outside})")
             links.append(f".{channel.ready}({side}_ready[{number}])")
     if design.top == "engine":
-        links += [".clk(clk)", ".rst(rst)", ".in_frame(level)"]
+        links += [".clk(clk)", ".rst(rst)", *([] if design.inside else [".in_frame(level)"])]
     else:
         links += [".aclk(clk)", ".aresetn(!rst)", ".irq(level)"]
         links += [f".s_axi_ctrl_{name}prot(3'd0)" for name in ("aw", "ar")]
@@ -170,7 +206,7 @@ def wrapper(design: Design, select_bits: int) -> str:
         f"  input [{pitch * counts['in'] - 1}:0] in_payload, input [31:0] in_valid,\n"
         f"  output [31:0] in_ready, output [{pitch * counts['out'] - 1}:0] out_payload,\n"
         "  output [31:0] out_valid, input [31:0] out_ready);\n"
-        f"assign has_in_frame = {int(design.top == 'engine')};\n"
+        f"assign has_in_frame = {int(design.top == 'engine' and not design.inside)};\n"
         f"assign in_ready[31:{counts['in']}] = 0;\n"
         f"assign out_valid[31:{counts['out']}] = 0;\n"
         + "".join(f"{line}\n" for line in assigns)

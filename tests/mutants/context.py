@@ -1,0 +1,64 @@
+"""Shows that mutants are equal where the design uses them: what :mod:`.prove` leaves.
+
+There a module gets any inputs. Here it gets those of the module that it is a part of, or its window
+is followed from a reset on.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from .cleared import may_be_cleared, prove_cleared
+from .keep import ROOT, digest, versions
+from .mutate import Mutant, prepared
+from .prove import compare
+from .tops import ENGINE, Design
+
+__all__ = ["CONTEXTS", "prove_in_context"]
+
+CONTEXTS = {
+    "cleared": "equal in its window, but for what the clearing after a reset overwrites",
+    "parent": "equal in the module that its own is a part of",
+}
+"""How a mutant is compared, in this order."""
+
+WHOLE = ("", "splatline", ENGINE)
+"""Modules that are too large to compare."""
+
+SOURCES = (
+    "aig.py",
+    "cleared.py",
+    "cleared_ports.v",
+    "clearing.py",
+    "invariants.py",
+    "lockstep.py",
+    "memories.v",
+    "memory_ports.v",
+    "renamed.py",
+)
+"""Files that the answers depend on."""
+
+
+def prove_in_context(design: Design, mutants: Sequence[Mutant]) -> Iterator[str]:
+    """Yield for each mutant how it is shown to be equal: one of ``CONTEXTS``, or ``open``."""
+    sources = [Path(__file__).with_name(name).read_text() for name in SOURCES]
+    name = f"{design.name}-{digest(prepared(design).name, sources, versions())}.json"
+    kept = ROOT / "contexts" / name
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    known = json.loads(kept.read_text()) if kept.exists() else {}
+    for mutant in mutants:
+        key = mutant.arguments()
+        if key not in known:
+            known[key] = _answer(design, mutant)
+            kept.write_text(json.dumps(known, indent=1))
+        yield known[key]
+
+
+def _answer(design: Design, mutant: Mutant) -> str:
+    """Return how a mutant is shown to be equal."""
+    if may_be_cleared(design, mutant) and prove_cleared(design, mutant):
+        return "cleared"
+    parent = mutant.module.rpartition("__")[0]
+    if parent not in WHOLE and compare(design, [mutant], "parts", parent) == ["equal"]:
+        return "parent"
+    return "open"
