@@ -36,6 +36,8 @@ def _table(numbers: dict) -> str:
     ]
     for kind, tally in numbers["kinds"].items():
         found = tally["outcomes"]
+        if not found:
+            continue
         counts = [
             sum(found.values()),
             *(found.get(each, 0) for each in ("done", "refused", "killed")),
