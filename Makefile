@@ -38,7 +38,7 @@ help:
 	@echo 'make test-tools  the tests of what measures the tests: mutants and coverage'
 	@echo 'make fuzz       corrupted cloud files: each is read or refused in one line (SECONDS=60)'
 	@echo 'make faults     streams, stalls, resets, upsets by the hundred thousand -> docs/faults.md'
-	@echo '                (PRESET=paper TOP=engine|axi COUNT=100000)'
+	@echo '                (PRESET=paper TOP=engine|axi COUNT=100000; TOP=host COUNT=10000: files, disks, kills)'
 	@echo 'make formal     proofs of the hardware, each with faults that it must find (PROOFS=lane: some)'
 	@echo 'make mutants    changes bits of the Verilog, and counts what the benches notice -> docs/mutants.md'
 	@echo '                (PRESET=paper COUNT=50: a sample, and no page)'
@@ -154,7 +154,8 @@ fuzz: setup
 
 # What is done so far is kept in build/faults, so that a run that was stopped goes on.
 faults: setup
-	@$(VENV)/bin/python -m splatline.sim.cosim.faults --preset $(PRESET) --top $(TOP) --count $(or $(COUNT),100000)
+	@$(VENV)/bin/python -m $(if $(filter host,$(TOP)),tests.cli.faults --count $(or $(COUNT),10000),\
+	  splatline.sim.cosim.faults --preset $(PRESET) --top $(TOP) --count $(or $(COUNT),100000))
 
 formal: setup
 	@$(VENV)/bin/python -m tests.formal.prove_all $(PROOFS)

@@ -11,6 +11,7 @@ from pathlib import Path
 from splatline.contract.config import EngineConfig
 from splatline.flow.timing.pnr import RESOURCES, placer, synthesis_options, synthesis_script
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
+from splatline.host.files.atomic_write import atomic_write
 
 from .verilog import TOP, system_files
 
@@ -52,6 +53,8 @@ def build_bitstream(
     ------
     ToolError
         If a tool fails, or a clock is not met: then there is no bitstream.
+    InputError
+        If the bitstream cannot be written.
     """
     files = system_files(soc, config)
     synthesis = synthesis_options(config)
@@ -75,7 +78,7 @@ def build_bitstream(
         if progress is not None:
             progress(0.95)
         run_ecppack(["--compress", "top.config", "top.bit"], folder)
-        bitstream.write_bytes((folder / "top.bit").read_bytes())
+        atomic_write(bitstream, (folder / "top.bit").read_bytes())
     return {
         "device": soc.platform.device,
         "seed": seed,

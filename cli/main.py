@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from splatline.cli.lazy_group import LazyGroup
+from splatline.cli.options.address_space import check_address_space
 from splatline.contract.errors import InputError
 from splatline.contract.tool_error import ToolFailure
 from splatline.flow.tools import ToolError
@@ -77,6 +78,14 @@ class Program(LazyGroup):
             code = INTERRUPTED
         sys.exit(code)
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Return the command that is run; see ``click.Group.resolve_command``."""
+        if args[0] in DRAWING:  # before its module loads a library
+            check_address_space()
+        return super().resolve_command(ctx, args)
+
 
 def _print_any_name() -> None:
     """Let names that the terminal's encoding lacks be printed with escapes, not as an error."""
@@ -134,6 +143,9 @@ COMMANDS = {
     "verilog": "splatline.cli.commands.verilog_synth:verilog",
     "view": "splatline.cli.commands.view:view",
 }
+
+DRAWING = {"bench", "encode", "film", "info", "play", "render", "view"}
+"""Commands that load numba."""
 
 
 @click.group(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,7 @@ def save_frame(
 ) -> None:
     """Write a frame's code words, little-endian 64-bit words, and its sidecar.
 
+    The sidecar has their checksum: after a run that was stopped, the two may not belong together.
     Plane words are written as little-endian 128-bit words, as on AXI.
 
     Parameters
@@ -56,11 +58,13 @@ def save_frame(
     InputError
         If a file cannot be written. No file is left half-written.
     """
+    data = np.ascontiguousarray(frame.codewords, "<u8").tobytes()
     sidecar = {
         "format": FORMAT,
         "version": VERSION,
         "width": frame.width,
         "height": frame.height,
+        "crc32": zlib.crc32(data),
         "config": _describe_config(frame.config),
         "tables": {
             field.name: getattr(frame.tables, field.name).tolist()
@@ -71,7 +75,7 @@ def save_frame(
         **(extra or {}),
     }
     text = json.dumps(sidecar, indent=1).encode()
-    atomic_write(path, np.ascontiguousarray(frame.codewords, "<u8").tobytes())
+    atomic_write(path, data)
     atomic_write(sidecar_path(path), text + b"\n")
 
 
@@ -118,6 +122,8 @@ def load_frame(path: str | Path) -> Frame:
     low = _low_halves(frame)
     if not len(low) or not _is_end(int(low[-1]), frame.config):
         raise InputError(f"{path} does not end with an end-of-frame word; it is cut short")
+    if sidecar.get("crc32", zlib.crc32(data)) != zlib.crc32(data):
+        raise InputError(f"{path} is not what {beside} describes; encode the frame again")
     return frame
 
 

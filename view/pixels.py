@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.raster import Raster
+from splatline.host.compiled_cache import cached_njit
 
 __all__ = ["opaque", "rgba_bytes"]
 
@@ -53,7 +54,7 @@ def opaque(levels: npt.NDArray[np.integer[Any]]) -> npt.NDArray[np.uint8]:
     return rgba
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _add(
     depth: npt.NDArray[np.uint16],
     colour: npt.NDArray[np.uint8],

@@ -6,8 +6,9 @@ records a new budget.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
+
+from splatline.flow.records import read_records, record_row
 
 __all__ = ["BUDGETS", "budget_name", "over_budget", "read_budgets", "record"]
 
@@ -17,7 +18,7 @@ BUDGETS = Path(__file__).with_name("budgets.json")
 
 def read_budgets() -> dict[str, dict[str, int]]:
     """Return the recorded counts, by preset."""
-    return json.loads(BUDGETS.read_text()) if BUDGETS.exists() else {}
+    return read_records(BUDGETS)
 
 
 def budget_name(preset: str, top: str = "engine") -> str:
@@ -36,6 +37,4 @@ def over_budget(counts: dict[str, int], budget: dict[str, int] | None) -> dict[s
 
 def record(preset: str, counts: dict[str, int]) -> None:
     """Record a preset's counts as its budget."""
-    budgets = {**read_budgets(), preset: counts}
-    rows = (f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in sorted(budgets.items()))
-    BUDGETS.write_text("{\n" + ",\n".join(rows) + "\n}\n")
+    record_row(BUDGETS, preset, counts)

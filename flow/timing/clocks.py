@@ -7,9 +7,10 @@ on the seeds and the tools' versions; the file says which.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
+
+from splatline.flow.records import read_records, record_row
 
 __all__ = ["CLOCKS", "read_clocks", "record"]
 
@@ -20,7 +21,7 @@ CLOCKS = Path(__file__).with_name("clocks.json")
 
 def read_clocks() -> dict[str, dict[str, Any]]:
     """Return the recorded clocks, by preset."""
-    return json.loads(CLOCKS.read_text()) if CLOCKS.exists() else {}
+    return read_records(CLOCKS)
 
 
 def record(result: dict[str, Any]) -> None:
@@ -44,6 +45,4 @@ def record(result: dict[str, Any]) -> None:
         f" --tries {len(seeds)} --record",
     }
     name = result["preset"] if result["top"] == "pins" else f"{result['preset']}, {result['top']}"
-    clocks = {**read_clocks(), name: clock}
-    rows = (f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in sorted(clocks.items()))
-    CLOCKS.write_text("{\n" + ",\n".join(rows) + "\n}\n")
+    record_row(CLOCKS, name, clock)

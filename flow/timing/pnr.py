@@ -91,7 +91,7 @@ def place_and_route(
     seed: int = 1,
     tries: int = 1,
     mhz: float = 100.0,
-    packed: Path | None = None,
+    packed: Callable[[bytes], None] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> dict:
     """Place and route a top on an ECP5; return its clock rate.
@@ -111,7 +111,7 @@ def place_and_route(
     mhz
         Target clock rate, which the slack refers to.
     packed
-        File for the bitstream; None: no bitstream.
+        Called with the bitstream; None: there is none.
     progress
         Called with the share of the tools' runs that are done, after each.
 
@@ -159,7 +159,7 @@ def place_and_route(
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if packed is not None:
             run_ecppack([f"{best}.config", "top.bit"], folder)
-            packed.write_bytes((folder / "top.bit").read_bytes())
+            packed((folder / "top.bit").read_bytes())
     estimate = estimate_timing(pin_netlist(config, name)[1]) if top == "pins" else None
     return {
         "preset": config.name,

@@ -14,6 +14,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 from .curve import common_levels
 from .curve_order import Curve, sort_along_curve
 from .prefetch import AHEAD, prefetch
@@ -150,7 +152,7 @@ def search_of(cells: Cells) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _find_distinct(order: Any, all_keys: Any, number: Any, first: Any, keys: Any) -> int:
     """Number the points by distinct keys; return how many there are."""
     distinct, last = 0, -1
@@ -164,7 +166,7 @@ def _find_distinct(order: Any, all_keys: Any, number: Any, first: Any, keys: Any
     return distinct
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _take_positions(positions: Any, first: Any, low: Any, unit: float, scaled: Any) -> None:
     """Copy the distinct points' positions, in units of the bulk's extent."""
     for i in nb.prange(len(first)):
@@ -173,7 +175,7 @@ def _take_positions(positions: Any, first: Any, low: Any, unit: float, scaled: A
             scaled[i, axis] = (positions[first[i], axis] - low[axis]) / unit
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _cut_cells(keys: Any, levels: int, starts: Any, depths: Any) -> int:
     """Set the cells' starts and levels; return how many there are.
 

@@ -8,6 +8,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 from .curve import spread_bits
 
 __all__ = ["Curve", "sort_along_curve"]
@@ -88,7 +90,7 @@ def _bulk(positions: _Floats) -> tuple[_Floats, float]:
     return least, extent if extent > 0.0 else 1.0
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def limits(positions: Any) -> tuple[Any, Any]:
     """Return the least and greatest coordinates (numpy takes four times as long by columns)."""
     low, high = positions[0].copy(), positions[0].copy()
@@ -100,7 +102,7 @@ def limits(positions: Any) -> tuple[Any, Any]:
     return low, high
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _set_keys(
     positions: Any, low: Any, unit: float, levels: int, number_bits: int, keys: Any
 ) -> None:
@@ -114,7 +116,7 @@ def _set_keys(
         keys[i] = key << number_bits | i
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _split_keys(number_bits: int, order: Any, keys: Any) -> None:
     """Split each key into its point's number and its position along the curve."""
     mask = (1 << number_bits) - 1

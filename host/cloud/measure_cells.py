@@ -9,6 +9,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 from .cell_normals import estimate_in_cell, new_workspace, take_around
 from .cell_radii import close_in_cell
 from .cells import Cells, parts_of, search_of
@@ -52,7 +54,7 @@ def measure_cells(
         _measure(search_of(cells), cuts, few, closing is not None, *arrays)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _measure(
     search: Any,
     cuts: Any,

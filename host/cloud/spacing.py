@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
+from splatline.host.compiled_cache import cached_njit
 
 from .cells import Cells, build_cells, parts_of
 from .closing import Closing
@@ -154,7 +155,7 @@ def _close(
     return Discs(radii, alone[cells.number])
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _take_normals(normals: Any, first: Any, own: Any) -> None:
     """Copy the distinct points' normals."""
     for i in nb.prange(len(first)):
@@ -163,7 +164,7 @@ def _take_normals(normals: Any, first: Any, own: Any) -> None:
             own[i, axis] = normals[first[i], axis]
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _even_out(starts: Any, cuts: Any, raw: Any, thin: Any, even: Any, alone: Any) -> None:
     """Limit each radius by the median of those about its cell, along the curve.
 
@@ -207,7 +208,7 @@ def _median(values: Any, first: int, last: int) -> float:
     return ordered[half] if len(ordered) % 2 else 0.5 * (ordered[half - 1] + ordered[half])
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _spread_out(even: Any, number: Any, unit: float, radii: Any) -> None:
     """Set every point's radius in the cloud's unit."""
     for i in nb.prange(len(radii)):

@@ -9,6 +9,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 from .bulk import bounds
 from .cloud import Cloud
 
@@ -87,7 +89,7 @@ def _column_of(positions: Any, i: int, order: Any, low: Any, scale: float, side:
     return first * side + int((positions[i, order[1]] - low[order[1]]) * scale)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _add_points(
     positions: Any,
     normals: Any,
@@ -108,7 +110,7 @@ def _add_points(
             column[4 + k] += turn * normals[i, order[k]]
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _measure_thickness(
     positions: Any, order: Any, low: Any, scale: float, side: int, sign: float, columns: Any
 ) -> None:
@@ -128,7 +130,7 @@ def _measure_thickness(
         column[7], column[8] = min(column[7], height), max(column[8], height)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _turn(
     positions: Any,
     order: Any,

@@ -21,6 +21,7 @@ from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.contract.plane import SUM_FRACTION
+from splatline.host.compiled_cache import cached_njit
 
 from .encode import Encoded
 from .read_stream import read_stream
@@ -138,7 +139,7 @@ def _shown(
     return shown
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _mark_shown(
     low: Any, high: Any, lines: Any, bands: Any, image: Any, layout: Any, shown: Any
 ) -> None:

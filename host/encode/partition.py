@@ -10,6 +10,7 @@ import numpy as np
 
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
+from splatline.host.compiled_cache import cached_njit
 
 from .partition_methods import DEFAULT_METHOD, METHODS
 from .read_stream import read_stream
@@ -86,7 +87,7 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
     ]
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _by_line(lines: Any, engines: int) -> Any:
     """Return the owners of whole lines: each goes to the engine with the fewest elements so far."""
     owners = np.empty(len(lines), np.int64)
@@ -103,7 +104,7 @@ def _by_line(lines: Any, engines: int) -> Any:
     return owners
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _by_column(columns: Any, lines: Any, engines: int, width: int) -> tuple[Any, Any]:
     """Return the order of the elements by line and engine, and each one's owner.
 
@@ -150,7 +151,7 @@ def _alternating(rank: int, count: int) -> int:
     return 2 * rank if rank < half else 2 * (rank - half) + 1
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _write(
     elements: Any,
     lines: Any,

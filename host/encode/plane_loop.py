@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.visibility.footprint import FLAT, SMALLEST, conic, is_tiny
 from splatline.host.visibility.occlusion import is_hidden
 from splatline.host.visibility.splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
@@ -30,7 +31,7 @@ SLACK = 4.0
 step over 14 pixels, 1.75, half a level and half a unit of Z, cut off."""
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def encode_plane_splats(
     wave: Any, source: Any, fixed: Any, layout: Any, to: Any, occluders: Any, slots: Any
 ) -> None:

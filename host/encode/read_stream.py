@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.config import ROWS, EngineConfig
 from splatline.contract.errors import InputError
+from splatline.host.compiled_cache import cached_njit
 
 from .stand_ins import stand_in
 
@@ -53,7 +53,7 @@ def _at(config: EngineConfig) -> npt.NDArray[np.int64]:
     return np.array([*rows, config.control_end.lsb, config.x.lsb, config.x.mask], np.int64)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _read(words: Any, fields: Any) -> tuple[Any, Any, bool]:
     """Return the elements up to the end word, their lines, and whether there is an end word."""
     elements = np.empty(len(words), np.uint64)

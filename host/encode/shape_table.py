@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.shading.normal_levels import LEVELS, level_slopes, quantise
 
 __all__ = ["EMPTY_SCANS", "LEVELS", "SIZES", "level_slopes", "quantise", "row_span", "shape_table"]
@@ -61,7 +62,7 @@ def shape_table() -> npt.NDArray[np.uint32]:
     return _build_table(level_slopes())
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _build_table(slopes: Any) -> Any:
     table = np.empty((SIZES, LEVELS, LEVELS, 4), np.uint32)
     for size in range(SIZES):

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.config import EngineConfig
+from splatline.host.compiled_cache import cached_njit
 
 from .encode import Encoded
 from .shape_table import EMPTY_SCANS
@@ -139,7 +140,7 @@ def _value(word: int, plane: Any) -> Any:
     return high << np.uint64(32) | low >> np.uint64(32), low
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _by_line(words: Any, chunks: Any, sorted_words: Any) -> None:
     """Bring the words of each line together; each chunk knows where its own go."""
     lines, begins, ends, before = chunks
@@ -151,7 +152,7 @@ def _by_line(words: Any, chunks: Any, sorted_words: Any) -> None:
             sorted_words[position] = words[i]
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _by_column(
     words: Any,
     ordered: Any,

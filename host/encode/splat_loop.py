@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.shading.normal_levels import LEVELS, quantise
 from splatline.host.visibility.footprint import (
     FLAT,
@@ -101,7 +102,7 @@ class Shapes(NamedTuple):
     largest_compact: int
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def measure_room(source: Any, fixed: Any, size: Any, inside: Any, room: Any) -> None:
     """Set the slots that each chunk needs: for the most words that it may have, and one more.
 
@@ -233,7 +234,7 @@ class Slots(NamedTuple):
         )
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def encode_splats(
     wave: Any, source: Any, fixed: Any, shapes: Any, to: Any, occluders: Any, slots: Any
 ) -> None:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import are_control
+from splatline.host.compiled_cache import cached_njit
 
 __all__ = ["X_LSB", "number_of", "replace", "stand_in"]
 
@@ -59,7 +60,7 @@ def number_of(word: Any) -> Any:
     return word >> np.uint64(1) & np.uint64((1 << X_LSB - 1) - 1)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _replace(stream: Any, words: Any, found: Any) -> None:
     """Fill in the words of a stream."""
     for i in nb.prange(len(stream)):

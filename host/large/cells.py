@@ -14,6 +14,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 __all__ = ["KEY", "POINTS", "VALUES", "CellTable"]
 
 KEY, POINTS, VALUES = 0, 1, 2
@@ -118,7 +120,7 @@ class CellTable:
         self.add(keys, points, np.ascontiguousarray(rows[:, VALUES:]))
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _add(keys: Any, points: Any, values: Any, begins: Any, rows: Any, fill: Any) -> None:
     """Add points to the parts of a table, each up to the point for which it has no room.
 
@@ -158,7 +160,7 @@ def _add(keys: Any, points: Any, values: Any, begins: Any, rows: Any, fill: Any)
         begins[part] = i
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _means(table: Any, used: Any, means: Any, points: Any) -> None:
     """Set the means of the rows that are used, and their points."""
     for i in nb.prange(len(used)):

@@ -13,6 +13,7 @@ from llvmlite import ir
 from numba.extending import intrinsic
 
 from splatline.contract.errors import InputError
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.visibility.cull import Camera, from_eye
 from splatline.host.visibility.view import View
 
@@ -232,7 +233,7 @@ def _bits(_: Any, number: Any) -> Any:
     return nb.int64(nb.float64), code
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _keys(
     positions: Any, origin: Any, camera: Any, grid: Any, inverse: float, keys: Any, whole: Any
 ) -> None:
@@ -272,7 +273,7 @@ def _keys(
         whole[i, 2] = math.floor(z * inverse + 0.5)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _round(values: Any, inverse: Any, whole: Any) -> None:
     """Set a point's other values as whole numbers, behind its coordinates."""
     for i in nb.prange(len(values)):

@@ -8,6 +8,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.encode.tile import GUARD_COLUMNS, Tile
 from splatline.host.visibility.splats import COLUMN, DIAMETER, LINE, SPLAT, Splats
 from splatline.host.visibility.view import LARGEST, View
@@ -122,7 +123,7 @@ def _tiles_of(
     return min(max(first, 0), tiles - 1), min(max(last, 0), tiles - 1)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _count(floats: Any, starts: Any, stops: Any, camera: Any, row: Any, counts: Any) -> None:
     """Count the splats of each tile and chunk: shape (tiles, chunks)."""
     for chunk in nb.prange(len(starts)):
@@ -133,7 +134,7 @@ def _count(floats: Any, starts: Any, stops: Any, camera: Any, row: Any, counts: 
                 counts[tile, chunk] += 1
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _fill(
     floats: Any,
     bits: Any,

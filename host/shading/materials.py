@@ -12,6 +12,7 @@ import numpy.typing as npt
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Tables
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.compiled_cache import cached_njit
 
 from .lighting import Lighting
 
@@ -138,14 +139,14 @@ def _colours_of(keys: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     return np.stack([keys >> 16, keys >> 8 & 255, keys & 255], axis=-1)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _mark(colours: Any, lookup: Any) -> None:
     """Set the entry of each colour that occurs."""
     for i in range(len(colours)):
         lookup[np.int64(colours[i, 0]) << 16 | np.int64(colours[i, 1]) << 8 | colours[i, 2]] = 1
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _look_up(colours: Any, lookup: Any, index: Any) -> None:
     """Set each point's entry of a table by colour."""
     for i in nb.prange(len(colours)):

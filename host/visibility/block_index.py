@@ -16,6 +16,7 @@ import numpy.typing as npt
 from splatline.contract.errors import InputError
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.prefetch import AHEAD, prefetch
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.shading.materials import Materials, find_materials
 
 from .groups import GROUP_POINTS, bound_group
@@ -168,7 +169,7 @@ def _check_radii(radii: npt.NDArray[np.floating[Any]], count: int) -> None:
         raise InputError("every radius must be a finite length, 0 or more")
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _gather(
     order: Any,
     from_positions: Any,
@@ -224,7 +225,7 @@ def _gather(
             bound_group(discs[first // GROUP_POINTS], last - first, bounds[block], group)
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def _bound_sphere(bound: Any, positions: Any, radii: Any) -> None:
     """Set the sphere about a block's points, and the sizes of its discs."""
     for axis in range(3):
@@ -246,7 +247,7 @@ def _bound_sphere(bound: Any, positions: Any, radii: Any) -> None:
     bound.mean = total / len(positions)
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def _bound_cone(bound: Any, normals: Any, two_sided: Any) -> None:
     """Set the cone about a block's normals; there is none if one is two-sided or 90 degrees off."""
     x, y, z = 0.0, 0.0, 0.0

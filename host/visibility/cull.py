@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 
 import numba as nb
 
+from splatline.host.compiled_cache import cached_njit
+
 from .skips import REASONS
 from .view import View
 
@@ -175,7 +177,7 @@ def misses_centre(column: float, line: float, radius: float, a: float, b: float)
     return dx * dx + dy * dy > reach * reach * (1.0 + a * a + b * b)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def cull_blocks(bounds: Any, camera: Any, rules: Any, status: Any) -> None:
     """Set for each block the reason to leave all of it out, or 0.
 

@@ -8,6 +8,8 @@ from typing import Any
 import numba as nb
 import numpy as np
 
+from splatline.host.compiled_cache import cached_njit
+
 from .splats import DEPTH, DIAMETER, SLOPE_X, SLOPE_Y, Splats
 from .view import View
 
@@ -51,7 +53,7 @@ def depth_extent(splats: Splats, view: View, levels: int) -> tuple[float, float]
     return low, high + (high - low) * ROUNDING / levels
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _extents(
     floats: Any, doubles: Any, starts: Any, stops: Any, inverse_focal: float, limits: Any
 ) -> None:

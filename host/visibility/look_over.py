@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.host.cloud.prefetch import AHEAD, prefetch
+from splatline.host.compiled_cache import cached_njit
 
 from .block_index import BLOCK_POINTS
 from .cull import ROUNDING, from_eye
@@ -65,7 +66,7 @@ class Blocks(NamedTuple):
     kept: npt.NDArray[np.int32]
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -> None:
     """List the points that are kept, and count all by chunk and reason.
 

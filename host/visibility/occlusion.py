@@ -19,6 +19,7 @@ import numpy.typing as npt
 from splatline.contract.codeword import plane_at, plane_fields, unfold, unfold_plane
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.plane import SUM_FRACTION
+from splatline.host.compiled_cache import cached_njit
 
 __all__ = ["Pyramid", "cover", "cover_planes", "is_hidden", "new_pyramid"]
 
@@ -176,7 +177,7 @@ def _add_block(
             _add(both >> WIDE * HIGH & FULL, z, row, column + 1, bound, mask, gathered)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _cover(
     words: Any,
     lines: Any,
@@ -206,7 +207,7 @@ def _cover(
                 _add_block(block, top, x, z, first, end, bound, mask, gathered)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def _cover_planes(
     words: Any,
     lines: Any,

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.host.cloud.prefetch import AHEAD, prefetch
+from splatline.host.compiled_cache import cached_njit
 
 from .block_index import BLOCK_BITS, BLOCK_POINTS
 from .cull import from_eye, lies_inside
@@ -79,7 +80,7 @@ class Slots(NamedTuple):
     nearest: npt.NDArray[np.int32]
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any) -> None:
     """Project the visible blocks, chunk by chunk, each into its own slots.
 

@@ -9,6 +9,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 __all__ = ["Reach", "measure_reach"]
 
 CHUNKS = 64
@@ -84,7 +86,7 @@ def measure_reach(
     )  # fmt: skip
 
 
-@nb.njit(parallel=True, cache=True, nogil=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _measure(
     positions: Any,
     radii: Any,

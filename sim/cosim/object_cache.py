@@ -23,6 +23,9 @@ __all__ = ["main"]
 HEADERS = '#include "verilated.h"\n#include "verilated_vpi.h"\n#include "verilated_dpi.h"\n'
 """Headers of the run-time library that a design includes."""
 
+SIZE = hashlib.sha256().digest_size
+"""Bytes of the digest before a kept object: one that is damaged is compiled anew."""
+
 
 def main(folder: Path, command: list[str]) -> int:
     """Run a compiler command, or copy the object of the same command; return the exit code."""
@@ -35,18 +38,24 @@ def main(folder: Path, command: list[str]) -> int:
     if not source.with_name("verilated.mk").exists():
         headers = _headers(folder, command[0], flags) if "-O0" in flags else []
         return subprocess.call([command[0], *headers, *command[1:]])
-    kept = folder / f"{_digest(command[0], flags, source.name, source.read_text())}.o"
-    if kept.exists():
-        shutil.copyfile(kept, target)
+    kept = folder / f"{_digest(command[0], flags, source.name, source.read_text())}.kept"
+    data = kept.read_bytes() if kept.exists() else b""
+    if data[:SIZE] == hashlib.sha256(data[SIZE:]).digest():
+        target.write_bytes(data[SIZE:])
         return 0
     status = subprocess.call(command)
     if status == 0:
-        folder.mkdir(parents=True, exist_ok=True)
-        # Written to a temporary name and renamed, as another process may read it at any time.
-        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as scratch:
-            scratch.write(target.read_bytes())
-        Path(scratch.name).replace(kept)
+        data = target.read_bytes()
+        _keep(kept, hashlib.sha256(data).digest() + data)
     return status
+
+
+def _keep(path: Path, data: bytes) -> None:
+    """Write a file to a temporary name and rename it, as another process may read it any time."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as scratch:
+        scratch.write(data)
+    Path(scratch.name).replace(path)
 
 
 def _headers(folder: Path, compiler: str, flags: list[str]) -> list[str]:
@@ -55,8 +64,7 @@ def _headers(folder: Path, compiler: str, flags: list[str]) -> list[str]:
     header = folder / f"{_digest(compiler, sorted(flags), HEADERS)}.h"
     compiled = Path(f"{header}.gch")
     if not compiled.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        header.write_text(HEADERS)
+        _keep(header, HEADERS.encode())
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             own = Path(scratch) / compiled.name
             if subprocess.call([compiler, *flags, "-x", "c++-header", "-o", str(own), str(header)]):

@@ -182,12 +182,22 @@ def build(
         *visible,
     )
     folder = cache_folder() / "cosim" / f"{top}-{simulator}-{digest}"
-    if (folder / "done").exists():
+    if _is_whole(folder, top):
         return Build(folder, top, simulator, reused=True)
 
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    # Built in a scratch folder and renamed, so that an incomplete build is never used.
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f"{top}-building-") as scratch:
+    with contextlib.ExitStack() as stack:
+        try:
+            shutil.rmtree(folder, ignore_errors=True)  # what is there is damaged
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            # Built in a scratch folder and renamed, so that an incomplete build is never used.
+            scratch = stack.enter_context(
+                tempfile.TemporaryDirectory(dir=folder.parent, prefix=f"{top}-building-")
+            )
+        except OSError as error:
+            raise InputError(
+                f"no simulator can be built in {folder.parent}: {error.strerror};"
+                " name another folder with SPLATLINE_CACHE"
+            ) from None
         work = Path(scratch) / "work"
         work.mkdir()
         paths = _write_sources(work, sources, top, simulator, visible)
@@ -205,10 +215,27 @@ def build(
                 )
         except (SystemExit, RuntimeError, OSError, ValueError) as error:
             raise SimulationError(f"{simulator} could not build {top}\n{_tail(log)}") from error
-        (work / "done").write_text("")
+        (work / "done").write_text(_program_digest(work, top))
         with contextlib.suppress(OSError):  # another process finished the same build first
             work.rename(folder)
     return Build(folder, top, simulator, reused=False)
+
+
+def _is_whole(folder: Path, top: str) -> bool:
+    """Return whether a simulator was built in a folder, and its program is as it was then.
+
+    An older Splatline left no digest.
+    """
+    try:
+        return (folder / "done").read_text() in ("", _program_digest(folder, top))
+    except OSError:
+        return False
+
+
+def _program_digest(folder: Path, top: str) -> str:
+    """Return the digest of a simulator's program: Verilator's, or what Icarus runs."""
+    programs = (path for path in (folder / top, folder / "sim.vvp") if path.is_file())
+    return hashlib.sha256(b"".join(path.read_bytes() for path in programs)).hexdigest()
 
 
 def _digest(sources: object, top: str, simulator: str, *inputs: object) -> str:

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba as nb
 import numpy as np
 
 from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK
+from splatline.host.compiled_cache import cached_njit
 
 from .blocks_flush import BEATS, FLUSHED, HERE, LINE, OLDEST, WRITTEN, new_scan, reached, step_scan
 from .front import ABOVE, EMPTY, END_WORD, FOLLOWING, HEAD, Machine, advance, new_front
@@ -35,7 +35,7 @@ LAGGING = 2
 """A flush has priority over an element that begins so many lines or more below it, modulo 8."""
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def count_blocks(words: Any, highs: Any, machine: Machine) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
@@ -122,13 +122,13 @@ def count_blocks(words: Any, highs: Any, machine: Machine) -> int:
     return 0
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _rows(word: int) -> int:
     """Return the lines that an element may have: 4 or 8."""
     return BLOCK // 2 if word & 1 else BLOCK
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _place(index: int, words: Any, highs: Any, top: int, block: Any, machine: Machine) -> None:
     """Set ``block`` to that of an element, clipped to the image, columns by whole words."""
     rows = np.empty((BLOCK, 2), np.int64)
@@ -147,7 +147,7 @@ def _place(index: int, words: Any, highs: Any, top: int, block: Any, machine: Ma
         block[ROWS + row] = (2 << last) - (1 << first) & inside if filled else 0
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _mark(block: Any, scan: Any, dirty_bits: Any, machine: Machine) -> None:
     """Set the dirty bits of the beats that an element is drawn into."""
     for row in range(BLOCK):

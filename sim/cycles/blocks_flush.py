@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba as nb
 import numpy as np
+
+from splatline.host.compiled_cache import cached_njit
 
 __all__ = [
     "BEATS",
@@ -51,7 +52,7 @@ STRETCH = 4
 """
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def new_scan() -> Any:
     """Return the flush scan's registers after reset."""
     scan = np.zeros(TURN + 1, np.int64)
@@ -59,14 +60,14 @@ def new_scan() -> Any:
     return scan
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def reached(beat: int, next_beat: int, dirty_bits: Any) -> int:
     """Return the stretches of two beats of a line, a bit each."""
     beats = dirty_bits.shape[1]
     return 1 << beat % beats // STRETCH | 1 << next_beat % beats // STRETCH
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def step_scan(
     scan: Any, dirty_bits: Any, top: int, flushing: bool, reach: int, enable: bool
 ) -> None:

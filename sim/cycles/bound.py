@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
@@ -16,6 +15,7 @@ from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK
 from splatline.contract.fields import Field
 from splatline.contract.frame import Frame, are_control
+from splatline.host.compiled_cache import cached_njit
 from splatline.sim.golden.compact_words import expand_frame
 from splatline.sim.golden.renderer import render
 
@@ -79,7 +79,7 @@ def bound_cycles(frame: Frame) -> int:
     return max(slid, -(-pixels // memories))
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _slide(upper: Any, lower: Any, costs: Any, beats: Any, lines: int) -> int:
     """Return the cycles in which elements pass through a window that slides down the image.
 
@@ -131,7 +131,7 @@ def _take(words: _Ints, field: Field) -> _Ints:
     return words >> field.lsb & field.mask
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _rows(words: Any, highs: Any) -> Any:
     """Return first and last column of each row of each element's block: shape (n, 8, 2), int64.
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.codeword import COLUMN, FIRST, LAST
 from splatline.contract.config import BLOCK, COMPACT, ROWS, EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.host.compiled_cache import cached_njit
 from splatline.sim.golden.plane_kernel import PlaneLayout, plane_layout_of
 
 __all__ = [
@@ -184,7 +184,7 @@ class Front(NamedTuple):
     rom_tops: Any
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def new_front() -> Front:
     """Return empty stages before the first code word."""
     state = np.array([0, -ABOVE, EMPTY])
@@ -192,7 +192,7 @@ def new_front() -> Front:
     return Front(held, np.zeros_like(held), state, rom, np.zeros_like(rom))
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def advance(words: Any, front: Front, done: bool, machine: Machine, rigid: bool = False) -> bool:
     """Advance all stages by a cycle; return whether the last stage was loaded.
 
@@ -241,7 +241,7 @@ def advance(words: Any, front: Front, done: bool, machine: Machine, rigid: bool 
     return head_moves
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _advance_rom(words: Any, front: Front, machine: Machine) -> None:
     """Advance the stages of the shape ROM by a cycle.
 
@@ -262,17 +262,17 @@ def _advance_rom(words: Any, front: Front, machine: Machine) -> None:
             rom[stage - 1] = rom[0] + 1 if two else EMPTY
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _is_pair(word: int, machine: Machine) -> bool:
     return word >> machine.pair_lsb & 1 == 1
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _is_compact(word: int) -> bool:
     return not word & 1 and word >> MARK_LSB & MARK_MASK == COMPACT
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _is_control(word: int) -> bool:
     empty = True
     for row in range(ROWS):

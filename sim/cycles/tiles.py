@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
 
 from splatline.contract.codeword import unfold, unfold_plane
 from splatline.contract.config import BLOCK
 from splatline.contract.plane import SHIFTS, SUM_FRACTION, Z_FRACTION
+from splatline.host.compiled_cache import cached_njit
 
 from .front import ABOVE, EMPTY, END_WORD, FIRST_STAGE, FOLLOWING, HEAD, Machine, advance, new_front
 
@@ -89,7 +89,7 @@ class Lanes(NamedTuple):
 """
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def count_tiles(words: Any, highs: Any, machine: Machine, trace: Any) -> int:
     """Return the cycles from the first code word taken to the end beat, both included.
 
@@ -194,7 +194,7 @@ def count_tiles(words: Any, highs: Any, machine: Machine, trace: Any) -> int:
     return 0
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _new_lanes(machine: Machine) -> Lanes:
     """Return the registers after reset."""
     scan = np.zeros(CHOSEN + 1, np.int64)
@@ -204,13 +204,13 @@ def _new_lanes(machine: Machine) -> Lanes:
     return Lanes(tiles, np.zeros(1, np.int64), dirty_bits, scan)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _meets_row(tile: Any, line: int) -> bool:
     """Return whether a tile draws into the row of lanes of a line."""
     return tile[2 + (line - tile[0]) % SIDE] != 0
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _lowest(bits: int) -> int:
     """Return the number of the lowest bit that is set, or 0."""
     number = 0
@@ -219,7 +219,7 @@ def _lowest(bits: int) -> int:
     return number
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _compare(near: Any, ahead: int, missing: bool, machine: Machine) -> None:
     """Set whether the lines of the upper and of the lower tiles are in the window.
 
@@ -232,7 +232,7 @@ def _compare(near: Any, ahead: int, missing: bool, machine: Machine) -> None:
         near[lower] = not missing and ahead < room
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def least_lane_cycles(words: Any, highs: Any, pixels: int) -> Any:
     """Return the least cycles in which lanes can draw each element, one pixel a lane and cycle.
 
@@ -264,7 +264,7 @@ def least_lane_cycles(words: Any, highs: Any, pixels: int) -> Any:
     return cycles
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _cut(words: Any, highs: Any, index: int, tiles: Any, pixels: int) -> tuple[int, int]:
     """Cut the element of a code word into its tiles.
 
@@ -294,7 +294,7 @@ def _cut(words: Any, highs: Any, index: int, tiles: Any, pixels: int) -> tuple[i
     return left, right
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _clip(
     columns: Any, top: int, x: int, right: int, number: int, tile: Any, machine: Machine
 ) -> None:
@@ -316,7 +316,7 @@ def _clip(
         tile[2 + k] = columns[k] & inside if 0 <= line + k <= machine.last_line else 0
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _cut_beyond(high: int, top: int, x: int, tile: Any, machine: Machine) -> None:
     """Clear the pixels of a tile that lie beyond the background's depth."""
     plane = machine.plane
@@ -332,7 +332,7 @@ def _cut_beyond(high: int, top: int, x: int, tile: Any, machine: Machine) -> Non
             tile[2 + k] &= ~(int(total >= beyond) << j)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _meet(tile: Any, other: Any, machine: Machine) -> bool:
     """Return whether two tiles overlap, by slots and window words as the hardware compares them."""
     lines, columns = machine.lines, machine.pixels * 2 * machine.half_words
@@ -340,7 +340,7 @@ def _meet(tile: Any, other: Any, machine: Machine) -> bool:
     return min(line, lines - line) < SIDE and min(column, columns - column) < machine.pixels
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
     """Set the dirty bits of the words that a tile is drawn into."""
     for k in range(SIDE):
@@ -351,7 +351,7 @@ def _mark(tile: Any, lanes: Lanes, machine: Machine) -> None:
                 lanes.scan[WRITTEN] |= 1 << place
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _reach(tile: Any, machine: Machine) -> int:
     """Return the stretches of a tile's two words, a bit each, with or without pixels there."""
     words = 2 * machine.half_words
@@ -362,7 +362,7 @@ def _reach(tile: Any, machine: Machine) -> int:
     return reach
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _step(lanes: Lanes, flushing: bool, reach: int, enable: bool, machine: Machine) -> None:
     """Advance the flush scan by a cycle: by a word, a stretch, a line, or over all clean lines."""
     scan, dirty_bits = lanes.scan, lanes.dirty_bits

@@ -20,6 +20,7 @@ from numba.extending import intrinsic
 
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.host.compiled_cache import cached_njit
 
 __all__ = [
     "ABOVE", "BELOW", "CARRY_LSB", "LANES", "ROW_BITS", "Layout", "draw_bands", "filled_rows",
@@ -92,7 +93,7 @@ def layout_of(config: EngineConfig) -> Layout:
     )
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def index_lines(words: Any, lines: int, layout: Layout) -> Any:
     """Find the code words of each line of the image.
 
@@ -128,7 +129,7 @@ def index_lines(words: Any, lines: int, layout: Layout) -> Any:
     return starts, False
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def draw_bands(
     words: Any,
     starts: Any,
@@ -174,7 +175,7 @@ def draw_bands(
                 _close_line(canvas, y - ABOVE, ambient, coefficients, layout, depth, colour)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _open_line(canvas: Any, line: int, layout: Layout, depth: Any) -> None:
     """Fill a line of the canvas with untouched pixels."""
     pixels = canvas[line % BLOCK]
@@ -183,7 +184,7 @@ def _open_line(canvas: Any, line: int, layout: Layout, depth: Any) -> None:
         pixels[column] = UNTOUCHED | stored << layout.z_lsb
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout: Layout) -> None:
     """Draw the elements of one line into the canvas."""
     pixels = canvas.reshape(-1)
@@ -215,7 +216,7 @@ def _draw_line(words: Any, starts: Any, canvas: Any, y: int, width: int, layout:
                 _draw_row(pixels, below + x + BLOCK - 1 + shifted - last, count, key, word)
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _middle(word: int) -> Any:
     """Return a symmetric word, and the lines and columns by which its middle lies off.
 
@@ -231,7 +232,7 @@ def _middle(word: int) -> Any:
     return word, 0, np.int64(first > last) & np.int64(first >> ONE & ONE)
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _draw_row(pixels: Any, start: int, count: int, key: int, word: int) -> None:
     """Draw ``count`` pixels of a line: the nearest stays, and of equal depths the first drawn."""
     for offset in range(0, count, LANES):
@@ -242,7 +243,7 @@ def _draw_row(pixels: Any, start: int, count: int, key: int, word: int) -> None:
             pixels[start + offset + lane] = word if passes else old
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _close_line(
     canvas: Any,
     line: int,
@@ -274,19 +275,19 @@ def _close_line(
             colour[line, column, channel] = min(level, layout.channel_max)
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _field(word: int, lsb: int, mask: int) -> Any:
     """Return the value of a field."""
     return word >> lsb & mask
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _is_control(word: int) -> Any:
     """Return whether a code word is a control word."""
     return (word & MODE != 0) & (filled_rows(word) == 0)
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def filled_rows(word: int) -> Any:
     """Return a bit for each row, at ``CARRY_LSB + ROW_BITS * row``, set if the row is not empty.
 

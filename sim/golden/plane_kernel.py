@@ -14,6 +14,7 @@ import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
+from splatline.host.compiled_cache import cached_njit
 
 from .kernel import ABOVE, BELOW, LANES, ROW_BITS, filled_rows, lowest_bit
 
@@ -83,7 +84,7 @@ def plane_layout_of(config: EngineConfig) -> PlaneLayout:
     )
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def draw_plane_bands(
     words: Any,
     starts: Any,
@@ -124,7 +125,7 @@ def draw_plane_bands(
                 _close_line(canvas, y - ABOVE, ambient, coefficients, layout, depth, colour)
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _bits(word: int, lsb: int, width: int) -> int:
     """Return the value of an unsigned field."""
     return word >> lsb & (1 << width) - 1
@@ -136,7 +137,7 @@ def _inside(place: Any) -> Any:
     return min(max(place, 0), BLOCK - 1)
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) -> None:
     """Draw a code word into the canvas; a control word has no row and draws nothing."""
     x = _bits(low, layout.x_lsb, layout.x_bits)
@@ -174,7 +175,7 @@ def _draw_word(low: int, high: int, y: int, layout: PlaneLayout, canvas: Any) ->
             _draw_row(pixels, begin, last - first + 1, total, a, look, layout.background)
 
 
-@nb.njit(cache=True, nogil=True, inline="always")
+@cached_njit(inline="always")
 def _draw_row(
     pixels: Any, begin: int, count: int, total: int, a: int, look: int, background: int
 ) -> None:
@@ -195,7 +196,7 @@ def _draw_row(
             pixels[begin + offset + lane] = z | look if passes else old
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _close_line(
     canvas: Any,
     line: int,

@@ -13,6 +13,7 @@ import numba
 import numpy as np
 
 from splatline.contract.config import BLOCK
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.encode.shape_table import LEVELS, quantise
 
 from .reference_kernel import bound_disc, bound_part
@@ -59,7 +60,7 @@ FAR = 1e9
 """A position in pixels beyond any image."""
 
 
-@numba.njit(cache=True, nogil=True, parallel=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def place_splats(discs: Any, camera: Any, rounding: Any, slopes: Any, splats: Any) -> None:
     """Fill in ``splats``; a splat that is not drawn gets left > right.
 

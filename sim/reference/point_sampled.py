@@ -11,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.encode.shape_table import level_slopes, quantise
 from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import find_materials
@@ -233,7 +233,7 @@ def _looked_up(table: npt.NDArray[np.uint16], normals: _Floats) -> npt.NDArray[n
     return table[level[0], level[1]]
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def _shade_levels(normals: Any, levels: int, level: Any) -> None:
     """Fill in each normal's levels of n'x and n'y."""
     for i in range(len(normals)):

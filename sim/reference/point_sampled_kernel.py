@@ -10,6 +10,7 @@ import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
 from splatline.contract.plane import SHIFTS, SUM_FRACTION, Z_FRACTION
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.encode.large_splats import STEEP, cut, fraction_size
 
 from .footprints import meet, plane_depth
@@ -25,7 +26,7 @@ BAND = 16
 """Lines of the image in a band."""
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def _sort_into_bands(splats: Any, bands: int) -> tuple[Any, Any]:
     """Return the splats of each band, in order: ``members[starts[b]:starts[b + 1]]``."""
     starts = np.zeros(bands + 1, np.int64)
@@ -67,7 +68,7 @@ def draw_bands(
     _draw_bands(starts, members, splats, discs, camera, coding, depth, codes, seen)
 
 
-@numba.njit(cache=True, nogil=True, parallel=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def _draw_bands(
     starts: Any,
     members: Any,

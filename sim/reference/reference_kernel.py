@@ -7,13 +7,15 @@ from typing import Any
 import numba
 import numpy as np
 
+from splatline.host.compiled_cache import cached_njit
+
 __all__ = ["BAND", "bound_disc", "bound_discs", "bound_part", "draw_bands", "sort_into_bands"]
 
 BAND = 16
 """Lines of the image in a band; the samples of a band fit a core's cache."""
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def bound_discs(
     centres: Any,
     normals: Any,
@@ -51,7 +53,7 @@ def bound_discs(
             boxes[i, 2 * axis + 1] = int(min(max(last + 1.0, 0.0), limit))
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[float, float]:
     """Return the least and the greatest ``x / z`` (or ``y / z``) of a disc in front of the eye.
 
@@ -69,7 +71,7 @@ def bound_disc(centre: Any, normal: Any, radius: float, axis: int) -> tuple[floa
     return (b - root) / a, (b + root) / a
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def bound_part(
     centre: Any, normal: Any, radius: float, axis: int, near: float
 ) -> tuple[float, float]:
@@ -81,7 +83,7 @@ def bound_part(
     return min(low / near, low / deepest), max(high / near, high / deepest)
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def sort_into_bands(boxes: Any, band: int, bands: int) -> tuple[Any, Any]:
     """Return the discs of each band of sample lines: ``members[starts[b]:starts[b + 1]]``.
 
@@ -103,7 +105,7 @@ def sort_into_bands(boxes: Any, band: int, bands: int) -> tuple[Any, Any]:
     return starts, members
 
 
-@numba.njit(cache=True, nogil=True, parallel=True, error_model="numpy")
+@cached_njit(parallel=True, error_model="numpy")
 def draw_bands(
     bands: tuple[int, int],
     starts: Any,
@@ -147,7 +149,7 @@ def draw_bands(
         _mean(nearest, seen, colours, samples, background, rgb[rows], depth[rows], coverage[rows])
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def _draw_disc(
     i: int,
     box: Any,
@@ -180,7 +182,7 @@ def _draw_disc(
                     seen[line - top, column] = i
 
 
-@numba.njit(cache=True, nogil=True)
+@cached_njit()
 def _mean(
     nearest: Any,
     seen: Any,

@@ -11,10 +11,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.scenes.patches import Patch
 from splatline.host.shading.lighting import Lighting
 from splatline.host.visibility.view import View
@@ -125,7 +125,7 @@ def _project(
     return np.stack([column, line, z], axis=-1).reshape(*a.shape, 3)
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def _draw_grid(
     corners: Any, first: Any, second: Any, number: int, depth: Any, owner: Any, at: Any
 ) -> None:
@@ -140,7 +140,7 @@ def _draw_grid(
                 )  # fmt: skip
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def _draw_triangle(
     corners: Any,
     first: Any,

@@ -16,7 +16,10 @@ from pathlib import Path
 import numba
 import numpy as np
 from llvmlite import ir
+from numba.core.caching import NullCache
 from numba.extending import intrinsic
+
+from splatline.host import compiled_cache
 
 ROOT = Path(__file__).parents[2]
 ROOMS = ("host", "sim", "view", "cli")
@@ -100,5 +103,6 @@ def _write(path: Path) -> None:
 _folder = Path(os.environ["SPLATLINE_COUNTS"]).resolve()
 _folder.mkdir(parents=True, exist_ok=True)
 atexit.register(_write, _folder / f"{uuid.uuid4().hex}.lines")
-# Before any module of Splatline is imported, which conftest.py does.
+# Before any compiled function of Splatline is imported, which conftest.py does.
 numba.njit = njit
+compiled_cache.CheckedCache = lambda _: NullCache()

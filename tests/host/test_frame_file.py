@@ -60,6 +60,11 @@ def edit(path, **changes):
     beside.write_text(json.dumps({**json.loads(beside.read_text()), **changes}))
 
 
+def flip(path):
+    data = path.read_bytes()
+    path.write_bytes(bytes([data[0] ^ 1]) + data[1:])
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
@@ -68,6 +73,7 @@ def edit(path, **changes):
         (lambda path: path.write_bytes(path.read_bytes()[:-3]), "not whole 64-bit words"),
         (lambda path: path.write_bytes(path.read_bytes()[:-8]), "end-of-frame"),
         (lambda path: path.write_bytes(b""), "end-of-frame"),
+        (lambda path: flip(path), "frame.words is not what .*json describes; encode the frame"),
         (lambda path: sidecar_path(path).write_text("{"), "not valid JSON"),
         (lambda path: sidecar_path(path).write_text("[]"), "does not describe a frame"),
         (lambda path: edit(path, version=1), "version 1; this Splatline reads 2; encode the frame"),
@@ -96,3 +102,12 @@ def test_damage_is_named_in_one_line(saved, damage, message):
     with pytest.raises(InputError, match=message) as caught:
         load_frame(saved)
     assert "\n" not in str(caught.value)
+
+
+def test_a_sidecar_of_an_older_splatline_has_no_checksum(saved):
+    beside = sidecar_path(saved)
+    described = json.loads(beside.read_text())
+    whole = load_frame(saved)
+    del described["crc32"]
+    beside.write_text(json.dumps(described))
+    assert (load_frame(saved).codewords == whole.codewords).all()

@@ -38,18 +38,24 @@ def judge(
         If the tests fail without a mutant.
     """
     with ExitStack() as stack:
-        copies: SimpleQueue[Path] = SimpleQueue()
-        for _ in range(processes):
-            copy = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="splatline-")))
+        folders = [
+            Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="splatline-")))
+            for _ in range(processes)
+        ]
+        pool = stack.enter_context(ThreadPoolExecutor(processes))
+
+        def start(copy: Path) -> float:
             _fill(copy)
+            begin = time.monotonic()
+            verdict, told = _run(copy, group, copy / "cache", None)
+            if verdict != "survived":
+                raise RuntimeError(f"{group.name}: the tests fail without a mutant: {told}")
+            return time.monotonic() - begin
+
+        limit = PATIENCE * max(pool.map(start, folders)) + 60.0
+        copies: SimpleQueue[Path] = SimpleQueue()
+        for copy in folders:
             copies.put(copy)
-        first = copies.get()
-        begin = time.monotonic()
-        verdict, told = _run(first, group, None)
-        if verdict != "survived":
-            raise RuntimeError(f"{group.name}: the tests fail without a mutant: {told}")
-        limit = PATIENCE * (time.monotonic() - begin) + 60.0
-        copies.put(first)
 
         def one(mutant: Mutant) -> tuple[Mutant, Verdict, str]:
             copy = copies.get()
@@ -57,19 +63,19 @@ def judge(
             original = file.read_text()
             try:
                 file.write_text(mutate(original, mutant))
-                compiled = re.search(r"^@(nb|numba)\.njit", original, re.MULTILINE)
-                return mutant, *_run(copy, group, limit, anew=bool(compiled))
+                with tempfile.TemporaryDirectory(dir=copy, prefix="cache-") as cache:
+                    shutil.copytree(copy / "cache", cache, dirs_exist_ok=True)
+                    return mutant, *_run(copy, group, Path(cache), limit)
             finally:
                 file.write_text(original)
                 copies.put(copy)
 
-        pool = stack.enter_context(ThreadPoolExecutor(processes))
         yield from pool.map(one, mutants)
 
 
 def _fill(copy: Path) -> None:
     """Copy the rooms and the tests; ``splatline`` is a package of the copy."""
-    ignore = shutil.ignore_patterns("__pycache__", "*.nb?")
+    ignore = shutil.ignore_patterns("__pycache__")
     for room in (*ROOMS, "tests"):
         shutil.copytree(ROOT / room, copy / room, ignore=ignore)
     shutil.copytree(ROOT / "api", copy / "package" / "splatline", ignore=ignore)
@@ -79,34 +85,32 @@ def _fill(copy: Path) -> None:
         shutil.copy(ROOT / file, copy / file)
 
 
-def _run(
-    copy: Path, group: Group, limit: float | None, *, anew: bool = False
-) -> tuple[Verdict, str]:
+def _run(copy: Path, group: Group, cache: Path, limit: float | None) -> tuple[Verdict, str]:
     """Run a group's tests in a copy until one fails; return the verdict and the test.
 
-    With ``anew``, numba's cache of the copy is not used: it does not notice a change of a function
-    that others take in.
+    ``cache`` is the folder of compiled functions. Those that have the mutant in them are compiled
+    anew.
     """
-    with tempfile.TemporaryDirectory(dir=copy, prefix="cache-") as fresh:
-        environment = {
-            **os.environ,
-            "PYTHONPATH": f"{copy / 'package'}{os.pathsep}{copy}",
-            "PYTHONDONTWRITEBYTECODE": "1",
-            "NUMBA_CACHE_DIR": fresh if anew else str(copy / "cache"),
-        }
-        call = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--tb=no"]
-        try:
-            done = subprocess.run(
-                [*call, *group.tests],
-                cwd=copy,
-                env=environment,
-                capture_output=True,
-                text=True,
-                timeout=limit,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return "hung", ""
+    cache.mkdir(exist_ok=True)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": f"{copy / 'package'}{os.pathsep}{copy}",
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "NUMBA_CACHE_DIR": str(cache),
+    }
+    call = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--tb=no"]
+    try:
+        done = subprocess.run(
+            [*call, *group.tests],
+            cwd=copy,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=limit,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return "hung", ""
     if done.returncode == 0:
         return "survived", ""
     failed = re.search(r"(?m)^(?:FAILED|ERROR) (\S+)", done.stdout)

@@ -8,6 +8,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.shading.materials import median_cut
 
 __all__ = ["BAYER", "SKIPPED", "Palette", "find_palette", "index_frame"]
@@ -86,7 +87,7 @@ def find_palette(frames: list[npt.NDArray[np.uint8]], background: tuple[int, int
     return Palette(colours, nearest)
 
 
-@nb.njit(parallel=True, cache=True, nogil=True)
+@cached_njit(parallel=True)
 def index_frame(
     pixels: npt.NDArray[np.uint8],
     nearest: npt.NDArray[np.uint8],

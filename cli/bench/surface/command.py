@@ -73,9 +73,11 @@ def surface(
         "runs": runs,
         "clouds": scans,
     }
+    from splatline.host.files.atomic_write import atomic_write
+
     text = page(report)
     out_dir.mkdir(parents=True, exist_ok=True)
     write_json(out_dir / "surface.json", report)
     write_text(out_dir / "surface.md", text)
-    (out_dir / "surface.png").write_bytes(plot_surface(runs))
+    atomic_write(out_dir / "surface.png", plot_surface(runs))
     click.echo(text)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
@@ -13,6 +12,7 @@ from splatline.contract.fields import Field
 from splatline.contract.frame import Frame, Tables
 from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import to_beats
+from splatline.host.compiled_cache import cached_njit
 from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.sim.golden.renderer import render
 
@@ -125,7 +125,7 @@ def digest_of(
     return int(_digest(to_beats(render(frame, initial, bands=1))))
 
 
-@nb.njit(cache=True, nogil=True)
+@cached_njit()
 def _digest(beats: Any) -> Any:
     """Return the digest of all beats but the last, as ``Raster.take`` in ``beats.h``."""
     digest = np.uint64(1)

@@ -10,18 +10,23 @@ import numpy.typing as npt
 
 from splatline.sim.cosim.simulator import SimulationError
 
-__all__ = ["read_hex", "write_hex"]
+__all__ = ["hex_lines", "read_hex", "write_hex"]
 
 
-def write_hex(path: Path, words: npt.NDArray[np.uint64], bits: int) -> None:
-    """Write numbers of ``bits`` bits; ``words`` has shape (n, limbs), lowest limb first."""
+def hex_lines(words: npt.NDArray[np.uint64], bits: int) -> bytes:
+    """Return numbers of ``bits`` bits; ``words`` has shape (n, limbs), lowest limb first."""
     digits = math.ceil(bits / 4)
     data = np.ascontiguousarray(words[:, ::-1]).astype(">u8").tobytes().hex()
     row = 16 * words.shape[1]
     text = np.frombuffer(data.encode(), np.uint8).reshape(-1, row)[:, row - digits :]
     lines = np.full((len(text), digits + 1), ord("\n"), np.uint8)
     lines[:, :-1] = text
-    path.write_bytes(lines.tobytes())
+    return lines.tobytes()
+
+
+def write_hex(path: Path, words: npt.NDArray[np.uint64], bits: int) -> None:
+    """Write :func:`hex_lines` to a file."""
+    path.write_bytes(hex_lines(words, bits))
 
 
 def read_hex(path: Path, bits: int) -> npt.NDArray[np.uint64]:

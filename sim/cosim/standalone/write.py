@@ -16,7 +16,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.raster_beats import to_beats
 from splatline.host.files.atomic_write import atomic_write
 from splatline.sim import golden
-from splatline.sim.cosim.player.hex_words import write_hex
+from splatline.sim.cosim.player.hex_words import hex_lines
 from splatline.sim.cosim.player.jobs import table_writes
 
 from .frames import bench_frames
@@ -116,7 +116,7 @@ def write_bench(
         "BEATS": sum(map(len, pictures)),
     }
     for file, (numbers, bits) in contents.items():
-        write_hex(folder / f"{file}.hex", numbers, bits)
+        atomic_write(folder / f"{file}.hex", hex_lines(numbers, bits))
     defines = {"ENGINE": name, **sizes}
     texts = {
         "bench.v": _read("bench.v" if top == "engine" else "bench_axi.v"),

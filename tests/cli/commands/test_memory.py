@@ -42,3 +42,21 @@ def test_packed_text_that_does_not_fit_is_one_line(tmp_path, room, told):
     assert told in ran.stderr.splitlines()[-1]
     assert "Traceback" not in ran.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["a.xyz.gz"]
+
+
+@pytest.mark.parametrize(
+    "arguments", [("render", "--size", "32x32"), ("info", "a.xyz"), ("play", "a.frame")]
+)
+def test_a_limit_that_the_libraries_do_not_fit_is_one_line(tmp_path, arguments):
+    """With so little, OpenBLAS waits for memory without end."""
+    script = "from splatline.cli.main import main; main(prog_name='splatline')"
+    limit = f'ulimit -v {450 << 10}; exec "$0" -c "$1" {" ".join(arguments)}'
+    (tmp_path / "a.xyz").write_text("1 2 3\n")
+    ran = subprocess.run(
+        ["bash", "-c", limit, sys.executable, script],
+        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert ran.returncode == 2, ran.stderr
+    (line,) = ran.stderr.splitlines()
+    assert line.startswith("splatline: the limit of address space leaves 4")
+    assert line.endswith("raise it, with 'ulimit -v unlimited' for example")

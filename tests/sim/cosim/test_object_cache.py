@@ -49,6 +49,17 @@ def test_a_file_of_the_library_is_compiled_once_for_each_text_and_flags(bench, t
     assert bench(source, "-O0") == (0, "two", 4)
 
 
+def test_a_damaged_object_is_compiled_anew(bench, tmp_path):
+    source = tmp_path / "include" / "verilated.cpp"
+    source.write_text("one")
+    bench(source)
+    (kept,) = (tmp_path / "kept").iterdir()
+    for runs, damage in enumerate((b"", kept.read_bytes()[:-1], kept.read_bytes() + b"e"), 2):
+        kept.write_bytes(damage)
+        assert bench(source) == (0, "one", runs)
+        assert bench(source) == (0, "one", runs)
+
+
 def test_a_file_of_the_design_is_compiled_each_time(bench, tmp_path):
     source = tmp_path / "Vtop.cpp"
     source.write_text("top")
