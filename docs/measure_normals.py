@@ -2,10 +2,12 @@
 
 Run as ``.venv/bin/python docs/measure_normals.py SCAN ...``. A scan has normals. A dense sample has
 points of its discs, with the normals of these, and a noisy one the same points with noise; both are
-those of ``splatline bench surface``. The first row is the built-in terrain as an aeroplane scans it,
-in lines (``cli/bench/large/make_scan.py``), compared with the terrain. Normals are estimated from the positions alone, and compared
-with those that were there. Printed are the share of those more than 45 degrees off, and the mean
-angle. The sign of a normal does not count.
+those of ``splatline bench surface``. The first row is the built-in terrain as an aeroplane scans
+it, in lines (``cli/bench/large/make_scan.py``), compared with the terrain.
+
+Normals are estimated from the positions alone, and compared with those that were there. Printed are
+the share of those more than 45 degrees off, and the mean angle. The sign of a normal does not
+count.
 """
 
 import argparse

@@ -41,8 +41,8 @@ CLEARER = 0.35
 smaller one's had."""
 
 THICK = 0.1
-"""A neighbourhood whose share is larger may be as thick as it is wide, so that a larger one is hardly
-clearer: the part is larger by what the share is above this."""
+"""A neighbourhood whose share is larger may be as thick as it is wide, so that a larger one is
+hardly clearer: the part is larger by what the share is above this."""
 
 MOST_PART = 0.9
 """The largest part. At an edge, which looks the same at every size, it is 1."""
