@@ -51,7 +51,8 @@ def _python(folder: Path) -> str:
         "Statements of functions that numba compiles are counted in the compiled code, with its"
         f" own numbers and threads. The others are counted by"
         f" coverage.py {metadata.version('coverage')}. Lines of `rtl` run as a component is"
-        " elaborated.\n",
+        " elaborated. Most of `boards`, and its bench in `sim`, run in `make test-board` alone,"
+        " which has no counters.\n",
         "| room | lines | branches | compiled statements |\n|---|---:|---:|---:|",
     ]
     missed = []
@@ -69,10 +70,10 @@ def _verilog(counts: Path, told: list[str], used: Counter[str]) -> str:
     version = simulator._version("verilator")
     rows = [
         "## Verilog\n",
-        f"Counted by {version} in every run of the tests in `tests/rtl` but those of planted"
-        " faults. A module counts if its Verilog is, line by line, that of the top. A toggle is a"
-        " bit that goes from 0 to 1 or from 1 to 0, words of memories included. Bits that no input"
-        " can move are left out: Yosys finds them.\n",
+        f"Counted by {version} in the tests of whole engines and of buses in `tests/rtl`, but those"
+        " of planted faults. A module counts if its Verilog is, line by line, that of the top. A"
+        " toggle is a bit that goes from 0 to 1 or from 1 to 0, words of memories included."
+        " Bits that no input can move are left out: Yosys finds them.\n",
         "| top | module | lines | branches | toggles | constant bits' | explained | missed |\n"
         "|---|---|---:|---:|---:|---:|---:|---:|",
     ]

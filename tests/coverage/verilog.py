@@ -16,7 +16,7 @@ __all__ = ["MEASURED", "Reach", "measure"]
 
 MEASURED = (
     *(("paper", "engine"), ("rgb24", "engine"), ("plane", "engine"), ("swift", "engine")),
-    ("rgb24", "axi"),
+    ("paper", "axi"),
 )
 """Presets and tops."""
 
