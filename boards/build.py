@@ -8,10 +8,10 @@ from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
+from splatline.contract.atomic_write import atomic_write
 from splatline.contract.config import EngineConfig
 from splatline.flow.timing.pnr import RESOURCES, placer, synthesis_options, synthesis_script
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
-from splatline.host.files.atomic_write import atomic_write
 
 from .verilog import TOP, system_files
 

@@ -1,4 +1,5 @@
 """What all parts agree on, in plain Python: configuration, code word, frame, raster, registers.
 
-It imports nothing of ours. Start with ``config``; ``docs/contract.md`` explains each field.
+Errors, and files that are written whole or not at all, are here too. It imports nothing of ours.
+Start with ``config``; ``docs/contract.md`` explains each field.
 """

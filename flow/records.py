@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from splatline.contract.atomic_write import atomic_write
+
 __all__ = ["read_records", "record_row"]
 
 
@@ -15,19 +17,13 @@ def read_records(file: Path) -> dict[str, dict[str, Any]]:
 
 
 def record_row(file: Path, name: str, row: dict[str, Any]) -> None:
-    """Put a row in place of the one of its name; the file is whole at all times.
+    """Put a row in place of the one of its name.
 
     Raises
     ------
-    OSError
+    InputError
         If the file cannot be written; then it is as it was.
     """
     rows = sorted({**read_records(file), name: row}.items())
     lines = (f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in rows)
-    part = file.with_suffix(".part")
-    try:
-        part.write_text("{\n" + ",\n".join(lines) + "\n}\n")
-        part.replace(file)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+    atomic_write(file, ("{\n" + ",\n".join(lines) + "\n}\n").encode())

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.atomic_write import atomic_write
 from splatline.contract.config import COMPACT, EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame, Tables, are_control, check_tables
 from splatline.contract.plane import LOW_BITS
-from splatline.host.files.atomic_write import atomic_write
 from splatline.host.visibility.view import View
 
 __all__ = ["describe_frame", "load_frame", "save_frame", "sidecar_path"]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from splatline.host.files.atomic_write import atomic_write
+from splatline.contract.atomic_write import atomic_write
 from splatline.sim.golden.multisample import Drawn, mismatches
 from splatline.sim.reference.reference import Reference
 

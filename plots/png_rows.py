@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import png
 
-from splatline.host.files.atomic_write import atomic_stream, tell_unwritable
+from splatline.contract.atomic_write import atomic_stream, tell_unwritable
 
 __all__ = ["Band", "PngRows", "pack_band", "png_rows"]
 

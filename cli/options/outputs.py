@@ -76,7 +76,7 @@ def require_suffix(path: Path | None, suffix: str) -> None:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file atomically."""
-    from splatline.host.files.atomic_write import atomic_write
+    from splatline.contract.atomic_write import atomic_write
 
     atomic_write(path, text.encode())
 

@@ -11,6 +11,7 @@ from importlib import metadata, resources
 from pathlib import Path
 from typing import NamedTuple
 
+from splatline.contract.atomic_write import atomic_write
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.flow.narrow_verilog import generate_pins
@@ -91,7 +92,7 @@ def place_and_route(
     seed: int = 1,
     tries: int = 1,
     mhz: float = 100.0,
-    packed: Callable[[bytes], None] | None = None,
+    packed: Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> dict:
     """Place and route a top on an ECP5; return its clock rate.
@@ -111,7 +112,7 @@ def place_and_route(
     mhz
         Target clock rate, which the slack refers to.
     packed
-        Called with the bitstream; None: there is none.
+        File for the bitstream; None: no bitstream.
     progress
         Called with the share of the tools' runs that are done, after each.
 
@@ -159,7 +160,7 @@ def place_and_route(
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if packed is not None:
             run_ecppack([f"{best}.config", "top.bit"], folder)
-            packed((folder / "top.bit").read_bytes())
+            atomic_write(packed, (folder / "top.bit").read_bytes())
     estimate = estimate_timing(pin_netlist(config, name)[1]) if top == "pins" else None
     return {
         "preset": config.name,

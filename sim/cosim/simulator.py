@@ -182,12 +182,14 @@ def build(
         *visible,
     )
     folder = cache_folder() / "cosim" / f"{top}-{simulator}-{digest}"
+    is_there = folder.exists()  # asked first: another process may finish the same build meanwhile
     if _is_whole(folder, top):
         return Build(folder, top, simulator, reused=True)
 
     with contextlib.ExitStack() as stack:
         try:
-            shutil.rmtree(folder, ignore_errors=True)  # what is there is damaged
+            if is_there:
+                shutil.rmtree(folder, ignore_errors=True)  # it is damaged
             folder.parent.mkdir(parents=True, exist_ok=True)
             # Built in a scratch folder and renamed, so that an incomplete build is never used.
             scratch = stack.enter_context(
@@ -222,12 +224,9 @@ def build(
 
 
 def _is_whole(folder: Path, top: str) -> bool:
-    """Return whether a simulator was built in a folder, and its program is as it was then.
-
-    An older Splatline left no digest.
-    """
+    """Return whether a simulator was built in a folder, and its program is as it was then."""
     try:
-        return (folder / "done").read_text() in ("", _program_digest(folder, top))
+        return (folder / "done").read_text() == _program_digest(folder, top)
     except OSError:
         return False
 

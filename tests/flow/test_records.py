@@ -1,10 +1,10 @@
 """Recorded figures: a row is replaced, and a file that cannot be written is as it was."""
 
 import json
-from pathlib import Path
 
 import pytest
 
+from splatline.contract.errors import InputError
 from splatline.flow.records import read_records, record_row
 
 
@@ -21,14 +21,12 @@ def test_a_full_disk_leaves_the_file_as_it_was(tmp_path, monkeypatch):
     file = tmp_path / "a.json"
     record_row(file, "a", {"n": 1})
     before = file.read_bytes()
-    write = Path.write_text
 
-    def full(path, text):
-        write(path, text[:4])
+    def full(descriptor):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", full)
-    with pytest.raises(OSError, match="No space left"):
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(InputError, match="No space left"):
         record_row(file, "b", {"n": 2})
     assert file.read_bytes() == before
     assert list(tmp_path.iterdir()) == [file]

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from splatline.contract.atomic_write import atomic_stream, tell_unwritable
 from splatline.contract.errors import InputError
-from splatline.host.files.atomic_write import atomic_stream, tell_unwritable
 from splatline.host.files.wanted import ColourBy
 from splatline.view.camera import Camera
 from splatline.view.draw import Settings, draw

@@ -30,7 +30,7 @@ def write_accuracy(out_dir: Path, results: dict[str, Any], crops: Sequence[Crops
     list of Path
         The files.
     """
-    from splatline.host.files.atomic_write import atomic_write
+    from splatline.contract.atomic_write import atomic_write
     from splatline.plots.bench_plots import plot_pareto, plot_pareto_scenes, plot_waterfall
 
     runs = results["runs"]

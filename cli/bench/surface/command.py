@@ -73,7 +73,7 @@ def surface(
         "runs": runs,
         "clouds": scans,
     }
-    from splatline.host.files.atomic_write import atomic_write
+    from splatline.contract.atomic_write import atomic_write
 
     text = page(report)
     out_dir.mkdir(parents=True, exist_ok=True)

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.atomic_write import atomic_write
 from splatline.contract.beat_layout import raster_stream_bytes
 from splatline.contract.codeword_layout import codeword_stream_bytes
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
 from splatline.contract.raster_beats import to_beats
-from splatline.host.files.atomic_write import atomic_write
 from splatline.sim import golden
 from splatline.sim.cosim.player.hex_words import hex_lines
 from splatline.sim.cosim.player.jobs import table_writes

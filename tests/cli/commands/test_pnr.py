@@ -38,7 +38,7 @@ def routing(monkeypatch):
         asked.append((config, top, seed, tries, mhz))
         progress(0.5)
         if packed is not None:
-            packed(b"bits")
+            packed.write_bytes(b"bits")
         if top == "pins":
             return REPORT
         return {**REPORT, "top": top, "virtex2_estimate_mhz": None, "virtex2_estimate": None}

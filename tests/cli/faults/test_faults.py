@@ -16,7 +16,7 @@ TRIALS = 4
 
 WRITES_AT_ONCE = """
 import contextlib
-from splatline.host.files import atomic_write
+from splatline.contract import atomic_write
 
 @contextlib.contextmanager
 def direct(target):

@@ -36,10 +36,10 @@ def test_a_damaged_simulator_is_built_anew(cache):
     assert [path.name for path in (cache / "cosim").iterdir()] == [first.folder.name]
 
 
-def test_a_simulator_of_an_older_splatline_is_taken(cache):
+def test_a_simulator_whose_mark_is_cut_is_built_anew(cache):
     first = build(SOURCES, "top", simulator="icarus")
     (first.folder / "done").write_text("")
-    assert build(SOURCES, "top", simulator="icarus").reused
+    assert not build(SOURCES, "top", simulator="icarus").reused
 
 
 def test_a_folder_that_cannot_be_made_is_one_line(cache):

@@ -6,8 +6,8 @@ import threading
 
 import pytest
 
+from splatline.contract.atomic_write import atomic_write
 from splatline.contract.errors import InputError
-from splatline.host.files.atomic_write import atomic_write
 
 
 def permissions(path):
