@@ -43,6 +43,10 @@ def bench(tmp_path_factory):
 @pytest.mark.parametrize("kind", KINDS)
 def test_files_are_whole_and_errors_are_a_line(bench, kind):
     outcomes = [bench.play(KINDS[kind], seed) for seed in range(TRIALS)]
+    if kind == "killed at any time":  # on a busy machine a run may end before its time
+        more = (bench.play(KINDS[kind], seed) for seed in range(TRIALS, 50))
+        while "killed" not in {outcome for outcome, _ in outcomes}:
+            outcomes.append(next(more))
     assert [wrong for _, wrong in outcomes if wrong] == []
     assert {"refused", "killed"} & {outcome for outcome, _ in outcomes} or kind == "little memory"
 

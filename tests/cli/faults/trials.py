@@ -4,6 +4,7 @@ import io
 import json
 import random
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -48,10 +49,13 @@ class Bench:
             assert outcome.code == 0, outcome.told
         self.whole: dict[str, dict[str, bytes]] = {}
         self.operations: dict[str, int] = {}
+        self.seconds: dict[str, float] = {}
         for command in self.commands:
             place = self.fresh(command, old=False)
+            begin = time.monotonic()
             outcome = forker.run(Trial(command.arguments, str(place)))
             assert outcome.code == 0, outcome.told
+            self.seconds[command.name] = time.monotonic() - begin
             self.operations[command.name] = outcome.operations
             self.whole[command.name] = {
                 name: (place / name).read_bytes() for name in self._written(place)
@@ -153,8 +157,8 @@ def killed_between(bench: Bench, command: Command, rng: random.Random) -> Trial:
 
 
 def killed_at_any_time(bench: Bench, command: Command, rng: random.Random) -> Trial:
-    """The process dies after up to half a second."""
-    return bench.trial(command, kill_after=rng.uniform(0.0, 0.5))
+    """The process dies at a random time: within what it takes when nothing goes wrong."""
+    return bench.trial(command, kill_after=rng.uniform(0.0, bench.seconds[command.name]))
 
 
 def read_only_folder(bench: Bench, command: Command, rng: random.Random) -> Trial:
