@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from tests.python_mutants.choose import choose
+from tests.python_mutants.choose import change, choose
 from tests.python_mutants.groups import GROUPS, ROOT
 from tests.python_mutants.judge import judge
 from tests.python_mutants.page import write_page
@@ -21,7 +21,10 @@ PAGE = ROOT / "docs" / "python_mutants.md"
 
 
 def main() -> int:
-    """Judge mutants; verdicts of earlier runs are taken from ``build/python_mutants``."""
+    """Judge mutants; return 1 if a group misses the goal.
+
+    Verdicts of earlier runs are taken from ``build/python_mutants``.
+    """
     parser = argparse.ArgumentParser(
         prog="make python-mutants",
         description=__doc__,
@@ -40,10 +43,11 @@ def main() -> int:
     chosen = [group for group in GROUPS if not options.groups or group.name in options.groups]
     for group in chosen if not options.page else []:
         _judge(group, options.count, options.seed, KEPT / f"{group.name}-{options.seed}.json")
-    if options.page or not options.groups:
-        write_page(KEPT, PAGE)
-        print(f"{PAGE.relative_to(ROOT)} is written.")
-    return 0
+    if not options.page and options.groups:
+        return 0
+    told = write_page(KEPT, PAGE)
+    print(f"{PAGE.relative_to(ROOT)} is written.", *told, sep="\n")
+    return bool(told)
 
 
 def _judge(group, count: int, seed: int, file: Path) -> None:
@@ -59,12 +63,14 @@ def _judge(group, count: int, seed: int, file: Path) -> None:
     begin = time.monotonic()
     judged = judge(group, mutants, os.cpu_count() or 1) if mutants else iter(())
     for number, (mutant, verdict, test) in enumerate(judged, 1):
-        kept.append({**vars(mutant), "verdict": verdict, "test": test})
+        before, after = change(mutant)
+        told = {"before": before, "after": after, "verdict": verdict, "test": test}
+        kept.append({**vars(mutant), **told})
         file.write_text(json.dumps(kept, indent=1))
         taken = time.monotonic() - begin
         print(
             f"{group.name} {number}/{len(mutants)}: {verdict:8} {mutant.file}:{mutant.line}"
-            f" {mutant.operator} ({taken:.0f} s)",
+            f" {after} ({taken:.0f} s)",
             flush=True,
         )
 

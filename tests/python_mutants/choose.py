@@ -16,7 +16,7 @@ FAMILIES = (
 )
 """Binary operators of one kind. One of the other kind mostly does not compile: any test sees it."""
 
-__all__ = ["Mutant", "choose", "mutate", "same"]
+__all__ = ["Mutant", "change", "choose", "mutate", "places", "same"]
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,10 @@ class Mutant:
 
 def choose(group: Group, count: int, seed: int) -> list[Mutant]:
     """Return mutants of a group at random: without two alike, or that run as the original does."""
-    places = [place for file in group.files() for place in _places(file)]
-    random.Random(f"{group.name} {seed}").shuffle(places)
+    found = [place for file in group.files() for place in places(file)]
+    random.Random(f"{group.name} {seed}").shuffle(found)
     chosen: list[Mutant] = []
-    for place in places:
+    for place in found:
         if len(chosen) == count:
             break
         original = (ROOT / place.file).read_text()
@@ -63,12 +63,20 @@ def mutate(source: str, mutant: Mutant) -> str:
     return changed
 
 
+def change(mutant: Mutant) -> tuple[str, str]:
+    """Return the first line that a mutant changes: as it is, and as the mutant has it."""
+    original = (ROOT / mutant.file).read_text()
+    lines = zip(original.split("\n"), mutate(original, mutant).split("\n"), strict=False)
+    before, after = next((one, other) for one, other in lines if one != other)
+    return before.strip(), after.strip()
+
+
 def same(one: str, other: str) -> bool:
     """Return whether two texts run the same: they differ in annotations, or in how they compile."""
     return ast.dump(_Bare().visit(ast.parse(one))) == ast.dump(_Bare().visit(ast.parse(other)))
 
 
-def _places(file: str) -> list[Mutant]:
+def places(file: str) -> list[Mutant]:
     """Return every place of a file that an operator can change."""
     tree = get_ast_from_path(ROOT / file)
     found = []

@@ -1,11 +1,14 @@
 """Mutants that are chosen well and judged rightly."""
 
+import json
 import subprocess
 import sys
 
 import pytest
 
-from tests.python_mutants.choose import choose, mutate, same
+from tests.python_mutants import page
+from tests.python_mutants.choose import change, choose, mutate, places, same
+from tests.python_mutants.equal import EQUAL
 from tests.python_mutants.groups import GROUPS, ROOT
 
 SOURCE = '''
@@ -34,13 +37,11 @@ def test_mutants_of_a_group_are_of_its_files_and_change_them(group):
         original = (ROOT / mutant.file).read_text()
         changed = mutate(original, mutant)
         assert not same(original, changed)
-        (line,) = {
-            number
-            for number, (one, other) in enumerate(
-                zip(original.split("\n"), changed.split("\n"), strict=True), 1
-            )
-            if one != other
-        }
+        lines = zip(original.split("\n"), changed.split("\n"), strict=True)
+        (line,) = {n for n, (one, other) in enumerate(lines, 1) if one != other}
+        assert change(mutant) == tuple(
+            text.split("\n")[line - 1].strip() for text in (original, changed)
+        )
         assert abs(line - mutant.line) <= 3
 
 
@@ -56,3 +57,25 @@ def test_a_wrong_group_or_count_is_told_in_a_line():
         done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
         assert done.returncode == 2
         assert told in done.stderr.splitlines()[-1]
+
+
+def test_the_page_leaves_out_what_is_equal_and_tells_what_misses_the_goal(tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "EQUAL", {("a.py", "x = 1 | 0"): "0 changes nothing."})
+    place = {"file": "a.py", "line": 3, "before": "x = 1", "after": "x = 1 | 0"}
+    for group in GROUPS:
+        verdicts = [{**place, "verdict": "noticed"}] * 5 + [{**place, "verdict": "survived"}]
+        if group.name == "golden":
+            verdicts += [{**place, "after": "x = 2", "verdict": "survived"}]
+        (tmp_path / f"{group.name}-1.json").write_text(json.dumps(verdicts))
+    told = page.write_page(tmp_path, tmp_path / "page.md")
+    assert told == ["golden: 83% are noticed, not 85%"]
+    text = (tmp_path / "page.md").read_text()
+    assert "| 1 | 7 | 5 | 0 | 1 | 1 | 83% | 85% |" in text
+    assert text.count("| `a.py` | 3 | `x = 1` | `x = 1 \\| 0` | 0 changes nothing. |") == 4
+    assert "| `a.py` | 3 | `x = 1` | `x = 2` |  |" in text
+
+
+def test_reasons_are_of_lines_that_are_there():
+    for (file, after), reason in EQUAL.items():
+        assert after in {change(mutant)[1] for mutant in places(file)}, (file, after)
+        assert reason.endswith(".")
