@@ -32,6 +32,9 @@ NO_MEMORY = (
 )
 """Message of a MemoryError."""
 
+NOT_LOADED = "failed to map segment", "annot allocate memory", "cannot create shared object"
+"""What glibc's loader says of a library that does not fit the memory."""
+
 INTERRUPTED = 130
 """Exit code of a run stopped with Ctrl-C, by the convention of shells (128 + SIGINT)."""
 
@@ -73,6 +76,10 @@ class Program(LazyGroup):
         except OSError as error:
             code = _complain(_file_trouble(error))
         except MemoryError:
+            code = _complain(NO_MEMORY)
+        except ImportError as error:
+            if not any(words in str(error) for words in NOT_LOADED):
+                raise
             code = _complain(NO_MEMORY)
         except click.Abort:  # click raises it on Ctrl-C
             code = INTERRUPTED

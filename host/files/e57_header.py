@@ -116,7 +116,7 @@ def opened_e57(source: Source) -> Iterator[tuple[Any, Any, list[Any], int]]:
         raise InputError("cannot be read as E57: its XML has declarations of its own")
     try:
         from pye57 import libe57
-    except ImportError:
+    except ModuleNotFoundError:
         raise InputError(f"E57 needs pye57: {install_hint('e57')}") from None
     image = libe57.ImageFile(f"/dev/fd/{source.stream.fileno()}", "r")
     try:

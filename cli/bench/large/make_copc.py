@@ -15,6 +15,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.compiled_cache import cached_njit
+
 __all__ = ["ENTRY", "make_copc"]
 
 BITS = 21
@@ -99,7 +101,7 @@ def _cube(rows: npt.NDArray[Any], header: Any) -> tuple[npt.NDArray[np.float64],
     return 0.5 * (low + high) - 0.5 * side, side
 
 
-@nb.njit(cache=True, inline="always")
+@nb.njit(inline="always")
 def _spread(place: int) -> int:
     """Return a place's bits with two zeros between each two."""
     spread = place
@@ -110,7 +112,7 @@ def _spread(place: int) -> int:
     return (spread | spread << 2) & 0x1249249249249249
 
 
-@nb.njit(parallel=True, cache=True)
+@cached_njit(parallel=True)
 def _codes(xs: Any, ys: Any, zs: Any, scales: Any, shifts: Any, codes: Any) -> None:
     """Set the Morton code of each point's place in the root's cube."""
     most = (1 << BITS) - 1
@@ -133,7 +135,7 @@ def _place(codes: _Ints, leaf: int) -> npt.NDArray[np.int8]:
     return levels
 
 
-@nb.njit(cache=True)
+@cached_njit()
 def _place_level(codes: Any, left: Any, level: int, leaf: int, levels: Any) -> int:
     """Place points at a level; those of no free cell move to the front. Return their number.
 
