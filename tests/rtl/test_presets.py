@@ -162,7 +162,7 @@ def cycles(config, draw):
     frames = [
         random_frame(rng, 500, (60, 50), config),
         random_frame(rng, 500, (12, 9), config),
-        random_frame(rng, 800, (512, 70), config),
+        random_frame(rng, 2500, (512, 70), config),
         random_frame(rng, 300, (61, 300), config),
         random_frame(rng, 300, (1, 1), config),
         scene_frame("knot", view={"size": (96, 160)}, config=config),

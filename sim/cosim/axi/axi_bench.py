@@ -109,9 +109,9 @@ class AxiBench:
         self.dut.aresetn.value = 1
         await ClockCycles(self.dut.aclk, 2)
 
-    async def read(self, offset: int) -> tuple[int, int]:
-        """Return a register's value and the bus's response code."""
-        done = await self.master.read(offset, 4)
+    async def read(self, offset: int, size: int = 4) -> tuple[int, int]:
+        """Return some bytes of a register, as a number, and the bus's response code."""
+        done = await self.master.read(offset, size)
         return int.from_bytes(done.data, "little"), int(done.resp)
 
     async def write(self, offset: int, data: bytes) -> int:

@@ -88,6 +88,22 @@ def in_the_middle_of_an_initial_raster(device):
 
 
 @case(ABORTS)
+def while_a_beat_of_the_initial_raster_waits(device):
+    """The window is full, and the guard holds the beat until it has been taken."""
+    engine, frame = setup(device, 34)
+    engine.set("START", LOAD=1)
+    start, beats = initial_of(frame, 7)
+    device.command("pause", "raster", True)
+    device.send(frame.codewords, engine.widen(beats))
+    device.command("wait", 1000)
+    device.command("pause", "initial", True)
+    abort(device, dropping=["DROPPING_INITIAL"])
+    engine, frame = setup(device, 34)
+    assert engine.draw(frame.codewords, start).mismatches(golden.render(frame, start)) == 0
+    right(device)
+
+
+@case(ABORTS)
 def while_the_engine_clears_its_memory(device):
     """And the initial raster will not come."""
     device.command("reset")

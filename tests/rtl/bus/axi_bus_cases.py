@@ -60,8 +60,21 @@ def writes_of_what_is_read_only(device):
 @case(BUS)
 def reads_of_what_is_written_only(device):
     registers = Driver(device).registers
-    for offset in (registers["AMBIENT_RED"].offset, registers.materials.offset + 8):
+    offsets = [register.offset for register in registers.registers if not register.readable]
+    assert registers["AMBIENT_BLUE"].offset in offsets
+    for offset in (*offsets, registers.materials.offset + 8):
         refused(device, SLVERR, "BUS_ACCESS", offset)
+    right(device)
+
+
+@case(BUS)
+def reads_of_some_bytes(device):
+    """The two lowest bits of an address are ignored."""
+    offset = Driver(device).registers["ID"].offset
+    whole, _ = device.command("read", offset)
+    for byte in range(1, 4):
+        found = device.command("read", offset + byte, 4 - byte)
+        assert found == (whole >> 8 * byte, OKAY)
     right(device)
 
 

@@ -28,8 +28,10 @@ from tests.rtl.bus.axi_cases import (
     send,
     setup,
 )
+from tests.support import bus_words
 from tests.support import plane_words as pw
 from tests.support.bus_words import block, decoded, end
+from tests.support.codewords import largest_tables, random_tables
 from tests.support.random_frames import random_raster
 
 
@@ -97,6 +99,22 @@ def draw_frames(device, stall):
 @STALLS
 def test_frames_are_golden_s_under_stalls_of_every_channel(device, stall):
     draw_frames(device, stall)
+
+
+def test_frames_reach_every_column_and_line(device):
+    """Marks of all memory words, the largest size, and tables of any bits."""
+    engine = Engine(device)
+    rng = np.random.default_rng(1)
+    tables = [largest_tables(), *(random_tables(rng) for _ in range(3))]
+    for seed, (lines, count) in enumerate([(64, 1500), (64, 1500), (1024, 200), (512, 200)]):
+        frame = bus_words.clean(PAPER, seed, count, 512, lines)
+        frame = dataclasses.replace(frame, tables=tables[seed])
+        start = random_raster(rng, 512, lines, 0.002) if seed else None
+        picture = draw_scene(engine, frame, start)
+        assert picture.mismatches(golden.render(frame, start)) == 0
+        assert picture.drawn.any(axis=0).mean() > 0.9
+        assert picture.drawn[-16:].any()
+    assert engine.errors() == []
 
 
 def test_frames_of_plane_words_are_golden_s_under_stalls_of_every_channel(plane_device):
