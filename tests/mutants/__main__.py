@@ -21,14 +21,14 @@ from .tops import DESIGNS
 
 __all__ = ["main"]
 
-COUNT, SEED, FRESH_SEED = 1200, 1, 3434
+COUNT, SEED, FRESH_SEED = 1200, 1, 271126
 LEAST, LEAST_OF_SAMPLE = 0.95, 0.85
 """The least score, and that of fewer than ``SAMPLE`` mutants, where a few by chance count much."""
 
 SAMPLE = 200
 
 FRESH = 6
-"""One mutant of so many comes from the second seed, which was drawn after the first frames."""
+"""One mutant of so many comes from the second seed, drawn once all other frames were written."""
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:

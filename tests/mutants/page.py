@@ -86,7 +86,7 @@ def page(judged: Sequence[Judged]) -> str:
         (design.name, [one for one in judged if one.batch.design == design]) for design in designs
     ]
     rows += [
-        (f"of seed {seed}" + (", drawn once the first frames were written" if fresh else ""),
+        (f"of seed {seed}" + (", drawn once all frames but one were written" if fresh else ""),
          [one for one in judged if one.batch.seed == seed])
         for fresh, seed in seeds
     ]  # fmt: skip

@@ -33,6 +33,7 @@ def timed_acts(rng: np.random.Generator, config: EngineConfig) -> Iterator[Act]:
         yield _flush_beside_load(rng, config)
         yield _load_waits(rng, config)
         yield _load_beside_tiles(rng, config)
+        yield _load_presses(rng, config)
         yield _load_beside_flush(rng, config)
 
 
@@ -171,6 +172,23 @@ def _load_beside_tiles(rng, config: EngineConfig) -> Act:
     frame = words.frame(config.max_width, 24)
     start = _beats(config, frame.width, frame.height, {16: loads})
     return _over("load beside tiles", frame, start, 0, most_cycles=tiles + loads + SLACK)
+
+
+def _load_presses(rng, config: EngineConfig) -> Act:
+    """Loads of rows that all tiles use go alone, so that those behind them go beside the tiles.
+
+    Loads take two cycles each. There are more of the last one's word than a line has words.
+    """
+    loads, tiles = 250, 600
+    words = Words(config, rng)
+    _three_rows(words, config, tiles, 2)
+    frame = words.frame(config.max_width, 24)
+    start = _beats(config, frame.width, frame.height, {16: 2, 17: 1, 18: 1})
+    act = _over("load presses", frame, start, 20, most_cycles=tiles + 2 * SLACK)
+    beats, times = act.items["initial"], [1, 1, 1, loads, 1]
+    beats.payload = np.repeat(beats.payload, times, axis=0)
+    beats.after = {"codewords": np.repeat(beats.after["codewords"], times)}
+    return act
 
 
 def _load_beside_flush(rng, config: EngineConfig) -> Act:
