@@ -353,3 +353,21 @@ def test_decode_tells_control_words_in_every_configuration(config):
 
 def test_decode_of_nothing_is_nothing():
     assert golden.decode(np.zeros(0, np.uint64), PAPER).shape == (0,)
+
+
+def test_block_rows_are_the_pixels_that_the_contract_says():
+    """Of any bits, and of symmetric words whose middle lies half a line or column further."""
+    rng = np.random.default_rng(8)
+    words = [int(word) for word in rng.integers(0, 1 << 25, 3000)]
+    halves = [(6, 1), (5, 1), (7, 2), (4, 3)]
+    words += [cw.encode([(2, 5), (1, 6), (0, 7), half]) for half in halves]
+    words += [cw.encode([(first, 0), (2, 5), (1, 6), (0, 7)]) for first in range(1, 8)]
+    fields = golden.decode(np.array(words, np.uint64))
+    assert 0 < fields["raised"].sum() < fields["shifted"].sum() < len(words) / 2
+    firsts, lasts = golden.block_rows(fields)
+    columns = np.arange(8)
+    covered = (firsts[..., None] <= columns) & (columns <= lasts[..., None])
+    expected = [
+        [[cw.covers(w, row, column) for column in range(8)] for row in range(8)] for w in words
+    ]
+    assert np.array_equal(covered, expected)
