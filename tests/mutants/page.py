@@ -12,7 +12,7 @@ __all__ = ["page", "score", "share", "summary"]
 
 REASONS = {
     "inv window request_12[20] row_5 request[20]": (
-        "it inverts an address bit of one row of lanes at every access, so it renames words of eight"
+        "it inverts an address bit of a row of lanes at every access, so it renames words of eight"
         " memories. The rows differ until the clearing after a reset is done, and there is no proof"
         " yet of rows that follows the clearing, as there is of lanes"
     ),
