@@ -309,3 +309,25 @@ def test_a_count_of_rows_is_checked_against_the_bytes(tmp_path):
     assert_sphere(read(tmp_path, "a.ply", head + content))
     with pytest.raises(InputError, match="ends after 60 of its 61 rows of element vertex"):
         read(tmp_path, "a.ply", ply_of(COUNT + 1, XYZ).split(b"1 2 3\n")[0] + content)
+
+
+def test_the_rows_that_are_there_are_counted_behind_a_long_list(tmp_path):
+    """A list of 41 bytes stands before the vertices, of which the last two are missing."""
+    content = ply(XYZ_PLY, SPHERE.T)
+    ahead = b"element mark 1\nproperty list uchar int n\nelement vertex"
+    head, body = content.replace(b"element vertex", ahead).split(b"end_header\n", 1)
+    whole = head + b"end_header\n\x0a" + bytes(40) + body
+    assert_sphere(read(tmp_path, "a.ply", whole))
+    told = f"ends after {COUNT - 2} of its {COUNT} rows of element vertex"
+    with pytest.raises(InputError, match=told):
+        read(tmp_path, "a.ply", whole[: -len(body) // COUNT * 2])
+
+
+def test_a_word_among_rows_with_lists_is_told(tmp_path):
+    content = ply(XYZ_PLY, SPHERE.T, kind="ascii")
+    head, body = content.split(b"end_header\n", 1)
+    head += b"property list uchar int other\nend_header\n"
+    rows = [line + b" 1 7\n" for line in body.splitlines()]
+    assert_sphere(read(tmp_path, "a.ply", head + b"".join(rows)))
+    with pytest.raises(InputError, match="a vertex does not fit its properties"):
+        read(tmp_path, "a.ply", head + b"".join([*rows[:-1], b"1 2 three 1 7\n"]))

@@ -10,7 +10,7 @@ import pytest
 
 from splatline.contract.errors import InputError
 from splatline.host.files.las_header import read_las_header
-from splatline.host.files.read_las import las_tables
+from splatline.host.files.read_las import las_sample, las_tables
 from splatline.host.files.readers import read_cloud
 from splatline.host.files.source import open_source
 from tests.host.files.cloud_files import COLOURS, COUNT, NORMALS, places
@@ -234,3 +234,18 @@ def test_one_chunk_said_to_be_large_takes_no_more_than_the_points(tmp_path):
     data = bytearray(laz(las(7)))
     struct.pack_into("<I", data, data.index(b"laszip encoded") - 2 + 54 + 12, 0xFFFFFFFE)
     assert len(read(tmp_path, bytes(data), "a.laz")) == COUNT
+
+
+@pytest.mark.parametrize(("places", "points"), [(1, 7), (3, 5), (4, 10), (COUNT, 9)])
+def test_a_sample_is_of_evenly_spaced_places_and_reaches_the_last_point(tmp_path, places, points):
+    (tmp_path / "a.las").write_bytes(las(0))
+    with open_source(tmp_path / "a.las") as source:
+        header = read_las_header(source)
+        whole = las_sample(source, header, ("X",), 1, COUNT)["X"]
+        found = las_sample(source, header, ("X",), places, points)["X"]
+    if places * points >= COUNT:
+        places, points = 1, COUNT
+    firsts = [n * (COUNT - points) // max(places - 1, 1) for n in range(places)]
+    expected = np.concatenate([whole[first : first + points] for first in firsts])
+    assert len(whole) == COUNT
+    assert np.array_equal(found, expected)
