@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+from types import SimpleNamespace
 
 import numba
 import numpy as np
@@ -15,7 +16,7 @@ from splatline.host.pipeline import make_frame
 from splatline.host.visibility import look_over as look_over_module
 from splatline.host.visibility import project as project_module
 from splatline.host.visibility.block_index import BLOCK_POINTS, build_index
-from splatline.host.visibility.cull import Camera
+from splatline.host.visibility.cull import Camera, lies_inside
 from splatline.host.visibility.skips import DEFAULT_SKIPS, SKIPS
 from splatline.host.visibility.view import fit_view
 from splatline.sim import golden
@@ -260,3 +261,28 @@ def test_from_afar_few_groups_of_points_are_read(distance, most):
         count = look_over_module.GROUPS
         look_over_module._test_groups(bound, groups, count, far, True, found)
     assert 0.0 < seen.mean() < most
+
+
+def test_a_block_that_lies_inside_has_no_point_near_a_border():
+    """Points of its sphere, seen by a pinhole; each side decides alone for some blocks."""
+    camera = SimpleNamespace(
+        focal=60.0, near=0.1, width=90, height=70, middle_x=45.0, middle_y=35.0
+    )
+    rng = np.random.default_rng(4)
+    outwards = rng.normal(size=(400, 3))
+    outwards /= np.linalg.norm(outwards, axis=1)[:, np.newaxis]
+    inside, sides = 0, np.zeros(4, int)
+    for _ in range(600):
+        depth = rng.uniform(2.0, 9.0)
+        middle = (*rng.uniform(-0.9, 0.9, 2) * depth, depth)
+        bound = SimpleNamespace(reach=rng.uniform(0.0, 0.4), largest=rng.uniform(0.0, 0.1))
+        x, y, z = (middle + (bound.reach + bound.largest) * outwards).T
+        column, line = 45.0 + 60.0 * x / z, 35.0 + 60.0 * y / z
+        beyond = np.array([column.min() < 0, column.max() > 90, line.min() < 0, line.max() > 70])
+        if lies_inside.py_func(bound, middle, camera):
+            inside += 1
+            assert not beyond.any()
+        elif beyond.sum() == 1:
+            sides += beyond
+    assert inside > 100
+    assert sides.min() > 10
