@@ -13,10 +13,6 @@ EQUAL: dict[tuple[str, str], str] = {
     ("host/encode/plane_loop.py", "found, x, top, scans = 2, -1, 0, 0"): (
         "Who finds 2 does not look at the place."
     ),
-    ("host/visibility/cull.py", "furthest = abs(slope) / spread"): (
-        "The span is larger, or was too large before. So fewer blocks are skipped, and each of"
-        " their points is."
-    ),
     (
         "host/visibility/cull.py",
         "return math.ceil(centre * reach - ROUNDING - 0.5) > math.floor(centre + reach + ROUNDING"

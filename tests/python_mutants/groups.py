@@ -41,7 +41,11 @@ GROUPS = (
     Group(
         "encoder",
         ("host/encode/*.py",),
-        ("tests/host/encode", "tests/host/visibility/test_cull.py"),
+        (
+            "tests/host/encode",
+            "tests/host/visibility/test_cull.py",
+            "tests/host/picture_tiles/test_frames.py",
+        ),
     ),
     Group(
         "projection",
