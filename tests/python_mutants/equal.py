@@ -24,5 +24,9 @@ EQUAL: dict[tuple[str, str], str] = {
     ("host/files/read_e57.py", "rows = _stack(table, places, 1)"): (
         "The number counts where a coordinate is missing; such a scan was refused before."
     ),
+    (
+        "host/files/read_e57.py",
+        "plain = dict(zip((*places, *NORMALS, *COLOURS), PLAIN, strict=False))",
+    ): "There are as many names as plain ones.",
 }
 """Reasons by file and changed line, without spaces about it."""

@@ -41,11 +41,7 @@ GROUPS = (
     Group(
         "encoder",
         ("host/encode/*.py",),
-        (
-            "tests/host/encode",
-            "tests/host/visibility/test_cull.py",
-            "tests/host/picture_tiles/test_frames.py",
-        ),
+        ("tests/host/encode", "tests/host/visibility/test_cull.py"),
     ),
     Group(
         "projection",

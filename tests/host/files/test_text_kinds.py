@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from splatline.contract.errors import InputError
+from splatline.host.files.read_text import _names
+from splatline.host.files.readers import read_cloud
 from tests.host.files.kinds import (
     COLOURS,
     COUNT,
@@ -163,3 +165,19 @@ def test_an_error_names_the_line_and_the_cause(tmp_path):
         rows[9] = line + "\n"
         with pytest.raises(InputError, match=f"line 12 {cause}"):
             read(tmp_path, "a.xyz", "# one\n\n" + "".join(rows))
+
+
+def test_a_text_with_few_zeros_is_none(tmp_path):
+    """UTF-16 of a plain text has a zero in nearly every other byte."""
+    whole = "1 2 3\n4 5 6\n7 8 9\n"
+    (tmp_path / "a.xyz").write_bytes(whole.encode("utf-16-le"))
+    assert len(read_cloud(tmp_path / "a.xyz")) == 3
+    (tmp_path / "a.xyz").write_bytes(b"1\x00" * 9 + b"23")
+    with pytest.raises(InputError, match="it is not text"):
+        read_cloud(tmp_path / "a.xyz")
+
+
+def test_a_delimiter_behind_the_last_name_is_no_name():
+    assert _names("x,") == ["x"]
+    assert _names("x,y,z,,") == ["x", "y", "z"]
+    assert _names(",") == [""]
