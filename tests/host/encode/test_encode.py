@@ -363,3 +363,20 @@ def test_no_chunk_outgrows_the_room_measured_for_it(seed, quality, largest, foca
     taken = found.stops - found.starts
     assert (taken <= room).all()
     assert (found.counts.sum(axis=1) == taken).all()
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("height", [45, 46, 47, 48])
+def test_the_room_holds_a_splat_that_fills_the_image_wherever_its_blocks_begin(height, quality):
+    """Of 46 lines, which 12 blocks of four would hold, 13 blocks may have some."""
+    rng = np.random.default_rng(height)
+    count = 40
+    places = rng.uniform((0, 0), (201, height), (count, 2)).T
+    slope = rng.normal(size=(count, 2)) * 0.1
+    splats = splats_of(*places, rng.uniform(500, 3000, count), slope=slope)
+    each = np.arange(count)
+    splats = dataclasses.replace(splats, starts=each, stops=each + 1, nearest=np.ones(count))
+    found = encoded(splats, 201, height, quality=quality)
+    taken = found.stops - found.starts
+    assert (taken <= np.diff([*found.starts, len(found.words)])).all()
+    assert taken.min() >= 26 * (height // 4)
