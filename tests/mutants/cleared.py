@@ -25,7 +25,7 @@ from .prove import PAIR, answer_of, run_abc
 from .renamed import Renaming, renaming_of
 from .tops import ENGINE, Design
 
-__all__ = ["may_be_cleared", "prove_cleared"]
+__all__ = ["AS_TEXT", "PAIRED", "PORT", "SEARCH", "TO_GATES", "may_be_cleared", "prove_cleared"]
 
 PORT = re.compile(r"  wire (?:width (\d+) )?(input|output) \d+ (?:signed )?\\(\S+)")
 LANE = re.compile(r"__lane_(\d)_(\d)$|^lane_(\d)_(\d)\.")
@@ -47,7 +47,8 @@ def may_be_cleared(design: Design, mutant: Mutant) -> bool:
         return False
     if mutant.module != window:
         return bool(LANE.search(mutant.module))
-    return mutant.wire.startswith("sweep[") or renaming_of(design, mutant) is not None
+    renaming = renaming_of(design, mutant)
+    return mutant.wire.startswith("sweep[") or bool(renaming and len(renaming.memories) == 1)
 
 
 def _window_of(mutant: Mutant) -> str:
@@ -83,7 +84,7 @@ def prove_cleared(design: Design, mutant: Mutant) -> bool:
 
 def _lanes(mutant: Mutant, renaming: Renaming | None) -> list[tuple[int, int]]:
     """Return the lanes whose memories may differ while they are cleared."""
-    found = LANE.search(renaming.memory if renaming else mutant.module)
+    found = LANE.search(renaming.memories[0] if renaming else mutant.module)
     if found:
         return [tuple(int(digit) for digit in found.groups() if digit is not None)]
     return list(itertools.product(range(4), range(4)))

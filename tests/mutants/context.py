@@ -12,6 +12,7 @@ from .cleared import may_be_cleared, prove_cleared
 from .keep import ROOT, digest, versions
 from .mutate import Mutant, prepared
 from .prove import compare
+from .rows import prove_row, row_of
 from .tops import ENGINE, Design
 
 __all__ = ["CONTEXTS", "prove_in_context"]
@@ -35,6 +36,9 @@ SOURCES = (
     "memories.v",
     "memory_ports.v",
     "renamed.py",
+    "row_invariants.py",
+    "row_ports.v",
+    "rows.py",
 )
 """Files that the answers depend on."""
 
@@ -57,6 +61,8 @@ def prove_in_context(design: Design, mutants: Sequence[Mutant]) -> Iterator[str]
 def _answer(design: Design, mutant: Mutant) -> str:
     """Return how a mutant is shown to be equal."""
     if may_be_cleared(design, mutant) and prove_cleared(design, mutant):
+        return "cleared"
+    if row_of(design, mutant) and prove_row(design, mutant):
         return "cleared"
     parent = mutant.module.rpartition("__")[0]
     if parent not in WHOLE and compare(design, [mutant], "parts", parent) == ["equal"]:

@@ -38,6 +38,22 @@ class Builder:
         """Return whether one is 1 and the other is not."""
         return self.any(self.both(a, b ^ 1), self.both(a ^ 1, b))
 
+    def at_least(self, bits: list[int], least: int) -> int:
+        """Return whether a number, the lowest bit first, is at least a constant."""
+        found = 1
+        for n, bit in enumerate(bits):
+            found = self.both(bit, found) if least >> n & 1 else self.any(bit, found)
+        return found
+
+    def less(self, bits: list[int], other: int) -> list[int]:
+        """Return the bits of a number less a constant."""
+        found, borrow = [], 0
+        for n, bit in enumerate(bits):
+            one = other >> n & 1
+            found.append(self.differ(bit ^ one, borrow))
+            borrow = self.any(bit ^ 1, borrow) if one else self.both(bit ^ 1, borrow)
+        return found
+
 
 def merged(aig: Aig, wrong: list[int], apart: set[int]) -> Aig:
     """Return a graph with the registers of both shared, and one output: something is wrong.
@@ -56,8 +72,8 @@ def merged(aig: Aig, wrong: list[int], apart: set[int]) -> Aig:
         gold = aig.names.get(f"gold.{name.removeprefix('gate.')}")
         if not name.startswith("gate.") or gold is None or literal & ~1 in apart:
             continue
-        # Both are the same at first, or they stay apart.
-        if literal & ~1 in aig.latches and not (literal ^ gold) & 1:
+        # Both are the same at first, or they stay apart. Yosys may have made one of them.
+        if literal & ~1 in aig.latches and not (literal ^ gold) & 1 and literal != gold:
             shared[literal & ~1] = gold & ~1
 
     def one(literal: int) -> int:

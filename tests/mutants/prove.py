@@ -28,7 +28,7 @@ LEVELS = {
     "module": "equal in its module",
     "reads": "equal in its module, where a memory's read counts if it is enabled",
     "parts": "equal in its module with the parts of it",
-    "renamed": "equal in its module with the parts of it, but for the places of a memory's words",
+    "renamed": "equal in its module with the parts of it, but for the places of words in memories",
 }
 """How a mutant is compared, in this order."""
 
@@ -114,7 +114,8 @@ def compare(design: Design, mutants: list[Mutant], level: str, within: str = "")
                 renaming = renaming_of(design, mutant)
                 boxes = renaming.verilog((folder / "memories.v").read_text())
                 (folder / f"renamed_{number}.v").write_text(boxes)
-                renamed = f"techmap -map renamed_{number}.v c:{renaming.memory}\n"
+                memories = " ".join(f"c:{memory}" for memory in renaming.memories)
+                renamed = f"techmap -map renamed_{number}.v {memories}\n"
             script += "design -load base\n" + change + _shape(top, level, "gate", renamed)
             script += PAIR.format(name=number)
         (folder / "pairs.ys").write_text(script)

@@ -1,7 +1,7 @@
-"""Finds the memory whose words a mutant renames: an address bit is inverted at every access.
+"""Finds the memories whose words a mutant renames: an address bit is inverted at every access.
 
 Such a mutant is equal, as a memory does not care which word is where. The proof inverts the bit
-once more, at all ports of that memory.
+once more, at all ports of those memories.
 """
 
 import json
@@ -16,7 +16,7 @@ from splatline.flow.tools import run_yosys
 from .mutate import Mutant, prepared
 from .tops import Design
 
-__all__ = ["Renaming", "renaming_of"]
+__all__ = ["Renaming", "goes_into", "renaming_of"]
 
 ALIGNED = ("$mux", "$dff", "$pmux", "$pos")
 """Cells whose outputs' bits depend on the same bits of their inputs."""
@@ -27,25 +27,25 @@ MODES = ("inv", "cnot0", "cnot1")
 
 @dataclass(frozen=True)
 class Renaming:
-    """A memory, and what inverts a bit of its addresses once more.
+    """Memories, and what inverts a bit of their addresses once more.
 
     Parameters
     ----------
-    memory
-        Name of the cell in the flattened module of the mutant.
+    memories
+        Names of the cells in the flattened module of the mutant.
     bit, control
         Bit of the address that is inverted, and by which one.
     mode
         Kind of the mutant.
     """
 
-    memory: str
+    memories: tuple[str, ...]
     bit: int
     control: int
     mode: str
 
     def verilog(self, boxes: str) -> str:
-        """Return ``memories.v`` for this memory."""
+        """Return ``memories.v`` for these memories."""
         text = boxes
         for port in ("RD_ADDR", "WR_ADDR"):
             control = f"{port}[n*ABITS+{self.control}]"
@@ -85,8 +85,33 @@ def _readers(design: Design, module: str) -> dict:
     return readers
 
 
+def goes_into(design: Design, module: str, signal: str) -> set[tuple[str, str]]:
+    """Return the registers' and memories' cells and ports that a signal comes to within a cycle.
+
+    An output of the module is a port of no cell.
+    """
+    netlist = _netlist(design, module)
+    cells, bits = netlist["cells"], list(netlist["netnames"][signal]["bits"])
+    leaves = {bit: name for name, port in netlist["ports"].items() for bit in port["bits"]}
+    seen, found = set(bits), set()
+    while bits:
+        bit = bits.pop()
+        if bit in leaves:
+            found.add(("", leaves[bit]))
+        for name, port, _ in _readers(design, module)[bit]:
+            if cells[name]["type"] in ("$dff", "$mem_v2"):
+                found.add((name, port))
+                continue
+            ways = cells[name]["port_directions"]
+            for other, outputs in cells[name]["connections"].items():
+                reached = set(outputs) - seen if ways[other] == "output" else set()
+                bits += reached
+                seen |= reached
+    return found
+
+
 def renaming_of(design: Design, mutant: Mutant) -> Renaming | None:
-    """Return what a mutant may rename: the only memory with addresses that its bit comes to."""
+    """Return what a mutant may rename: the memories with addresses that its bit comes to."""
     if mutant.mode not in MODES:
         return None
     cells = _netlist(design, mutant.module)["cells"]
@@ -102,7 +127,7 @@ def renaming_of(design: Design, mutant: Mutant) -> Renaming | None:
             if cell["type"] == "$mem_v2":
                 if port.endswith("_ADDR"):
                     width = int(cell["parameters"]["ABITS"], 2)
-                    found.setdefault(name, position % width)
+                    found.setdefault(name, (position % width, width))
                 continue
             for other, outputs in cell["connections"].items():
                 if cell["port_directions"][other] == "output":
@@ -111,13 +136,13 @@ def renaming_of(design: Design, mutant: Mutant) -> Renaming | None:
                     reached = [outputs[position % size]] if aligned else outputs
                     bits += [bit for bit in reached if bit not in seen]
                     seen.update(reached)
-    if len(found) != 1:
+    if len({*found.values()}) != 1:
         return None
-    ((memory, bit),) = found.items()
+    ((bit, width),), memories = {*found.values()}, tuple(sorted(found))
     if mutant.ctrlbit is None:
-        return Renaming(memory, bit, 0, mutant.mode)
+        return Renaming(memories, bit, 0, mutant.mode)
     control = bit + mutant.ctrlbit - mutant.portbit
-    return Renaming(memory, bit, control, mutant.mode) if control >= 0 else None
+    return Renaming(memories, bit, control, mutant.mode) if 0 <= control < width else None
 
 
 def _bits_at(design: Design, mutant: Mutant, cells: dict) -> list:

@@ -12,9 +12,10 @@ from tests.mutants.judge import Verdict
 from tests.mutants.mutate import FIXED, Mutant, draw_mutants
 from tests.mutants.page import page, share, summary
 from tests.mutants.renamed import renaming_of
+from tests.mutants.rows import row_of, same_row
 from tests.mutants.tops import DESIGNS
 
-PAPER, AXI = DESIGNS[0], DESIGNS[-1]
+PAPER, SWIFT, AXI = DESIGNS[0], DESIGNS[3], DESIGNS[-1]
 COUNT = 50
 """Mutants of the sample: those that ``.ci/run`` takes."""
 
@@ -134,6 +135,19 @@ def test_what_the_clearing_overwrites_is_equal_and_no_more():
     assert not prove_cleared(PAPER, dataclasses.replace(sweep, mode="const0"))
     colour = next(m for m in drawn if str(m).startswith("inv window.lane loaded[16]"))
     assert not prove_cleared(PAPER, colour)
+
+
+def test_a_row_of_lanes_with_words_in_other_places_is_equal_and_no_other():
+    """An address bit of all even memories, by an inverter and by a bit above; stuck; the mask."""
+    inverted = Mutant("inv", "splatline__window", "row_5", "request", 20, None, "request_12[20]")
+    by_another = dataclasses.replace(inverted, mode="cnot0", cell="row_2", portbit=26, ctrlbit=28)
+    assert list(prove_in_context(SWIFT, [inverted, by_another])) == ["cleared"] * 2
+    assert row_of(SWIFT, inverted) == "row_5"
+    stuck = dataclasses.replace(inverted, mode="const0")
+    assert not row_of(SWIFT, stuck)
+    assert not same_row(SWIFT, stuck, "row_5", renaming_of(SWIFT, inverted))
+    mask = dataclasses.replace(inverted, portbit=4)
+    assert not same_row(SWIFT, mask, "row_5", renaming_of(SWIFT, inverted))
 
 
 def test_a_bit_that_the_module_around_does_not_read_is_equal():
