@@ -21,7 +21,7 @@ from .tops import DESIGNS
 
 __all__ = ["main"]
 
-COUNT, SEED, FRESH_SEED = 1200, 1, 271126
+COUNT, SEED, FRESH_SEED = 1200, 1, 271128
 LEAST, LEAST_OF_SAMPLE = 0.95, 0.85
 """The least score, and that of fewer than ``SAMPLE`` mutants, where a few by chance count much."""
 

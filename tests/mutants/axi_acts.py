@@ -5,7 +5,7 @@ import numpy as np
 from splatline.contract.config import EngineConfig
 
 from .bus_aborts import aborts, open_frame
-from .bus_frames import frames, kinds, late_counters
+from .bus_frames import default_width, frames, kinds, late_counters, narrow
 from .bus_packets import any_packets, control_words, odd_packets, odd_rasters
 from .bus_registers import in_a_row, interrupts, refused, registers
 from .program import SHY, Act
@@ -62,6 +62,10 @@ def axi_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
         acts.append(
             script.act("reset", STALLS[number % 4], cut=cut, reset_edges=edges, seed=number)
         )
+    for cut in range(40, 48):  # a write lies in each register on its way in one of these cycles
+        acts.append(narrow(config).act("reset in a write", cut=cut))
+        script = default_width(config, rng)
+        acts.append(script.act("width after a reset", reset_edges=1))
     acts.append(registers(config, rng).act("registers after a reset", reset_edges=2))
     acts.append(frames(config, rng, model=True).act("frames after a reset", FREE))
     return acts

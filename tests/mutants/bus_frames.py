@@ -23,7 +23,17 @@ from .frames import (
     wide_line,
 )
 
-__all__ = ["SIZE", "a_frame", "answer", "frames", "kinds", "late_counters", "prepare"]
+__all__ = [
+    "SIZE",
+    "a_frame",
+    "answer",
+    "default_width",
+    "frames",
+    "kinds",
+    "late_counters",
+    "narrow",
+    "prepare",
+]
 
 SIZE = (48, 40)
 """Width and height of the images, those of ``tests.rtl.bus.axi_cases``."""
@@ -152,4 +162,23 @@ def kinds(config: EngineConfig, rng) -> Script:
         script.read("ELEMENTS", int((~control).sum()))
         script.read("WORDS", len(beats) - 1)
         script.write("ERROR", FULL)
+    return script
+
+
+def narrow(config: EngineConfig) -> Script:
+    """Write a width of one column, again and again."""
+    script = Script(config)
+    for _ in range(40):
+        script.write("LAST_COLUMN", 0, at_once=True)
+    return script
+
+
+def default_width(config: EngineConfig, rng) -> Script:
+    """Draw a frame as wide as one is after a reset, without writing its width."""
+    script = Script(config)
+    frame = a_frame(config, rng, size=(config.reset_size[0], SIZE[1]))
+    for write in register_writes([frame])[0][:, 0].tolist():
+        if write >> 32 != script.offset("LAST_COLUMN"):
+            script.write(write >> 32, write & FULL)
+    answer(script, frame, frame.codewords, [])
     return script

@@ -25,7 +25,16 @@ from .prove import PAIR, answer_of, run_abc
 from .renamed import Renaming, renaming_of
 from .tops import ENGINE, Design
 
-__all__ = ["AS_TEXT", "PAIRED", "PORT", "SEARCH", "TO_GATES", "may_be_cleared", "prove_cleared"]
+__all__ = [
+    "AS_TEXT",
+    "PAIRED",
+    "PORT",
+    "SEARCH",
+    "TO_GATES",
+    "may_be_cleared",
+    "prove_cleared",
+    "window_of",
+]
 
 PORT = re.compile(r"  wire (?:width (\d+) )?(input|output) \d+ (?:signed )?\\(\S+)")
 LANE = re.compile(r"__lane_(\d)_(\d)$|^lane_(\d)_(\d)\.")
@@ -42,7 +51,7 @@ PAIRED = PAIR.partition("async2sync")[0].replace("miter -equiv", "miter -equiv -
 
 def may_be_cleared(design: Design, mutant: Mutant) -> bool:
     """Return whether a mutant is one of a lane, of a lane's address or of the clearing's."""
-    window = _window_of(mutant)
+    window = window_of(mutant)
     if not window or design.config.draws_blocks:
         return False
     if mutant.module != window:
@@ -51,7 +60,7 @@ def may_be_cleared(design: Design, mutant: Mutant) -> bool:
     return mutant.wire.startswith("sweep[") or bool(renaming and len(renaming.memories) == 1)
 
 
-def _window_of(mutant: Mutant) -> str:
+def window_of(mutant: Mutant) -> str:
     """Return the module of the window that a mutant is in, or nothing."""
     window = f"{ENGINE if mutant.in_engine else 'splatline'}__window"
     return window if f"{mutant.module}__".startswith(f"{window}__") else ""
@@ -59,7 +68,7 @@ def _window_of(mutant: Mutant) -> str:
 
 def prove_cleared(design: Design, mutant: Mutant) -> bool:
     """Return whether such a mutant is shown to be equal."""
-    window = _window_of(mutant)
+    window = window_of(mutant)
     renaming = renaming_of(design, mutant) if mutant.module == window else None
     lanes = _lanes(mutant, renaming)
     memories = [f"w.lane_{i}_{j}.ram" for i, j in lanes]

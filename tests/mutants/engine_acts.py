@@ -10,6 +10,8 @@ from splatline.sim.cosim.player.frames import Job
 from tests.support.random_frames import films, frame_of, nonsense, random_raster, shapes
 
 from .frames import (
+    FULL,
+    Words,
     any_control,
     borders,
     bright,
@@ -43,12 +45,13 @@ SIZE = (37, 41)
 
 def engine_acts(config: EngineConfig, seed: int = 1) -> list[Act]:
     """Return the acts of an engine's fast bench; the first begins with a reset."""
-    rng, other = np.random.default_rng(seed), np.random.default_rng(seed + 4)
+    rng, other, third = (np.random.default_rng(seed + n) for n in (0, 4, 8))
     return [
         act_of("after reset", Job(frame=shapes(rng, 60, *SIZE, config=config)), reset_edges=1),
         *_single(rng, config),
         *_films(rng, config),
         *_initial(rng, config),
+        _raster_down_to_the_last_line(third, config),
         *waiting_acts(other, config),
         *timed_acts(other, config),
         *_resets(rng, config),
@@ -148,6 +151,22 @@ def _initial(rng, config: EngineConfig) -> Iterator[Act]:
     yield odd_beats(act_of("odd beats, stalled", job, STALLED), rng, frame)
     for number, job in enumerate(films(rng, [{}, {}], config)):
         yield act_of("long film", job, STALLS[number % len(STALLS)], limit=400_000)
+
+
+def _raster_down_to_the_last_line(rng, config: EngineConfig) -> Act:
+    """Return a frame over a raster of all lines: elements may lie below those that are loaded.
+
+    So each bit of a line's number is at work while a beat waits for its line.
+    """
+    width, height = config.pixels_per_word, config.max_height
+    words = Words(config, rng)
+    while words.line < height - 30:
+        words.at(words.line + int(rng.integers(9, 30)))
+        words.add(FULL, 0, z=0)  # nearer than the raster
+    raster = random_raster(rng, width, height, 0.9, config)
+    raster.depth[raster.depth == 0] = 1
+    job = Job(frame=words.frame(width, height), initial=raster)
+    return act_of("a raster down to the last line", job, limit=400_000)
 
 
 def _resets(rng, config: EngineConfig) -> Iterator[Act]:

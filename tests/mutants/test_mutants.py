@@ -8,6 +8,7 @@ from tests.mutants.acts import acts_of
 from tests.mutants.batch import Batch, Judged
 from tests.mutants.cleared import prove_cleared
 from tests.mutants.context import prove_in_context
+from tests.mutants.held_inputs import prove_with_held_inputs
 from tests.mutants.judge import Verdict
 from tests.mutants.mutate import FIXED, Mutant, draw_mutants
 from tests.mutants.page import page, share, summary
@@ -15,7 +16,7 @@ from tests.mutants.renamed import renaming_of
 from tests.mutants.rows import row_of, same_row
 from tests.mutants.tops import DESIGNS
 
-PAPER, SWIFT, AXI = DESIGNS[0], DESIGNS[3], DESIGNS[-1]
+PAPER, _, PLANE, SWIFT, AXI = DESIGNS
 COUNT = 50
 """Mutants of the sample: those that ``.ci/run`` takes."""
 
@@ -118,6 +119,14 @@ def test_what_only_waits_bounds_or_rare_frames_show_is_noticed():
     assert [verdict.kind for verdict in judge.judge(PAPER, mutants)] == [*kinds.values()]
 
 
+def test_a_bit_of_a_line_that_counts_far_down_only_is_noticed():
+    """The lines that are loaded, while a beat waits below a window that begins at line 64 or on."""
+    drawn = draw_mutants(PLANE, 40, 271127)
+    mutant = next(m for m in drawn if m.part == "window.loader" and m.mode == "cnot1")
+    (verdict,) = judge.judge(PLANE, [mutant])
+    assert verdict.kind == "a raster down to the last line"
+
+
 def test_survivors_in_the_engine_of_an_axi_top_are_played_alone():
     drawn = [*draw_mutants(AXI, 200, 1), *draw_mutants(AXI, 40, 3434)]
     begins = "const1 engine.window _14_[0]", "const0 engine.tiler $le", "cnot0 registers.front _19_"
@@ -155,6 +164,14 @@ def test_a_bit_that_the_module_around_does_not_read_is_equal():
     unread = next(m for m in drawn if str(m).startswith("cnot0 registers.front _19_[1]"))
     read = dataclasses.replace(unread, portbit=2)
     assert list(prove_in_context(AXI, [unread, read])) == ["parent", "open"]
+
+
+def test_what_no_engine_gives_its_window_shows_no_difference():
+    """A line of the initial raster above the image, in a frame that has no lines yet; and below."""
+    drawn = draw_mutants(PAPER, 40, 271128)
+    above = next(m for m in drawn if str(m).startswith("const0 window.loader _30_[10]"))
+    assert prove_with_held_inputs(PAPER, above)
+    assert not prove_with_held_inputs(PAPER, dataclasses.replace(above, portbit=9))
 
 
 def test_the_page_counts_by_design_and_module():

@@ -9,6 +9,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.raster import Raster
 from splatline.sim.cosim.player.frames import Job
 from splatline.sim.cycles.cycles import count_cycles
+from tests.support.random_frames import frame_of
 
 from .frames import DOT, FULL, Words
 from .job_act import act_of, film
@@ -35,6 +36,7 @@ def timed_acts(rng: np.random.Generator, config: EngineConfig) -> Iterator[Act]:
         yield _load_beside_tiles(rng, config)
         yield _load_presses(rng, config)
         yield _load_beside_flush(rng, config)
+        yield from (_loads_alone(config, place) for place in range(8))
 
 
 def _half_pixels(rng, config: EngineConfig, number: int) -> Frame:
@@ -201,3 +203,20 @@ def _load_beside_flush(rng, config: EngineConfig) -> Act:
     start = _beats(config, frame.width, frame.height, {19: 1, 20: words, 24: 1})
     most = words + 3 * words + SLACK
     return _over("load beside flush", frame, start, len(drawn.words), most_cycles=most)
+
+
+def _loads_alone(config: EngineConfig, place: int) -> Act:
+    """A load of one word in a stretch of dirty bits costs the flush of its pair, and no other.
+
+    That are two cycles for the load and two for the flush. ``place``: number of four words in the
+    stretch.
+    """
+    width, height = config.max_width, 60
+    start = Raster.background(width, height, config)
+    for line in range(height):
+        words = np.arange(4 * place + line % 4, width // config.pixels_per_word, 32)
+        start.depth[line, words * config.pixels_per_word] = 3
+    loads = height * len(words)
+    frame = frame_of([], width, height, config=config)
+    most = 4 * loads + SLACK
+    return act_of("loads alone", Job(frame=frame, initial=start), most_cycles=most)
