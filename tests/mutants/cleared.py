@@ -19,31 +19,23 @@ from .aig import Aig, read_aig
 from .clearing import clear
 from .invariants import invariants
 from .keep import ROOT
-from .lockstep import merged, step
+from .lockstep import merged, stays_right
 from .mutate import Mutant, prepared
-from .prove import PAIR, answer_of, run_abc
+from .prove import PAIR
 from .renamed import Renaming, renaming_of
 from .tops import ENGINE, Design
+from .wrapper import ports_of, wrap
 
 __all__ = [
     "AS_TEXT",
     "PAIRED",
-    "PORT",
-    "SEARCH",
     "TO_GATES",
     "may_be_cleared",
     "prove_cleared",
     "window_of",
 ]
 
-PORT = re.compile(r"  wire (?:width (\d+) )?(input|output) \d+ (?:signed )?\\(\S+)")
 LANE = re.compile(r"__lane_(\d)_(\d)$|^lane_(\d)_(\d)\.")
-SEARCH = (
-    "read_aiger {name}.aig\nstrash\ndc2\ndfraig\nwrite_aiger {name}.left\niprove\n"
-    "write_status {name}.status\n"
-)
-"""ABC's commands for a step of the induction."""
-
 TO_GATES = "async2sync\ndffunmap\nsimplemap\ntechmap\nopt_clean\nsetundef -zero -init\naigmap\n"
 AS_TEXT = "opt_clean\nwrite_aiger -ascii -symbols {name}.aag\n"
 PAIRED = PAIR.partition("async2sync")[0].replace("miter -equiv", "miter -equiv -make_outputs")
@@ -84,11 +76,7 @@ def prove_cleared(design: Design, mutant: Mutant) -> bool:
         if len(cycles) != 1 or None in cycles:
             return False
         wrong, apart, both = invariants(both, lanes, renaming)
-        graphs = step(merged(both, wrong, apart))
-        for number, graph in enumerate(graphs):
-            (folder / f"{number}.aig").write_bytes(graph.binary())
-        run_abc(folder, "".join(SEARCH.format(name=number) for number in range(len(graphs))))
-        return all(answer_of(folder, number) == "equal" for number in range(len(graphs)))
+        return stays_right(folder, merged(both, wrong, apart))
 
 
 def _lanes(mutant: Mutant, renaming: Renaming | None) -> list[tuple[int, int]]:
@@ -153,21 +141,16 @@ def _kind(memory: str) -> str:
 
 def _whole(il: str, window: str, end: int) -> str:
     """Return a module around a window whose payloads are 0 where they do not count."""
-    body = il[il.index(f"module \\{window}\n") :]
-    ports = PORT.findall(body[: body.index("\nend\n")])
-    names = {name for _, _, name in ports}
-    declared, links, masks = [], [], []
-    for width, direction, name in ports:
-        size = int(width or 1)
-        declared.append(f"{direction} [{size - 1}:0] {name}")
+    ports = ports_of(il, window)
+    names = {port.name for port in ports}
+    inside, masks = {}, []
+    for name, way, size in ports:
         valid = name.replace("payload", "valid")
-        masked = direction == "output" and name.endswith("payload") and valid in names
-        links.append(f".{name}({'raw_' if masked else ''}{name})")
-        if masked:
+        if way == "output" and name.endswith("payload") and valid in names:
+            inside[name] = f"raw_{name}"
             last = f"{size}'d1 << {end}"
             masks += [
                 f"wire [{size - 1}:0] raw_{name};",
                 f"assign {name} = !{valid} ? 0 : raw_{name}[{end}] ? {last} : raw_{name};",
             ]
-    lines = [f"module whole({', '.join(declared)});", *masks, f"{window} w({', '.join(links)});"]
-    return "\n".join([*lines, "endmodule\n"])
+    return wrap(window, ports, inside, masks, "w")

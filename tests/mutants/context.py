@@ -45,6 +45,7 @@ SOURCES = (
     "row_invariants.py",
     "row_ports.v",
     "rows.py",
+    "wrapper.py",
 )
 """Files that the answers depend on."""
 

@@ -12,11 +12,12 @@ from pathlib import Path
 from splatline.flow.tools import run_yosys
 from splatline.rtl.tiles.layouts import TileLayout
 
-from .cleared import PORT, window_of
+from .cleared import window_of
 from .keep import ROOT
 from .mutate import Mutant, prepared
 from .prove import PAIR, SEARCH, answer_of, run_abc
 from .tops import Design
+from .wrapper import ports_of, wrap
 
 __all__ = ["may_hold_inputs", "prove_with_held_inputs"]
 
@@ -72,29 +73,25 @@ def prove_with_held_inputs(design: Design, mutant: Mutant) -> bool:
 
 def _whole(il: str, window: str, design: Design) -> str:
     """Return a module around a window that holds its inputs as an engine does."""
-    body = il[il.index(f"module \\{window}\n") :]
-    ports = PORT.findall(body[: body.index("\nend\n")])
-    sizes = {name: int(width or 1) for width, _, name in ports}
-    (ready,) = (name for _, way, name in ports if name.startswith("i__ready") and way == "output")
-    layout = TileLayout(design.config)
+    ports, layout = ports_of(il, window), TileLayout(design.config)
     fields = dict(layout)
     # The streams of tiles and of the initial raster have the same names, but for a number.
-    (payload,) = (name for name in sizes if sizes[name] == layout.size and "payload" in name)
+    (payload,) = (p.name for p in ports if p.size == layout.size and "payload" in p.name)
+    (ready,) = (p.name for p in ports if p.name.startswith("i__ready") and p.way == "output")
     valid = payload.replace("payload", "valid")
-    text = FRAME.format(
-        payload=payload, valid=valid, ready=ready, end=fields["end"].offset, most=layout.size - 1,
-        top=fields["top"].offset, width=fields["top"].width, TOP=TOP,
-    )  # fmt: skip
+    lines = [
+        FRAME.format(
+            payload=payload, valid=valid, ready=ready, end=fields["end"].offset,
+            most=layout.size - 1, top=fields["top"].offset, width=fields["top"].width, TOP=TOP,
+        )
+    ]  # fmt: skip
     inside = {"active": "open", valid: "offered", payload: "tile"}
-    for _, way, name in ports:
+    for name, way, size in ports:
         if way == "input" and HELD.match(name):
             inside[name] = f"steady_{name}"
-            bits = f"[{sizes[name] - 1}:0]"
-            text += (
-                f"reg {bits} kept_{name} = 0;\n"
-                f"wire {bits} steady_{name} = idle ? {name} : kept_{name};\n"
-                f"always @(posedge clk) kept_{name} <= steady_{name};\n"
-            )
-    declared = ", ".join(f"{way} [{sizes[name] - 1}:0] {name}" for _, way, name in ports)
-    links = ", ".join(f".{name}({inside.get(name, name)})" for *_, name in ports)
-    return f"module whole({declared});\n{text}{window} w({links});\nendmodule\n"
+            lines += [
+                f"reg [{size - 1}:0] kept_{name} = 0;",
+                f"wire [{size - 1}:0] steady_{name} = idle ? {name} : kept_{name};",
+                f"always @(posedge clk) kept_{name} <= steady_{name};",
+            ]
+    return wrap(window, ports, inside, lines, "w")

@@ -7,10 +7,18 @@ nothing is wrong.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 from .aig import Aig
+from .prove import answer_of, run_abc
 
-__all__ = ["Builder", "merged", "step"]
+__all__ = ["Builder", "merged", "stays_right", "step"]
+
+SEARCH = (
+    "read_aiger {name}.aig\nstrash\ndc2\ndfraig\nwrite_aiger {name}.left\niprove\n"
+    "write_status {name}.status\n"
+)
+"""ABC's commands for a step of the induction."""
 
 
 class Builder:
@@ -112,6 +120,15 @@ def step(aig: Aig) -> tuple[Aig, Aig]:
     (now,) = aig.outputs
     both = builder.both(now ^ 1, later(now))
     return first, Aig(inputs, {}, [both], builder.gates, {})
+
+
+def stays_right(folder: Path, aig: Aig) -> bool:
+    """Return whether a graph's output is shown to stay 0; ``folder`` is for ABC's files."""
+    graphs = step(aig)
+    for number, graph in enumerate(graphs):
+        (folder / f"{number}.aig").write_bytes(graph.binary())
+    run_abc(folder, "".join(SEARCH.format(name=number) for number in range(len(graphs))))
+    return all(answer_of(folder, number) == "equal" for number in range(len(graphs)))
 
 
 def _at_zero(aig: Aig) -> Aig:

@@ -1,8 +1,8 @@
 // The ports of a memory of a row of lanes. `age` counts the cycles after a reset, and the row clears the memory's words
 // one after the other, the first when `age` is 3, the last when it is SWEEP + 2. Until then what goes in does not
 // count, and what comes out may differ between the two designs; `cleared` is 1 while the row writes as it must.
-module row_ports #(parameter READS = 1, WRITES = 1, ABITS = 1, WIDTH = 1, DEPTH = 1, SWEEP = 1, GATE = 0) (
-    input [7:0] age,
+module row_ports #(parameter READS = 1, WRITES = 1, ABITS = 1, WIDTH = 1, DEPTH = 1, SWEEP = 1, AGE = 1, GATE = 0) (
+    input [AGE-1:0] age,
     input [READS*ABITS-1:0] read_address, output [READS*WIDTH-1:0] read_data,
     input [WRITES*WIDTH-1:0] write_enable, input [WRITES*ABITS-1:0] write_address,
     input [WRITES*WIDTH-1:0] write_data);

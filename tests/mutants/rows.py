@@ -16,17 +16,17 @@ from splatline.flow.tools import run_yosys
 from splatline.rtl.blocks.lane_row import HALVES, RowRequestLayout, row_address_bits
 
 from .aig import Aig, read_aig
-from .cleared import AS_TEXT, PAIRED, PORT, SEARCH, TO_GATES
+from .cleared import AS_TEXT, PAIRED, TO_GATES
 from .clearing import Clearing, bits_of
 from .keep import ROOT
-from .lockstep import merged, step
+from .lockstep import merged, stays_right
 from .mutate import Mutant, prepared
-from .prove import answer_of, run_abc
 from .renamed import Renaming, goes_into, renaming_of
 from .row_invariants import FLUSHES, WRITES, row_invariants
 from .tops import Design
+from .wrapper import ports_of, wrap
 
-__all__ = ["prove_row", "row_of"]
+__all__ = ["prove_row", "row_of", "same_row"]
 
 INSIDE = {"request": "asked", "leaving": "left"}
 """What the row has in the place of a port."""
@@ -59,11 +59,7 @@ def same_row(design: Design, mutant: Mutant, row: str, renaming: Renaming) -> bo
         folder = Path(scratch)
         both = _pair(folder, design, mutant, row, renaming)
         wrong, apart, both = row_invariants(both, renaming, design)
-        graphs = step(merged(both, wrong, apart))
-        for number, graph in enumerate(graphs):
-            (folder / f"{number}.aig").write_bytes(graph.binary())
-        run_abc(folder, "".join(SEARCH.format(name=number) for number in range(len(graphs))))
-        return all(answer_of(folder, number) == "equal" for number in range(len(graphs)))
+        return stays_right(folder, merged(both, wrong, apart))
 
 
 def _window_graph(design: Design) -> Aig:
@@ -121,37 +117,34 @@ def _fields(design: Design) -> dict[str, range]:
     return {**found, "even": found["addresses"][:size], "odd": found["addresses"][size:]}
 
 
+def _age_bits(sweep: int) -> int:
+    """Return the bits of the cycles since a reset, as far as they are counted."""
+    return (sweep + FLUSHES).bit_length()
+
+
 def _whole(il: str, module: str, design: Design) -> str:
     """Return a module around a row that gives it the window's requests after a reset."""
-    body = il[il.index(f"module \\{module}\n") :]
-    ports = PORT.findall(body[: body.index("\nend\n")])
-    declared = [f"{way} [{int(width or 1) - 1}:0] {name}" for width, way, name in ports]
-    links = [f".{name}({INSIDE.get(name, name)})" for *_, name in ports]
-    sizes = {name: int(width or 1) for width, _, name in ports}
+    ports = ports_of(il, module)
+    sizes = {port.name: port.size for port in ports}
     fields, sweep = _fields(design), 1 << row_address_bits(design.config)
     bit = {name: fields[name].start for name in ("draw", "clear", "load")}
     place = [f"asked[{fields[half].start} +: {len(fields[half])}]" for half in HALVES]
-    return "\n".join(
-        [
-            f"module whole({', '.join(declared)});",
-            "reg [7:0] age = 0;",
-            f"always @(posedge clk) age <= rst ? 0 : age + (age < {sweep + FLUSHES});",
-            f"reg [{sizes['request'] - 1}:0] asked;",
-            f"wire [{sizes['leaving'] - 1}:0] left;",
-            "always @* begin",
-            "asked = request;",
-            f"if (age >= 1 & age < {sweep + WRITES}) begin",
-            f"asked[{bit['draw']}] = 0; asked[{bit['load']}] = 0;",
-            f"asked[{bit['clear']}] = age <= {sweep};",
-            f"if (age <= {sweep}) begin {' '.join(f'{one} = age - 1;' for one in place)} end",
-            "end",
-            "end",
-            f"assign leaving = age < {sweep + FLUSHES - 1} ? 0 : left;",
-            f"{module} row({', '.join(links)});",
-            "endmodule",
-            "",
-        ]
-    )
+    lines = [
+        f"reg [{_age_bits(sweep) - 1}:0] age = 0;",
+        f"always @(posedge clk) age <= rst ? 0 : age + (age < {sweep + FLUSHES});",
+        f"reg [{sizes['request'] - 1}:0] asked;",
+        f"wire [{sizes['leaving'] - 1}:0] left;",
+        "always @* begin",
+        "asked = request;",
+        f"if (age >= 1 & age < {sweep + WRITES}) begin",
+        f"asked[{bit['draw']}] = 0; asked[{bit['load']}] = 0;",
+        f"asked[{bit['clear']}] = age <= {sweep};",
+        f"if (age <= {sweep}) begin {' '.join(f'{one} = age - 1;' for one in place)} end",
+        "end",
+        "end",
+        f"assign leaving = age < {sweep + FLUSHES - 1} ? 0 : left;",
+    ]
+    return wrap(module, ports, INSIDE, lines, "row")
 
 
 def _pair(folder: Path, design: Design, mutant: Mutant, row: str, renaming: Renaming) -> Aig:
@@ -164,7 +157,8 @@ def _pair(folder: Path, design: Design, mutant: Mutant, row: str, renaming: Rena
     for name, gate, text in (
         ("gold", 0, plain), ("gate", 1, plain), ("renamed", 1, renaming.verilog(plain)),
     ):  # fmt: skip
-        ports = f"row_ports #(.DEPTH({depth}), .SWEEP({sweep}), .GATE({gate}), "
+        sizes = f".DEPTH({depth}), .SWEEP({sweep}), .AGE({_age_bits(sweep)})"
+        ports = f"row_ports #({sizes}, .GATE({gate}), "
         (folder / f"{name}.v").write_text(text.replace("memory_ports #(", ports))
     (folder / "row_ports.v").write_text(Path(__file__).with_name("row_ports.v").read_text())
     inside = mutant

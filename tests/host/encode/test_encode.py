@@ -7,30 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from splatline.contract.frame import Frame, Tables
 from splatline.contract.presets import PAPER
 from splatline.host.encode.encode import encode
 from splatline.host.encode.quality import QUALITIES
-from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.shading.normal_levels import level_slopes
-from splatline.host.visibility.splats import SPLAT, Splats
 from splatline.host.visibility.view import View
 from splatline.sim import golden
-
-TABLES = Tables(np.zeros(3, np.int64), np.zeros((128, 3), np.int64), np.zeros((128, 3), np.int64))
-
-
-def splats_of(column, line, diameter, shape=32 * 64 + 32, slope=None):
-    """Splats with slopes given, or with the levels' own."""
-    column = np.atleast_1d(np.asarray(column, np.float32))
-    data = np.zeros(len(column), SPLAT)
-    data["column"], data["line"], data["diameter"] = column, line, diameter
-    if slope is None:
-        slopes = level_slopes()
-        slope = np.stack([slopes[np.asarray(shape) // 64], slopes[np.asarray(shape) % 64]], -1)
-    data["slope_x"], data["slope_y"] = np.moveaxis(np.asarray(slope, np.float32), -1, 0)
-    data["depth"] = 1.0
-    return Splats.of(data)
+from tests.support.splats import picture_of, splats_of
 
 
 def encoded(splats, width, height, quality="paper", depth_range=(0.5, 1.5), focal=1e6):
@@ -45,8 +28,7 @@ def words_of(splats, width, height, **options):
 
 
 def picture(splats, width, height, **options):
-    stream, _ = sort_by_line(encoded(splats, width, height, **options), PAPER)
-    return golden.render(Frame(stream, TABLES, width, height))
+    return picture_of(encoded(splats, width, height, **options), width, height)
 
 
 def drawn(splats, width, height, **options):

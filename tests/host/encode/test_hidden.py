@@ -6,17 +6,13 @@ import numpy as np
 import pytest
 
 from splatline.contract.config import BLOCK, ROWS
-from splatline.contract.frame import Frame
 from splatline.contract.presets import PAPER, PLANE
 from splatline.host.encode import encode as encode_module
 from splatline.host.encode import encode_planes as encode_planes_module
-from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.visibility.footprint import FLAT
 from splatline.host.visibility.occlusion import Pyramid
 from splatline.host.visibility.view import View
-from splatline.sim import golden
-from tests.host.encode.test_encode import TABLES, splats_of
-from tests.support import plane_words as pw
+from tests.support.splats import picture_of, splats_of
 
 WIDTH, HEIGHT = 64, 48
 ROWS_OF_CELLS, CELLS_OF_ROW = HEIGHT // ROWS, WIDTH // BLOCK
@@ -49,16 +45,12 @@ def is_hidden(splat, view, config, quality, bound, monkeypatch):
 def depths_by_cell(splat, view, config, quality):
     """Return the nearest depth that its words draw in each cell, and background elsewhere."""
     words = encode_module.encode(splat, view, config, quality, nearest_pixel=True)
-    stream, _ = sort_by_line(words, config)
-    frame = Frame(stream, TABLES, WIDTH, HEIGHT)
-    if config.plane:
-        frame = pw.make_frame(pw.integers_of(stream), (WIDTH, HEIGHT))
-    depth = golden.render(frame).depth
+    depth = picture_of(words, WIDTH, HEIGHT, config).depth
     return depth.reshape(ROWS_OF_CELLS, ROWS, CELLS_OF_ROW, BLOCK).min(axis=(1, 3))
 
 
 def random_splat(rng, largest):
-    """Return a splat that is not drawn as seen from near, and its numbers."""
+    """Return a splat in the image or just beside it."""
     diameter = rng.uniform(0.0, largest)
     slopes = rng.normal(size=2) * 10.0 ** rng.uniform(-2.5, 0.5, 2)
     place = rng.uniform(-3, (WIDTH + 3, HEIGHT + 3))

@@ -5,14 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from splatline.contract.frame import Frame
 from splatline.contract.presets import PAPER, PLANE
 from splatline.host.encode.encode import encode
-from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.visibility.view import View
-from splatline.sim import golden
-from tests.host.encode.test_encode import TABLES, splats_of
-from tests.support import plane_words as pw
+from tests.support.splats import picture_of, splats_of
 
 WIDTH, HEIGHT = 45, 34
 FAR = 1000.0
@@ -44,11 +40,7 @@ def drawn_by_words(config, place, radius, slopes, focal, near):
     splat = splats_of(*place, 2 * radius * focal, slope=slopes)
     splat = dataclasses.replace(splat, depth_range=(0.0, FAR))
     view = View(np.zeros(3), np.eye(3), focal, WIDTH, HEIGHT, near)
-    words = encode(splat, view, config, "exact")
-    stream, _ = sort_by_line(words, config)
-    if config.plane:
-        return golden.render(pw.make_frame(pw.integers_of(stream), (WIDTH, HEIGHT))).drawn
-    return golden.render(Frame(stream, TABLES, WIDTH, HEIGHT)).drawn
+    return picture_of(encode(splat, view, config, "exact"), WIDTH, HEIGHT, config).drawn
 
 
 @pytest.mark.parametrize("config", [PAPER, PLANE], ids=["paper", "plane"])
