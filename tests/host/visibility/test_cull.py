@@ -2,7 +2,7 @@
 
 import dataclasses
 import itertools
-from types import SimpleNamespace
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -263,11 +263,23 @@ def test_from_afar_few_groups_of_points_are_read(distance, most):
     assert 0.0 < seen.mean() < most
 
 
+class _Pinhole(NamedTuple):
+    focal: float
+    near: float
+    width: int
+    height: int
+    middle_x: float
+    middle_y: float
+
+
+class _Ball(NamedTuple):
+    reach: float
+    largest: float
+
+
 def test_a_block_that_lies_inside_has_no_point_near_a_border():
     """Points of its sphere, seen by a pinhole; each side decides alone for some blocks."""
-    camera = SimpleNamespace(
-        focal=60.0, near=0.1, width=90, height=70, middle_x=45.0, middle_y=35.0
-    )
+    camera = _Pinhole(60.0, 0.1, 90, 70, 45.0, 35.0)
     rng = np.random.default_rng(4)
     outwards = rng.normal(size=(400, 3))
     outwards /= np.linalg.norm(outwards, axis=1)[:, np.newaxis]
@@ -275,11 +287,11 @@ def test_a_block_that_lies_inside_has_no_point_near_a_border():
     for _ in range(600):
         depth = rng.uniform(2.0, 9.0)
         middle = (*rng.uniform(-0.9, 0.9, 2) * depth, depth)
-        bound = SimpleNamespace(reach=rng.uniform(0.0, 0.4), largest=rng.uniform(0.0, 0.1))
+        bound = _Ball(rng.uniform(0.0, 0.4), rng.uniform(0.0, 0.1))
         x, y, z = (middle + (bound.reach + bound.largest) * outwards).T
         column, line = 45.0 + 60.0 * x / z, 35.0 + 60.0 * y / z
         beyond = np.array([column.min() < 0, column.max() > 90, line.min() < 0, line.max() > 70])
-        if lies_inside.py_func(bound, middle, camera):
+        if lies_inside(bound, middle, camera):
             inside += 1
             assert not beyond.any()
         elif beyond.sum() == 1:
