@@ -5,6 +5,7 @@ import pytest
 
 from splatline.contract.frame import Frame, Tables
 from splatline.contract.presets import PAPER, SWIFT_PLANE
+from splatline.contract.raster import Raster
 from splatline.host.encode.sort_by_line import advance_word
 from splatline.sim.cosim.player.frames import Job, play
 from splatline.sim.cycles.cycles import count_cycles
@@ -116,6 +117,14 @@ def large_and_small_in_turn(rng, config):
         yield Job(frame=shapes(rng, 40, *size, config=config))
 
 
+def full_windows(_, config):
+    """Each bit of each pixel that the window holds is set, then cleared, or the other way round."""
+    for colour in (config.channel_max, 0):
+        start = Raster.background(config.max_width, config.window_lines, config)
+        start.depth[:], start.colour[:] = 0, colour
+        yield Job(frame=frame_of([], *start.depth.shape[::-1], config=config), initial=start)
+
+
 CASES = [
     with_stalls,
     over_an_initial_raster,
@@ -125,6 +134,7 @@ CASES = [
     on_one_word,
     extreme_colours,
     large_and_small_in_turn,
+    full_windows,
 ]
 
 

@@ -9,6 +9,7 @@ from splatline.contract.config import BLOCK, ROWS
 from splatline.contract.presets import PAPER, PLANE
 from splatline.host.encode import encode as encode_module
 from splatline.host.encode import encode_planes as encode_planes_module
+from splatline.host.encode.splat_loop import DRAWN, HIDDEN
 from splatline.host.visibility.footprint import FLAT
 from splatline.host.visibility.occlusion import Pyramid
 from splatline.host.visibility.view import View
@@ -37,8 +38,12 @@ def is_hidden(splat, view, config, quality, bound, monkeypatch):
 
     for module in (encode_module, encode_planes_module):
         monkeypatch.setattr(module, "new_pyramid", made_by_hand)
-    found = encode_module.encode(splat, view, config, quality, nearest_pixel=True, skip_hidden=True)
-    assert found.hidden in (0, 1)
+    marks = np.zeros(1, np.uint8)
+    found = encode_module.encode(
+        splat, view, config, quality, nearest_pixel=True, skip_hidden=True, marks=marks
+    )
+    drawn = DRAWN if found.elements else 0
+    assert marks[0] == (HIDDEN if found.hidden else drawn)
     return found.hidden == 1
 
 
