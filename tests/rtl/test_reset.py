@@ -10,20 +10,14 @@ import numpy as np
 import pytest
 
 from splatline.contract.presets import PAPER, PLANE, SWIFT, SWIFT_PLANE
-from splatline.flow.verilog import generate
 from splatline.host.device.driver import Engine
-from splatline.rtl.blocks.window import BlockWindow
-from splatline.rtl.tiles.window import TileWindow
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.axi.axi_device import SimulatedDevice, build_axi
 from splatline.sim.cosim.player.frames import Job, play
-from splatline.sim.cosim.player.player import wrap
-from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.bus.axi_cases import clean, draw_scene
 from tests.support import bus_words
 from tests.support.engines import engine, mismatches
-from tests.support.planted import plant, play_with
 from tests.support.random_frames import random_raster, shapes
 
 in_icarus = pytest.mark.skipif(not simulator.available("icarus"), reason="Icarus is not installed")
@@ -36,16 +30,6 @@ BLOCKS = SWIFT.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 
 PLANES = SWIFT_PLANE.replace(channel_bits=3, coefficient_bits=6, colour_shift=10)
 """Blocks with planes. All lanes compare depths, which are undefined where nothing is drawn."""
-
-FAULTS = {
-    (PAPER, TileWindow): [("_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z")],
-    # All ones, if it is defined.
-    (PLANE, TileWindow): [("_draw_depth", r"eq\(~0\)", "eq(given | ~given)")],
-    (BLOCKS, BlockWindow): [
-        ("_follow", r"self\.i\.valid & other\.drawn", "other.drawn"),
-        ("_follow", r"known & \(", "self.i.valid & ("),
-    ],
-}
 
 
 def jobs(config, edges):
@@ -71,14 +55,6 @@ def wrong_pixels(draw, config, edges):
     return sum(map(mismatches, played, draw(played)))
 
 
-@functools.cache
-def planted(config, part):
-    """Build an engine with all of a part's faults, for Icarus."""
-    with pytest.MonkeyPatch.context() as patch:
-        edit = plant(patch, [(part, *fault) for fault in FAULTS[config, part]])
-        return wrap(edit(generate(config)[0]), config, simulator_name="icarus")
-
-
 @in_icarus
 @pytest.mark.parametrize(
     "config, edges",
@@ -90,17 +66,6 @@ def test_the_first_frame_after_a_short_reset_is_right(config, edges):
 
 
 @in_icarus
-@pytest.mark.parametrize("config, part", FAULTS, ids=["tiles", "planes", "blocks"])
-def test_undefined_values_that_reach_a_lane_are_noticed(config, part):
-    """Without a fault none reaches one. A choice by a known value passes on no other's."""
-    built = planted(config, part)
-    assert wrong_pixels(functools.partial(play_with, 0, built=built), config, 1) == 0
-    first, *_ = jobs(config, 1)  # which is enough
-    for number in range(1, len(FAULTS[config, part]) + 1):
-        assert mismatches(first, *play_with(number, [first], built))
-
-
-@in_icarus
 @pytest.mark.parametrize(
     "edition, edges", [*((edition, 1) for edition in EDITIONS), (EDITIONS[-1], 4)]
 )
@@ -109,18 +74,6 @@ def test_the_first_frame_on_axi_in_every_edition_of_verilog(edition, edges):
     frame = clean(PAPER, 3, 20)
     with SimulatedDevice(PAPER, built=built, reset_edges=edges) as device:
         assert draw_scene(Engine(device), frame).mismatches(golden.render(frame)) == 0
-
-
-@in_icarus
-def test_blocks_that_nothing_starts_are_noticed():
-    """A register that has its value from the start wakes no block in SystemVerilog."""
-
-    def edit(text):
-        return text.replace("reg _start_;\n  initial _start_ <= 0;", "reg _start_ = 0;")
-
-    built = build_axi(PAPER, "icarus", edit=edit, options=["-g2012"])
-    with SimulatedDevice(PAPER, built=built) as device, pytest.raises(SimulationError):
-        draw_scene(Engine(device), clean(PAPER, 3, 20))
 
 
 @in_icarus
