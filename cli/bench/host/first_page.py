@@ -20,15 +20,15 @@ GOALS = {
 """Most seconds from the command to the picture, by cloud."""
 
 REASONS = """\
-Starting takes 0.5 to 0.7 s of each. Most of it are imports: 0.57 s by `python -X importtime`, with
-0.20 s for numba, 0.11 s for the part of scipy that numba loads, and 0.06 s for numpy (measured
-once). Without them the goals that are missed would be met. Next would be compiled functions that
-load without numba; `splatline view` starts once for many pictures.
+Most of the start are imports: 0.57 s by `python -X importtime`, with 0.20 s for numba, 0.11 s for
+the part of scipy that numba loads, and 0.06 s for numpy (measured once, when the start took 0.5 to
+0.7 s). Next would be compiled functions that load without numba; `splatline view` starts
+once for many pictures.
 
 The first run on a machine compiles for 42 s of processor time (measured once, with an empty
 cache). `make setup` does so and says it; after `pip install` the first command does, and says
 it."""
-"""Why a goal is missed, and the first run of all."""
+"""What the start consists of, and the first run of all."""
 
 LEAST = 5e-4
 """Seconds below which a stage is left out, if it is so in every cloud."""
@@ -47,7 +47,7 @@ def first_pictures(runs: list[dict[str, Any]]) -> list[str]:
         ("goal", *(_verdict(run) for run in runs)),
         (START, *(_seconds(run["start"]) for run in runs)),
         *((name, *(_seconds(run["seconds"].get(name)) for run in runs)) for name in stages),
-        *((peer, *(_wall(run["peers"].get(peer)) for run in runs)) for peer in runs[0]["peers"]),
+        *((peer, *(_wall(run, peer) for run in runs)) for peer in runs[0]["peers"]),
     ]
     return [
         "",
@@ -58,9 +58,10 @@ def first_pictures(runs: list[dict[str, Any]]) -> list[str]:
         " `start` is the time outside of stages: Python, imports and the end of the process."
         " Other renderers run a few lines of Python that read the same file and write a picture of"
         " the same size, with points of 2 pixels. They estimate neither normals nor sizes of"
-        " splats.",
+        " splats. In brackets: their time as a multiple of ours.",
         "",
         table(("stage", *(_head(run) for run in runs)), rows, 1),
+        *(line for run in runs for line in _why_missed(run)),
         "",
         REASONS,
     ]
@@ -76,11 +77,28 @@ def _verdict(run: dict[str, Any]) -> str:
     return "-" if goal is None else f"{goal:.2f}: {'met' if run['wall'] <= goal else 'missed'}"
 
 
+def _why_missed(run: dict[str, Any]) -> list[str]:
+    """Return a line that says what takes most of the time of a cloud whose goal is missed."""
+    goal = GOALS.get(run["cloud"])
+    if goal is None or run["wall"] <= goal:
+        return []
+    parts = {START: run["start"], **run["seconds"]}
+    first, second = sorted(parts, key=lambda name: -parts[name])[:2]
+    return [
+        "",
+        f"Of the {run['wall']:.2f} s of {run['cloud']}, {first} takes {parts[first]:.2f} s and"
+        f" {second} {parts[second]:.2f} s.",
+    ]
+
+
 def _seconds(value: float | None) -> str:
     return "-" if value is None else f"{value:.3f}"
 
 
-def _wall(peer: dict[str, Any] | None) -> str:
+def _wall(run: dict[str, Any], name: str) -> str:
+    """Return a renderer's time and its ratio to ours, or why there is none."""
+    peer = run["peers"].get(name)
     if peer is None:
         return "-"
-    return f"{peer['wall']:.2f}" if peer["wall"] is not None else peer["why"]
+    wall = peer["wall"]
+    return f"{wall:.2f} ({wall / run['wall']:.2f})" if wall is not None else peer["why"]
