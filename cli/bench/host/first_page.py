@@ -22,8 +22,8 @@ GOALS = {
 REASONS = """\
 Most of the start are imports: 0.57 s by `python -X importtime`, with 0.20 s for numba, 0.11 s for
 the part of scipy that numba loads, and 0.06 s for numpy (measured once, when the start took 0.5 to
-0.7 s). Next would be compiled functions that load without numba; `splatline view` starts
-once for many pictures.
+0.7 s). Next would be compiled functions that load without numba; `splatline view` starts once for
+many pictures.
 
 The first run on a machine compiles for 42 s of processor time (measured once, with an empty
 cache). `make setup` does so and says it; after `pip install` the first command does, and says
