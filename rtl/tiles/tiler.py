@@ -346,9 +346,10 @@ class Tiler(wiring.Component):
         m.d.comb += words_left.eq(last_word - element.x[bits:])
         with m.If(self.i.ready):
             m.d.sync += inside.eq(Cat(words_left >= k for k in range(len(inside))))
+        # One adder with a carry in: ``meets`` waits for it.
         m.d.comb += [
             tile.words[0].eq(x[bits:] + column),
-            tile.words[1].eq(x[bits:] + column + 1),
+            tile.words[1].eq((Cat(1, x[bits:]) + Cat(1, column))[1:]),
         ]
         columns = Signal(self.config.pixels_per_word)
         for j in range(len(columns)):

@@ -298,6 +298,7 @@ def test_tables_wait_until_the_end_beat_is_taken(config):
     simulation.run()
 
 
+@pytest.mark.planted
 def test_a_third_frame_that_is_let_in_is_noticed(monkeypatch):
     rewrite(monkeypatch, Engine, "elaborate", r" & ~unfinished\[1\]", "")
     assert ends_taken(PAPER.with_shapes("small")) > 3

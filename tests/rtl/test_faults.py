@@ -22,6 +22,8 @@ from tests.support.faults import LANE_WRITES, fault, switched
 from tests.support.planted import plant, play_with
 from tests.support.random_frames import shapes
 
+pytestmark = pytest.mark.planted
+
 
 def test_control_words_that_draw_are_noticed():
     edit = fault("dut", "control", "1'h0")

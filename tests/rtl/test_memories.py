@@ -84,6 +84,7 @@ def test_pictures_and_cycles_are_those_of_golden_and_of_the_cycle_model(name):
     assert [outcome.cycles for outcome in outcomes[:2]] == counted
 
 
+@pytest.mark.planted
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_of_a_load_is_noticed(name):
     played = jobs(SIMPLE["plane"])

@@ -160,11 +160,13 @@ def planted():
         return wrap(edit(generate(PLANE)[0]), PLANE)
 
 
+@pytest.mark.planted
 def test_without_a_fault_the_build_with_faults_is_right():
     played = faulty_jobs()
     assert mismatches(played, play_with(0, played, planted())) == [0] * 6
 
 
+@pytest.mark.planted
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_noticed(name):
     played = faulty_jobs()

@@ -17,6 +17,8 @@ from tests.rtl.test_reset import BLOCKS, in_icarus, jobs, wrong_pixels
 from tests.support.engines import mismatches
 from tests.support.planted import plant, play_with
 
+pytestmark = pytest.mark.planted
+
 FAULTS = {
     (PAPER, TileWindow): [("_draw", r"Mux\(self\.i\.valid, tile\.z, 0\)", "tile.z")],
     # All ones, if it is defined.

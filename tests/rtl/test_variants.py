@@ -162,6 +162,7 @@ FAULTS = [
 ]
 
 
+@pytest.mark.planted
 @pytest.mark.parametrize(
     ("component", "method", "pattern", "replacement"),
     [pytest.param(*fault[:4], id=fault[4]) for fault in FAULTS],

@@ -21,10 +21,7 @@ from .measure import Plan, measure
 
 __all__ = ["chain"]
 
-CLOCKS_MHZ = {"paper": 96.5, "rgb24": 89.0}
-"""Clock rate of one routed engine by preset: the median of ``splatline pnr``."""
-
-MEASURED_PRESETS = tuple(PRESETS[name] for name in CLOCKS_MHZ)
+MEASURED_PRESETS = (PRESETS["paper"], PRESETS["rgb24"])
 
 
 @click.command()
@@ -105,9 +102,14 @@ def chain(
             runs = list(measure(plan, counter.advance))
         except SimulationError as error:
             raise ToolFailure(str(error)) from error
+    from splatline.flow.timing.clocks import read_clocks
+
     from .page import page, rate
 
-    clocks = {config.name: clock or CLOCKS_MHZ.get(config.name) for config in presets}
+    routed = read_clocks()
+    clocks = {
+        config.name: clock or routed.get(config.name, {}).get("median_mhz") for config in presets
+    }
     report = {
         "size": list(size),
         "clock_mhz": clocks,

@@ -34,11 +34,13 @@ def routing(monkeypatch):
     """Puts a place and route in place that takes no time."""
     asked = []
 
-    def place_and_route(config, *, top, seed, tries, mhz, packed, progress):
+    def place_and_route(config, *, top, seed, tries, mhz, packed, script, progress):
         asked.append((config, top, seed, tries, mhz))
         progress(0.5)
         if packed is not None:
             packed.write_bytes(b"bits")
+        if script is not None:
+            script.write_text("setattr\n")
         if top == "pins":
             return REPORT
         return {**REPORT, "top": top, "virtex2_estimate_mhz": None, "virtex2_estimate": None}
@@ -52,12 +54,14 @@ def routing(monkeypatch):
 
 def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder, routing):
     result = run(
-        "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit"
-    )
+        "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit",
+        "--floorplan", "a.ys",
+    )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     assert routing[1] == [(DEFAULT, "pins", 3, 2, 150.0)]
     assert json.loads((folder / "a.json").read_text()) == REPORT
     assert (folder / "a.bit").read_bytes() == b"bits"
+    assert (folder / "a.ys").read_text() == "setattr\n"
     for text in (
         "111.0 MHz of 2 seeds",
         "123.4 MHz",

@@ -11,7 +11,6 @@ from splatline.flow.timing.pnr import (
     SHORT,
     placer,
     read_report,
-    smallest,
     synthesis_script,
 )
 from splatline.flow.tools import ToolError
@@ -63,15 +62,6 @@ def test_a_report_without_the_one_clock_is_refused(count):
     rate = {"achieved": 1.0, "constraint": 1.0}
     with pytest.raises(ToolError, match=f"{count} clocks"):
         read_report(report(fmax={str(n): rate for n in range(count)}))
-
-
-@pytest.mark.parametrize(
-    ("block_rams", "name"),
-    [(17, "25F"), (56, "25F"), (57, "45F"), (65, "45F"), (109, "85F"), (209, "85F")],
-)
-def test_the_smallest_device_with_the_block_rams_is_taken(block_rams, name):
-    """What even the largest has too few of, nextpnr says."""
-    assert smallest(block_rams).name == f"LFE5U-{name}-6BG381"
 
 
 def test_the_constraints_name_every_pin_and_no_other():

@@ -20,6 +20,8 @@ from tests.support.bench_config import run_bench
 from tests.support.faults import rewrite
 from tests.support.planted import build, find_wrong
 
+pytestmark = pytest.mark.planted
+
 BENCHES = {
     LaneRow: test_lane_row,
     BlockTiler: test_tiler,

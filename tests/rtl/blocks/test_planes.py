@@ -107,11 +107,13 @@ def test_random_words_are_drawn_as_golden_draws_them(config):
     assert mismatches(played, frames.play(played)) == [0] * 6
 
 
+@pytest.mark.planted
 def test_without_a_fault_the_build_with_faults_is_right():
     played = [*jobs(SWIFT_PLANE, range(4)), *crowds()]
     assert mismatches(played, play_with(0, played, unkind())) == [0] * 10
 
 
+@pytest.mark.planted
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_noticed(name):
     played = [*jobs(SWIFT_PLANE, range(4)), *crowds()]

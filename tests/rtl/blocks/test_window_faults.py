@@ -4,6 +4,7 @@ import dataclasses
 import re
 
 import numpy as np
+import pytest
 
 from splatline.contract.frame import Tables
 from splatline.contract.presets import SWIFT
@@ -18,6 +19,8 @@ from tests.rtl import test_presets, test_variants
 from tests.support.faults import switched_source
 from tests.support.planted import play_with
 from tests.support.random_frames import films, frame_of, random_tables, word
+
+pytestmark = pytest.mark.planted
 
 
 def behind_the_sweep(rng, config):

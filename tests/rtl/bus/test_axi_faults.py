@@ -22,6 +22,8 @@ from tests.rtl.bus.axi_cases import STREAMS
 from tests.support.faults import switched
 from tests.support.planted import plant
 
+pytestmark = pytest.mark.planted
+
 NOTICED = (
     *(AssertionError, DeviceLostError, DeviceTimeoutError, EngineError),
     *(SimulationError, ValueError),

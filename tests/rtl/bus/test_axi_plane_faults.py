@@ -14,6 +14,8 @@ from tests.rtl.bus.axi_cases import STREAMS
 from tests.rtl.bus.test_axi_faults import NOTICED, play
 from tests.support.planted import plant
 
+pytestmark = pytest.mark.planted
+
 FAULTS = {
     "the high half is lost": (
         *("a_frame_that_ends_early", AxiTop, "_enter"),

@@ -191,6 +191,7 @@ def test_plane_words_are_six_pieces(rates):
     assert picture.mismatches(golden.render(PLANES, initial)) == 0
 
 
+@pytest.mark.planted
 def test_the_high_pieces_of_plane_words_are_noticed_if_they_are_lost(monkeypatch):
     whole = r"codewords\.payload\.eq\(words\.o\.payload\)"
     rewrite(monkeypatch, PinTop, "elaborate", whole, "codewords.payload.eq(words.o.payload[:64])")

@@ -19,6 +19,8 @@ from tests.rtl.chain import test_chain, test_merger
 from tests.support.planted import build, find_wrong, plant, play_with
 from tests.support.random_frames import frame_of, shapes
 
+pytestmark = pytest.mark.planted
+
 SMALL, ENGINES = test_chain.SMALL, test_chain.ENGINES
 
 QUICKEST = "icarus" if simulator.available("icarus") else "verilator"

@@ -1,5 +1,7 @@
 """Planted faults of the frame writer: its bench must notice each of them."""
 
+import pytest
+
 from splatline.contract.presets import PAPER
 from splatline.rtl.framebuffer.burst_writer import BurstWriter
 from splatline.rtl.framebuffer.frame_writer import FrameWriter
@@ -8,6 +10,8 @@ from splatline.sim.cosim.simulator import available
 from tests.rtl.framebuffer import writer_bench
 from tests.rtl.framebuffer.writer_bench import BURST, OUTSTANDING
 from tests.support import planted
+
+pytestmark = pytest.mark.planted
 
 TURNS, CHANGES = "frames_by_turns", "other_settings"
 LONG, ERRORS = "lines_of_many_bursts", "responses_that_are_errors"

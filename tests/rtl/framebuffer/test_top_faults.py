@@ -1,10 +1,14 @@
 """Planted faults between the engine and the frame writer: the top's bench must notice each."""
 
+import pytest
+
 from splatline.contract.presets import PAPER
 from splatline.rtl.framebuffer.top import FrameBufferTop
 from splatline.sim.cosim.simulator import available
 from tests.rtl.framebuffer import top_bench
 from tests.support import planted
+
+pytestmark = pytest.mark.planted
 
 FRAMES, ABORTED = "frames_behind_each_other", "an_aborted_frame"
 

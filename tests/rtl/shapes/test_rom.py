@@ -111,6 +111,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.planted
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_noticed(name, tmp_path):
     config, signal, place = FAULTS[name]

@@ -123,6 +123,7 @@ def test_the_command_line_draws_a_scene_with_the_rom_s_verilog(config, tmp_path)
     assert f"{numbers['bits_sent']['rom']:,} (rom)" in result.stdout
 
 
+@pytest.mark.planted
 def test_a_rom_that_mirrors_nothing_is_noticed(monkeypatch):
     whole = verilog.generate
     broken = fault("splatline.shapes", "mirror", "1'h0")

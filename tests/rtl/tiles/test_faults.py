@@ -16,6 +16,8 @@ from tests.support.bench_config import PAIRED, run_bench
 from tests.support.faults import LANE_WRITES, chosen, rewrite
 from tests.support.planted import build, find_wrong
 
+pytestmark = pytest.mark.planted
+
 BENCHES = {
     Lane: (Lane, test_lane),
     Tiler: (Tiler, test_tiler),

@@ -10,6 +10,8 @@ from tests.rtl.tiles import test_window
 from tests.support.bench_config import PAIRED
 from tests.support.planted import build, find_wrong
 
+pytestmark = pytest.mark.planted
+
 REWRITTEN = {
     "no conflict": (
         TileWindow,

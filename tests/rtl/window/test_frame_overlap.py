@@ -115,6 +115,7 @@ FAULTS = [
 ]
 
 
+@pytest.mark.planted
 @pytest.mark.parametrize(
     ("pattern", "replacement"),
     [pytest.param(*planted[:2], id=planted[2]) for planted in FAULTS],
