@@ -30,6 +30,12 @@ _FILE = click.Path(path_type=Path)
     " flip-flop at each port; they are routed to know their clock rate, and their five pins draw"
     " nothing.",
 )
+@click.option(
+    "--device",
+    type=click.Choice(["LFE5U-25F", "LFE5U-45F", "LFE5U-85F"]),
+    show_default="the smallest that fits",
+    help="The ECP5.",
+)
 @click.option("--seed", type=click.IntRange(0), default=1, help="First seed of the placer.")
 @click.option(
     "--tries",
@@ -46,13 +52,14 @@ _FILE = click.Path(path_type=Path)
     "--floorplan",
     type=_FILE,
     metavar="FILE",
-    help="Write where the lanes' block RAMs lie, as a Yosys script (.ys) for designs with the"
-    " engine.",
+    help="Write where the lanes' block RAMs lie on this device, as a Yosys script (.ys) for"
+    " designs with the engine.",
 )
 @click.option("--record", is_flag=True, help="Record the clock rates as the preset's.")
 def pnr(
     preset: EngineConfig,
     top: str,
+    device: str | None,
     seed: int,
     tries: int,
     freq: float,
@@ -61,7 +68,7 @@ def pnr(
     floorplan: Path | None,
     record: bool,
 ) -> None:
-    """Place and route an engine on the smallest Lattice ECP5 that fits it.
+    """Place and route an engine on a Lattice ECP5.
 
     Each try takes a minute or two, and ten minutes for the preset swift. The clock rate of the
     narrow top on the paper's Virtex-II is an estimate, as only the vendor's tools can route that
@@ -71,11 +78,14 @@ def pnr(
     Examples:
       splatline pnr
       splatline pnr --seed 3 --tries 1 --freq 150 --json pnr.json --bitstream splatline.bit
-      splatline pnr --preset paper --top axi --floorplan lanes.ys     in a system on chip
+      splatline pnr --preset paper --top axi     in a system on chip
+      splatline pnr --device LFE5U-85F --tries 1 --floorplan lanes.ys
       splatline pnr --preset plane --record      the clock that `splatline view` tells
     """  # noqa: D301
     from splatline.flow.timing import clocks
 
+    if record and device:
+        raise InputError("--record is for the smallest device: leave --device out")
     require_suffix(bitstream, ".bit")
     require_suffix(floorplan, ".ys")
     check_files((report, bitstream, floorplan, clocks.CLOCKS if record else None))
@@ -86,6 +96,7 @@ def pnr(
         result = place_and_route(
             preset,
             top=top,
+            device=device,
             seed=seed,
             tries=tries,
             mhz=freq,

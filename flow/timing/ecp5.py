@@ -2,7 +2,9 @@
 
 from typing import NamedTuple
 
-__all__ = ["DEVICES", "Device", "smallest"]
+from splatline.flow.tools import ToolError
+
+__all__ = ["DEVICES", "Device", "choose"]
 
 
 class Device(NamedTuple):
@@ -53,6 +55,18 @@ DEVICES = (
 RAMs until there are no more."""
 
 
-def smallest(block_rams: int) -> Device:
-    """Return the smallest device with so many block RAMs, or else the largest device."""
-    return next((device for device in DEVICES if device.block_rams >= block_rams), DEVICES[-1])
+def choose(block_rams: int, name: str | None = None) -> Device:
+    """Return the smallest device with so many block RAMs, or that of a name such as ``LFE5U-25F``.
+
+    Raises
+    ------
+    ToolError
+        If it has too few block RAMs, or the largest has.
+    """
+    found = [device for device in DEVICES if name is None or device.name.startswith(name)]
+    for device in found:
+        if device.block_rams >= block_rams:
+            return device
+    most = found[-1]
+    which = "the largest ECP5" if name is None else most.name
+    raise ToolError(f"the engine needs {block_rams} block RAMs, and {which} has {most.block_rams}")

@@ -43,12 +43,14 @@ def floorplan(cells: Iterable[str], device: Device) -> dict[str, str]:
     return {cell: device.site(*divmod(n, each)) for n, (*_, cell) in enumerate(lanes)}
 
 
-def floorplan_script(sites: Mapping[str, str]) -> str:
-    """Return a floorplan as a Yosys script, for designs that contain the engine.
+def floorplan_script(sites: Mapping[str, str], device: Device) -> str:
+    """Return a device's floorplan as a Yosys script, for designs that contain the engine.
 
     It is run after ``synth_ecp5`` with a flat design. It finds the cells by the end of their names.
     """
-    lines = []
+    lines = [
+        f"# Block RAMs of Splatline's lanes on an {device.name[:9]}: run this after synth_ecp5."
+    ]
     for cell, site in sites.items():
         end = cell[cell.rindex("lane_") :]
         lines.append(f'setattr -set BEL "{site}" c:*{end}')

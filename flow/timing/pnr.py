@@ -18,7 +18,7 @@ from splatline.flow.netlist import pin_netlist
 from splatline.flow.scanned_verilog import generate_scanned_axi, generate_scanned_framebuffer
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
-from .ecp5 import Device, smallest
+from .ecp5 import Device, choose
 from .floorplan import floorplan, floorplan_script
 from .virtex2_delays import estimate_timing
 
@@ -74,6 +74,7 @@ def place_and_route(
     config: EngineConfig = PAPER,
     *,
     top: str = "pins",
+    device: str | None = None,
     seed: int = 1,
     tries: int = 1,
     mhz: float = 100.0,
@@ -83,8 +84,7 @@ def place_and_route(
 ) -> dict:
     """Place and route a top on an ECP5; return its clock rate.
 
-    The device is the smallest ECP5 with enough block RAMs. Those of lanes lie where
-    :func:`splatline.flow.timing.floorplan.floorplan` says.
+    The block RAMs of lanes lie where :func:`splatline.flow.timing.floorplan.floorplan` says.
 
     Parameters
     ----------
@@ -92,6 +92,9 @@ def place_and_route(
         The engine's configuration.
     top
         One of ``TOPS``.
+    device
+        Begin of the device's name, such as ``LFE5U-25F``; None: the smallest ECP5 with enough block
+        RAMs.
     seed
         Seed of the placer. Rates differ by about a tenth between seeds.
     tries
@@ -131,8 +134,8 @@ def place_and_route(
         (folder / "top.lpf").write_text(limits)
         synthesis = synthesis_options(config)
         run_yosys("; ".join(synthesis_script(config, synthesis, name, folder)), folder)
-        device, sites = _floorplan(config, folder / "top.json", name)
-        options = [device.option, *OPTIONS, *placer(config)]
+        chosen, sites = _floorplan(config, folder / "top.json", name, device)
+        options = [chosen.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {}
         for done, number in enumerate(range(seed, seed + tries), 1):
@@ -141,7 +144,7 @@ def place_and_route(
             reports[number] = _route(folder, [*route, str(number)], number)
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if script is not None:
-            atomic_write(script, floorplan_script(sites).encode())
+            atomic_write(script, floorplan_script(sites, chosen).encode())
         if packed is not None:
             run_ecppack([f"{best}.config", "top.bit"], folder)
             atomic_write(packed, (folder / "top.bit").read_bytes())
@@ -149,7 +152,7 @@ def place_and_route(
     return {
         "preset": config.name,
         "top": top,
-        "device": device.name,
+        "device": chosen.name,
         "seed": best,
         "median_mhz": round(statistics.median(r["fmax_mhz"] for r in reports.values()), 2),
         "rates_mhz": {str(n): report["fmax_mhz"] for n, report in reports.items()},
@@ -164,29 +167,20 @@ def place_and_route(
     }
 
 
-def _floorplan(config: EngineConfig, netlist: Path, name: str) -> tuple[Device, dict[str, str]]:
-    """Choose the device for a netlist, and give the lanes' block RAMs their sites on it.
-
-    Raises
-    ------
-    ToolError
-        If no device has enough block RAMs.
-    """
+def _floorplan(
+    config: EngineConfig, netlist: Path, name: str, device: str | None
+) -> tuple[Device, dict[str, str]]:
+    """Choose the device for a netlist, and give the lanes' block RAMs their sites on it."""
     design = json.loads(netlist.read_text())
     cells = design["modules"][name]["cells"]
     block_rams = [label for label, cell in cells.items() if cell["type"] == "DP16KD"]
-    device = smallest(len(block_rams))
-    if len(block_rams) > device.block_rams:
-        raise ToolError(
-            f"the engine needs {len(block_rams)} block RAMs, and the largest ECP5 has"
-            f" {device.block_rams}"
-        )
+    chosen = choose(len(block_rams), device)
     # The blocks engine has lanes all over the chip.
-    sites = {} if config.draws_blocks else floorplan(block_rams, device)
+    sites = {} if config.draws_blocks else floorplan(block_rams, chosen)
     for label, site in sites.items():
         cells[label]["attributes"]["BEL"] = site
     netlist.write_text(json.dumps(design))
-    return device, sites
+    return chosen, sites
 
 
 def placer(config: EngineConfig) -> tuple[str, ...]:

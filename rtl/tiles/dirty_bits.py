@@ -127,6 +127,7 @@ class TileDirtyBits(wiring.Component):
                     Cat(self.stretch, self.line[2:]),
                     Cat(Mux(lone, other[1 + low_bits :], stretch), self.group[residue]),
                 )
+                # Kept, so that one LUT lies between the memory's outputs and its inputs.
                 mark = Signal(1 << low_bits, name=f"mark_{residue}_{parity}", attrs={"keep": 1})
                 m.d.comb += [
                     read.addr.eq(address),

@@ -4,7 +4,9 @@ import types
 
 import pytest
 
+from splatline.cli.commands.pnr import pnr
 from splatline.contract.presets import DEFAULT
+from splatline.flow.timing.ecp5 import DEVICES
 from splatline.flow.tools import ToolError
 
 REPORT = {
@@ -34,8 +36,8 @@ def routing(monkeypatch):
     """Puts a place and route in place that takes no time."""
     asked = []
 
-    def place_and_route(config, *, top, seed, tries, mhz, packed, script, progress):
-        asked.append((config, top, seed, tries, mhz))
+    def place_and_route(config, *, top, device, seed, tries, mhz, packed, script, progress):
+        asked.append((config, top, device, seed, tries, mhz))
         progress(0.5)
         if packed is not None:
             packed.write_bytes(b"bits")
@@ -55,10 +57,10 @@ def routing(monkeypatch):
 def test_pnr_writes_the_report_and_the_bitstream_and_prints_the_path(run, folder, routing):
     result = run(
         "pnr", "--seed", 3, "--tries", 2, "--freq", 150, "--json", "a.json", "--bitstream", "a.bit",
-        "--floorplan", "a.ys",
+        "--floorplan", "a.ys", "--device", "LFE5U-85F",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
-    assert routing[1] == [(DEFAULT, "pins", 3, 2, 150.0)]
+    assert routing[1] == [(DEFAULT, "pins", "LFE5U-85F", 3, 2, 150.0)]
     assert json.loads((folder / "a.json").read_text()) == REPORT
     assert (folder / "a.bit").read_bytes() == b"bits"
     assert (folder / "a.ys").read_text() == "setattr\n"
@@ -102,6 +104,7 @@ def test_a_missing_tool_is_named_in_one_line(run, folder, routing, monkeypatch, 
         ("pnr", "--json", "absent/a.json"),
         ("pnr", "--seed", "-1"),
         ("pnr", "--freq", "0"),
+        ("pnr", "--record", "--device", "LFE5U-85F"),
         ("netlist", "-o", "a.v"),
     ],
 )
@@ -152,3 +155,8 @@ def test_record_keeps_the_clock(run, folder, routing, monkeypatch):
     command = "splatline pnr --preset paper --top axi --seed 1 --tries 2 --record"
     assert recorded["paper, axi"]["command"] == command
     assert (recorded["paper"]["low_mhz"], recorded["paper"]["high_mhz"]) == (98.7, 123.4)
+
+
+def test_the_devices_are_those_that_have_sites():
+    (option,) = (option for option in pnr.params if option.name == "device")
+    assert list(option.type.choices) == [device.name[:9] for device in DEVICES]

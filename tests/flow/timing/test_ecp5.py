@@ -1,15 +1,30 @@
 import pytest
 
-from splatline.flow.timing.ecp5 import DEVICES, smallest
+from splatline.flow.timing.ecp5 import DEVICES, choose
+from splatline.flow.tools import ToolError
 
 
 @pytest.mark.parametrize(
-    ("block_rams", "name"),
-    [(17, "25F"), (56, "25F"), (57, "45F"), (65, "45F"), (109, "85F"), (209, "85F")],
+    ("block_rams", "name"), [(17, "25F"), (56, "25F"), (57, "45F"), (65, "45F"), (109, "85F")]
 )
 def test_the_smallest_device_with_the_block_rams_is_taken(block_rams, name):
-    """What even the largest has too few of, the caller refuses."""
-    assert smallest(block_rams).name == f"LFE5U-{name}-6BG381"
+    assert choose(block_rams).name == f"LFE5U-{name}-6BG381"
+
+
+def test_a_device_that_is_named_is_taken():
+    assert choose(17, "LFE5U-85F") == DEVICES[-1]
+
+
+@pytest.mark.parametrize(
+    ("block_rams", "name", "told"),
+    [
+        (209, None, "the engine needs 209 block RAMs, and the largest ECP5 has 208"),
+        (57, "LFE5U-25F", "the engine needs 57 block RAMs, and LFE5U-25F-6BG381 has 56"),
+    ],
+)
+def test_what_does_not_fit_is_said(block_rams, name, told):
+    with pytest.raises(ToolError, match=told):
+        choose(block_rams, name)
 
 
 def test_the_devices_have_the_block_rams_of_their_data_sheet():
