@@ -93,6 +93,8 @@ class TileDirtyBits(wiring.Component):
 
         # An iCE40 has none, and Yosys does not make flip-flops of what asks for it.
         styles = {"ram_style": "distributed"} if config.memory == "dual" else {}
+        # Kept, so that one LUT lies between the memory's outputs and its inputs.
+        keep = {"keep": 1} if config.memory == "dual" else {}
         kept = [Signal(2 << low_bits, name=f"kept_{q}") for q in range(RESIDUES)]
         for parity in range(2):
             # The pair of this parity: the first word's, or the next one.
@@ -127,8 +129,7 @@ class TileDirtyBits(wiring.Component):
                     Cat(self.stretch, self.line[2:]),
                     Cat(Mux(lone, other[1 + low_bits :], stretch), self.group[residue]),
                 )
-                # Kept, so that one LUT lies between the memory's outputs and its inputs.
-                mark = Signal(1 << low_bits, name=f"mark_{residue}_{parity}", attrs={"keep": 1})
+                mark = Signal(1 << low_bits, name=f"mark_{residue}_{parity}", attrs=keep)
                 m.d.comb += [
                     read.addr.eq(address),
                     write.addr.eq(address),
