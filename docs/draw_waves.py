@@ -1,7 +1,8 @@
 """Draw the timing diagrams of the ports: ``docs/waves/NAME.json`` (WaveJSON) and ``NAME.svg``.
 
 Run as ``.venv/bin/python docs/draw_waves.py [FOLDER]``. Every level and every word is from a
-simulation of preset ``paper`` in Amaranth's simulator; WaveDrom draws them.
+simulation of preset ``paper`` in Amaranth's simulator (``stream_rows.py``,
+``bus_rows.py``, ``framebuffer_rows.py``); WaveDrom draws them.
 """
 
 import json
@@ -9,151 +10,11 @@ import sys
 from pathlib import Path
 
 import yowasp_wavedrom
-from port_traces import (
-    CONFIG,
-    Feed,
-    axi_feed,
-    axi_sink,
-    beat_label,
-    elements,
-    stream_feed,
-    stream_sink,
-    table_writes,
-    trace,
-)
-
-from splatline.contract.register_map import register_map
-from splatline.rtl.bus.axi_top import AxiTop
-from splatline.rtl.bus.narrow_top import PinTop
-from splatline.rtl.engine import Engine
-
-WORD_PIECE = 16
-"""Bits of a piece on the narrow top's port of words."""
-
-CLEARED = CONFIG.clear_cycles + 5
-"""A cycle after the window is cleared."""
-
-
-def engine_rows(start):
-    """Return a frame that is offered from a cycle on, and a table write that waits for its end."""
-    top = Engine(CONFIG)
-    writes = [*table_writes(), ("next frame's", table_writes()[-1][1])]
-    parts = [
-        stream_feed(top, "tables", writes,
-                    when=lambda rows: len(top_taken(rows, "tables")) < 4
-                    or len(top_taken(rows, "codewords")) > 2),
-        stream_feed(top, "codewords", elements(3),
-                    when=lambda rows: len(rows) >= start),
-        stream_sink(top, "raster", beat_label, waits=lambda cycle: cycle % 5 in (1, 2)),
-    ]  # fmt: skip
-    return trace(top, parts, signals(top, "tables", "codewords", "raster") | {
-        "in_frame": top.in_frame}, CONFIG.clear_cycles + 200)  # fmt: skip
-
-
-def initial_rows():
-    """Return the start of a frame that begins with a raster."""
-    top = Engine(CONFIG)
-    beats = [beat(line, word) for line in range(3) for word in range(2)]
-    beats.append(("end", 1 << CONFIG.raster_end.lsb))
-    parts = [
-        stream_feed(top, "tables", table_writes(load=1)),
-        stream_feed(top, "codewords", elements(1),
-                    when=lambda rows: len(rows) >= CLEARED),
-        stream_feed(top, "initial", beats, when=lambda rows: len(rows) > 5),
-        stream_sink(top, "raster", beat_label),
-    ]  # fmt: skip
-    ports = signals(top, "codewords", "initial", "raster")
-    return trace(top, parts, ports, CONFIG.clear_cycles + 200)
-
-
-def narrow_rows():
-    """Return a frame on the narrow top."""
-    top = PinTop(CONFIG)
-    words = []
-    for table, given in ((1, table_writes()), (0, elements(0))):
-        for label, word in given:
-            for piece in range(4):
-                data = word >> WORD_PIECE * piece & (1 << WORD_PIECE) - 1
-                words.append((str(piece) if piece else label, data | table << WORD_PIECE))
-    parts = [
-        stream_feed(top, "words", words),
-        stream_sink(top, "raster", lambda piece: f"{piece:x}"),
-    ]
-    ports = signals(top, "words", "raster") | {"words.table": top.words.payload.table}
-    return trace(top, parts, ports, CONFIG.clear_cycles + 300)
-
-
-def axi_rows():
-    """Return a frame on AXI: a register is written and read, a packet goes in, one comes out."""
-    top = AxiTop(CONFIG)
-    registers = register_map(CONFIG)
-    enable, done = registers["IRQ_ENABLE"].offset, registers["FRAMES"].offset
-    codewords = elements(0)
-    packet = [(label, word, int(label == "end")) for label, word in codewords]
-    address = {
-        name: {wire: getattr(top, f"s_axi_ctrl_{name}{wire}") for wire in ("valid", "ready")}
-        for name in ("aw", "w", "b", "ar", "r")
-    }
-    parts = [
-        Feed("aw", *address["aw"].values(), top.s_axi_ctrl_awaddr, [(f"{enable:#x}", enable)],
-             when=lambda rows: len(rows) > 2),
-        Feed("w", *address["w"].values(), top.s_axi_ctrl_wdata, [("1", 1)],
-             when=lambda rows: len(rows) > 2),
-        Feed("ar", *address["ar"].values(), top.s_axi_ctrl_araddr, [(f"{done:#x}", done)],
-             when=lambda rows: len(rows) > 7),
-        axi_feed(top, "s_axis_codewords", packet, when=lambda rows: len(rows) > 10),
-        axi_sink(top, "m_axis_raster", beat_label, waits=lambda cycle: cycle % 4 == 1),
-    ]  # fmt: skip
-    constant = [
-        (top.s_axi_ctrl_wstrb, 15), (top.s_axi_ctrl_bready, 1), (top.s_axi_ctrl_rready, 1),
-        (top.s_axis_codewords_tkeep, 255),
-    ]  # fmt: skip
-    parts.append(Constants(constant))
-    watch = {name: getattr(top, name) for name in (
-        "aresetn", "s_axi_ctrl_awvalid", "s_axi_ctrl_awready", "s_axi_ctrl_wvalid",
-        "s_axi_ctrl_wready", "s_axi_ctrl_bvalid", "s_axi_ctrl_bready", "s_axi_ctrl_arvalid",
-        "s_axi_ctrl_arready", "s_axi_ctrl_rvalid", "s_axi_ctrl_rready",
-        "s_axis_codewords_tvalid", "s_axis_codewords_tready", "s_axis_codewords_tlast",
-        "m_axis_raster_tvalid", "m_axis_raster_tready", "m_axis_raster_tlast", "irq")}  # fmt: skip
-    return trace(top, parts, watch, CONFIG.clear_cycles + 250, clock=top.aclk, reset=top.aresetn)
-
-
-class Constants:
-    """Inputs that do not change."""
-
-    def __init__(self, values):
-        self.values = values
-
-    def drive(self, ctx, rows):
-        """Set them."""
-        for signal, value in self.values:
-            ctx.set(signal, value)
-
-    def record(self, ctx):
-        """Return nothing."""
-        return {}
-
-
-def beat(line, word):
-    """Return a beat of drawn pixels with its label."""
-    value = line << CONFIG.raster_line.lsb | word << CONFIG.raster_word.lsb
-    for pixel in range(CONFIG.raster_pixels):
-        value |= 50 << CONFIG.raster_depth(pixel).lsb
-    return f"{line}:{word}", value
-
-
-def signals(top, *names):
-    """Return valid and ready of streams by name."""
-    return {
-        f"{name}.{wire}": getattr(getattr(top, name), wire)
-        for name in names
-        for wire in ("valid", "ready")
-    }
-
-
-def top_taken(rows, name):
-    """Return the cycles in which a word of a stream is taken."""
-    return [cycle for cycle, row in enumerate(rows) if row[f"{name}.taken"]]
+from bus_rows import axi_initial_rows, axi_rows
+from framebuffer_rows import framebuffer_rows
+from port_traces import top_taken
+from port_words import CLEARED, LINES
+from stream_rows import chain_rows, engine_rows, initial_rows, narrow_initial_rows, narrow_rows
 
 
 def wave(rows, name, cycles):
@@ -195,20 +56,22 @@ def stream(*names):
     return [lane for name in names for lane in (name, f"{name}.valid", f"{name}.ready", "")][:-1]
 
 
-def diagrams():
-    """Return WaveJSON by name."""
+def bus(name, *wires):
+    """Return the lanes of a bus: its word, and some of its wires."""
+    return [name, *(f"{name}{wire}" for wire in wires)]
+
+
+def engine_diagrams():
+    """Return WaveJSON by name: the ports of an engine and of a chain."""
     engine, early = engine_rows(CLEARED), engine_rows(8)
-    initial, narrow, axi = initial_rows(), narrow_rows(), axi_rows()
+    initial, chain = initial_rows(), chain_rows()
     words, beats = top_taken(engine, "codewords"), top_taken(engine, "raster")
     late = top_taken(engine, "tables")[-1]
     held = top_taken(early, "codewords")[-3]
     loads, first = top_taken(initial, "initial"), top_taken(initial, "codewords")[0]
-    pieces, out = top_taken(narrow, "words"), top_taken(narrow, "raster")
-    packet, picture = top_taken(axi, "s_axis_codewords"), top_taken(axi, "m_axis_raster")
-    rises = next(cycle for cycle, row in enumerate(axi) if row["irq"])
-    control = [lane for name in ("aw", "w", "b", "ar", "r") for lane in (
-        *([name] if name in ("aw", "w", "ar") else []),
-        f"s_axi_ctrl_{name}valid", f"s_axi_ctrl_{name}ready", "")]  # fmt: skip
+    parts = [top_taken(chain, f"codewords_{n}") for n in range(2)]
+    begun, joined = top_taken(chain, "initial"), top_taken(chain, "raster")
+    between = top_taken(chain, "tables")[-1]
     return {
         "reset": diagram(early, "Reset, tables, and code words that wait for the cleared window",
                          ["clk", "rst", "", *stream("tables", "codewords"), "in_frame"],
@@ -222,20 +85,87 @@ def diagrams():
         "initial": diagram(initial, "Initial raster: taken while its lines are in the window",
                            ["clk", *stream("initial", "codewords")],
                            (6, 9), (first - 1, max(loads[-1], first) + 2)),
+        "chain": diagram(chain, "Two engines: a stream of code words each; tables wait for both",
+                         ["clk", *stream("codewords_0", "codewords_1", "tables")],
+                         (parts[0][0] - 1, parts[1][-1] + 2),
+                         (parts[0][-1] - 2, parts[0][-1] + 1), (between - 2, between + 1)),
+        "chain_raster": diagram(chain, "Two engines: one initial raster, one raster",
+                                ["clk", *stream("initial", "raster")],
+                                (begun[0] - 1, begun[-1] + 1), (joined[0] - 2, joined[0] + 6),
+                                (joined[-1] - 4, joined[-1] + 2)),
+    }  # fmt: skip
+
+
+def narrow_diagrams():
+    """Return WaveJSON by name: the ports of the narrow top."""
+    narrow, initial = narrow_rows(), narrow_initial_rows()
+    pieces, out = top_taken(narrow, "words"), top_taken(narrow, "raster")
+    first, loads = top_taken(initial, "words")[16], top_taken(initial, "initial")
+    words = ["words", "words.table", "words.valid", "words.ready", ""]
+    return {
         "narrow": diagram(narrow, "Narrow top: table writes in four pieces, a beat in five",
-                          ["clk", "rst", "words", "words.table", "words.valid", "words.ready", "",
-                           *stream("raster")],
+                          ["clk", "rst", *words, *stream("raster")],
                           (0, pieces[7] + 2), (out[0] - 2, out[0] + 8)),
+        "narrow_initial": diagram(initial, "Narrow top: an initial beat in five pieces",
+                                  ["clk", *words, *stream("initial")],
+                                  (loads[0] - 2, loads[4] + 2), (first - 1, loads[10] + 1)),
+    }  # fmt: skip
+
+
+def axi_diagrams():
+    """Return WaveJSON by name: the ports of the AXI top."""
+    axi, initial = axi_rows(), axi_initial_rows()
+    packet, picture = top_taken(axi, "s_axis_codewords"), top_taken(axi, "m_axis_raster")
+    rises = next(cycle for cycle, row in enumerate(axi) if row["irq"])
+    loads = top_taken(initial, "s_axis_initial")
+    control = [lane for name in ("aw", "w", "b", "ar", "r") for lane in (
+        *([name] if name in ("aw", "w", "ar") else []),
+        f"s_axi_ctrl_{name}valid", f"s_axi_ctrl_{name}ready", "")]  # fmt: skip
+    wires = "_tvalid", "_tready", "_tlast"
+    codewords = bus("s_axis_codewords", *wires)
+    return {
         "axi_control": diagram(axi, "AXI4-Lite: IRQ_ENABLE is written, FRAMES is read",
                                ["aclk", "aresetn", "", *control[:-1]], (0, 14)),
         "axi_streams": diagram(axi, "AXI4-Stream: code words, their picture, the interrupt",
-                               ["aclk", "s_axis_codewords", "s_axis_codewords_tvalid",
-                                "s_axis_codewords_tready", "s_axis_codewords_tlast", "",
-                                "m_axis_raster", "m_axis_raster_tvalid", "m_axis_raster_tready",
-                                "m_axis_raster_tlast", "", "irq"],
+                               ["aclk", *codewords, "", *bus("m_axis_raster", *wires), "", "irq"],
                                (packet[0] - 1, packet[0] + 2), (packet[-1] - 3, packet[-1] + 2),
                                (picture[0] - 2, picture[0] + 4), (picture[-1] - 3, rises + 1)),
+        "axi_initial": diagram(initial, "AXI4-Stream: the initial raster of a frame",
+                               ["aclk", *bus("s_axis_initial", *wires), "", *codewords],
+                               (loads[0] - 1, loads[-1] + 2)),
     }  # fmt: skip
+
+
+def framebuffer_diagrams():
+    """Return WaveJSON by name: what the frame buffer top has beside the AXI top's ports."""
+    rows = framebuffer_rows()
+    addresses, answers = top_taken(rows, "m_axi_awaddr"), top_taken(rows, "m_axi_bresp")
+    wrong = next(cycle for cycle, row in enumerate(rows) if row["m_axi_bresp"] == "2")
+    shown = next(cycle for cycle, row in enumerate(rows) if row["swapped"])
+    again = next(cycle for cycle in range(shown, len(rows)) if rows[cycle]["m_axi_awvalid"])
+    whole = answers[LINES - 1]
+    sent = top_taken(rows, "s_axis_codewords")[-1]
+    return {
+        "framebuffer_write": diagram(rows, "AXI4: a burst, its response; a response with an error",
+                                     ["aclk", "m_axi_awaddr", "m_axi_awlen", "m_axi_awvalid",
+                                      "m_axi_awready", "",
+                                      *bus("m_axi_w", "valid", "ready", "last"), "",
+                                      "m_axi_bresp", "m_axi_bvalid", "m_axi_bready", "",
+                                      "writer_error"],
+                                     (addresses[0] - 3, answers[0] + 1), (wrong - 1, wrong + 2)),
+        "framebuffer_swap": diagram(rows, "A swap: the picture waits until the display takes it",
+                                    ["aclk", *bus("s_axis_codewords", "_tvalid", "_tready"), "",
+                                     "settings", "", "m_axi_bvalid", "swap_valid", "swap_index",
+                                     "swapped", "irq", "", "m_axi_awaddr", "m_axi_awvalid",
+                                     "m_axi_awready"],
+                                    (whole - 1, sent + 1), (shown - 1, shown + 2),
+                                    (again - 1, again + 3)),
+    }  # fmt: skip
+
+
+def diagrams():
+    """Return WaveJSON by name."""
+    return {**engine_diagrams(), **narrow_diagrams(), **axi_diagrams(), **framebuffer_diagrams()}
 
 
 def picture(source):

@@ -1,7 +1,7 @@
 """Simulates an engine's tops and records their ports, cycle by cycle, for the timing diagrams.
 
-``draw_waves.py`` draws what comes out, and ``tests/docs/test_waves.py`` checks what the page says
-of it.
+``stream_rows.py``, ``bus_rows.py`` and ``framebuffer_rows.py`` have the tops. ``draw_waves.py``
+draws what comes out, and ``tests/docs/test_waves.py`` checks what the page says of it.
 """
 
 from dataclasses import dataclass, field
@@ -9,14 +9,18 @@ from dataclasses import dataclass, field
 from amaranth.hdl import ResetInserter, Signal
 from amaranth.sim import Simulator
 
-from splatline.contract.fields import Register
-from splatline.contract.presets import PAPER
-from splatline.host.encode.sort_by_line import advance_word, end_word
-
-__all__ = ["Feed", "Sink", "axi_feed", "axi_sink", "elements", "table_writes", "trace"]
-
-CONFIG = PAPER
-LINES = 24
+__all__ = [
+    "Constants",
+    "Feed",
+    "Sink",
+    "axi_feed",
+    "axi_sink",
+    "signals",
+    "stream_feed",
+    "stream_sink",
+    "top_taken",
+    "trace",
+]
 
 
 @dataclass
@@ -84,6 +88,22 @@ class Sink:
         }
 
 
+class Constants:
+    """Inputs that do not change."""
+
+    def __init__(self, values):
+        self.values = values
+
+    def drive(self, ctx, rows):
+        """Set them."""
+        for signal, value in self.values:
+            ctx.set(signal, value)
+
+    def record(self, ctx):
+        """Return nothing."""
+        return {}
+
+
 def trace(top, parts, watch, cycles, *, clock=None, reset=None):
     """Return a row for each clock cycle: value of each watched signal, label of each stream.
 
@@ -131,42 +151,6 @@ def trace(top, parts, watch, cycles, *, clock=None, reset=None):
     return rows
 
 
-def elements(count):
-    """Return a frame's code words with labels: elements on lines 4 and 16, and the end word."""
-    rows = [(0, 7)] * 4
-
-    def element(x, z, wide):
-        scans = sum((first | last << 3) << 6 * row for row, (first, last) in enumerate(wide))
-        fields = ((0, CONFIG.mode), (scans, CONFIG.scans), (x, CONFIG.x), (z, CONFIG.z))
-        return sum(value << place.lsb for value, place in fields)
-
-    words = [("+4", advance_word(4, CONFIG))]
-    words += [(f"e{n}", element(3 + 4 * n, 100 - n, rows)) for n in range(count)]
-    words += [("+12", advance_word(12, CONFIG)), (f"e{count}", element(4, 7, [(2, 5)] * 4))]
-    return [*words, ("end", end_word(CONFIG))]
-
-
-def table_writes(load=0):
-    """Return table writes with labels: a material, the size of the image, what it starts from."""
-    base = CONFIG.register_base
-    writes = {
-        "mat 0": (0, 0o777777),
-        "col": (base + Register.LAST_COLUMN, 15),
-        "line": (base + Register.LAST_LINE, LINES - 1),
-        "ctl": (base + Register.CONTROL, load),
-    }
-    shift = CONFIG.table_address.lsb
-    return [(name, address << shift | value) for name, (address, value) in writes.items()]
-
-
-def beat_label(beat):
-    """Return line and word of a beat, or ``end``."""
-    if beat >> CONFIG.raster_end.lsb & 1:
-        return "end"
-    line = beat >> CONFIG.raster_line.lsb & CONFIG.raster_line.mask
-    return f"{line}:{beat >> CONFIG.raster_word.lsb & CONFIG.raster_word.mask}"
-
-
 def stream_feed(top, name, words, **options):
     """Return a feed of one of a component's streams."""
     port = getattr(top, name)
@@ -193,3 +177,17 @@ def axi_sink(top, name, label, **options):
     """Return a sink of an AXI stream."""
     wires = [getattr(top, f"{name}_{part}") for part in ("tvalid", "tready", "tdata")]
     return Sink(name, *wires, label, **options)
+
+
+def signals(top, *names):
+    """Return valid and ready of streams by name."""
+    return {
+        f"{name}.{wire}": getattr(getattr(top, name), wire)
+        for name in names
+        for wire in ("valid", "ready")
+    }
+
+
+def top_taken(rows, name):
+    """Return the cycles in which a word of a stream is taken."""
+    return [cycle for cycle, row in enumerate(rows) if row[f"{name}.taken"]]

@@ -13,6 +13,7 @@ PAGE = (ROOT / "docs" / "integration.md").read_text(encoding="utf-8")
 BUS, ABORT, STREAMS = (f"rtl/bus/axi_{name}cases.py" for name in ("bus_", "abort_", ""))
 ENGINE, AXI = "rtl/test_engine.py", "rtl/bus/test_axi_top.py"
 REGISTERS = "rtl/bus/test_axi_registers.py"
+WRITER, SCREEN = (f"rtl/framebuffer/{name}_bench.py" for name in ("writer", "top"))
 
 ROWS = {
     "an element right of the image": [
@@ -67,6 +68,14 @@ ROWS = {
     "initial beats after the end beat": [
         (STREAMS, "an_initial_raster_whose_end_is_not_last"),
     ],
+    "a response of the frame buffer's memory is an error": [
+        (WRITER, "responses_that_are_errors"),
+    ],
+    "a setting of the frame buffer changes within a frame": [(WRITER, "drive")],
+    "`swapped` comes without `swap_valid`": [(WRITER, "drive")],
+    "a buffer or `stride` is no multiple of the bus's bytes": [
+        (WRITER, "low_bits_of_addresses"),
+    ],
     "a materials' index without an entry": [],
 }
 """Tests of each row of the table, by its first cell; the last row cannot be."""
@@ -86,7 +95,10 @@ RULES = {
     "A cause in the cycle": [
         (REGISTERS, "test_a_cause_in_the_cycle_of_its_clearing_leaves_the_bit_set"),
     ],
-    "IRQ_STATUS.ERROR is 1": [(BUS, "an_interrupt_is_acknowledged_with_what_was_read")],
+    "IRQ_STATUS.ERROR is 1": [
+        (BUS, "an_interrupt_is_acknowledged_with_what_was_read"),
+        (SCREEN, "frames_behind_each_other"),
+    ],
     "`irq` is FRAME_DONE": [(AXI, "test_interrupts")],
     "A frame with an error": [(STREAMS, "expect"), (AXI, "test_interrupts")],
 }

@@ -228,6 +228,31 @@ async def other_settings(dut):
 
 
 @cocotb.test()
+async def low_bits_of_addresses(dut):
+    """Those of a buffer and of the stride that lie within a bus word are ignored."""
+    rng = np.random.default_rng(9)
+    settings = layout(dut, 21, 5)
+    pictures = [picture(rng, 21, 5, lines, settings) for lines in (3, 5, 2, 0)]
+    bench = Bench(dut, 9, pictures, stall=0.1)
+    aligned = pictures[0].settings
+    offered = (aligned[0] + 1, aligned[1] + bench.word - 1, aligned[2] + 2, *aligned[3:])
+    compare = bench.compare
+
+    def use(values):
+        for each in pictures:
+            each.settings = values
+
+    def at_whole_words():
+        use(aligned)
+        compare()
+        use(offered)
+
+    use(offered)
+    bench.compare = at_whole_words
+    await bench.play()
+
+
+@cocotb.test()
 async def lines_of_many_bursts(dut):
     """A line across 4 KB; memory at its full rate, and beats that come seldom."""
     rng = np.random.default_rng(3)
