@@ -5,11 +5,11 @@ The positions are those of :class:`splatline.contract.config.EngineConfig`.
 
 from __future__ import annotations
 
-from .config import ROWS, EngineConfig
+from .config import COMPACT, ROWS, EngineConfig
 from .plane import SHIFTS, SUM_FRACTION, Z_FRACTION
 from .stream_layout import StreamField, padding_of, stream_bytes
 
-__all__ = ["codeword_fields", "codeword_stream_bytes"]
+__all__ = ["codeword_fields", "codeword_stream_bytes", "compact_fields"]
 
 
 def codeword_stream_bytes(config: EngineConfig) -> int:
@@ -39,6 +39,34 @@ def codeword_fields(config: EngineConfig) -> tuple[StreamField, ...]:
         *(_plane_fields(config) if config.plane else ()),
         depth,
         *padding_of(config.z.end, 8 * codeword_stream_bytes(config)),
+    )
+
+
+def compact_fields(config: EngineConfig) -> tuple[StreamField, ...]:
+    """Return the fields of a compact word, the lowest first.
+
+    Raises
+    ------
+    ValueError
+        If the engine has no shape ROM.
+    """
+    if config.shapes == "none":
+        raise ValueError(f"{config.name!r} has no shape ROM")
+    mark = config.compact_mark
+    places = (
+        ("size", config.compact_size, "diameter in pixels"),
+        ("level_x", config.compact_level_x, "level of n'x"),
+        ("level_y", config.compact_level_y, "level of n'y"),
+        ("part", config.compact_part, "of a size over 8: which four of its sixteen lines"),
+        ("mark", mark, f"{COMPACT:0{mark.width}b}, the highest bit first"),
+    )
+    above = [field for field in codeword_fields(config) if field.lsb >= mark.end]
+    return (
+        StreamField("mode", config.mode.lsb, 1, 1, "0"),
+        *(StreamField(name, place.lsb, place.width, 1, meaning) for name, place, meaning in places),
+        # What they are of a control word does not count here.
+        *(field._replace(meaning=field.meaning.partition(";")[0]) for field in above[:-1]),
+        above[-1],
     )
 
 

@@ -7,12 +7,13 @@ import subprocess
 import numpy as np
 import pytest
 
-from splatline.contract.codeword_layout import codeword_stream_bytes
-from splatline.contract.presets import PAPER, RGB24, SWIFT
+from splatline.contract.codeword_layout import codeword_stream_bytes, compact_fields
+from splatline.contract.presets import PAPER, PLANE, RGB24, SWIFT
 from splatline.contract.register_map import register_map
 from splatline.flow.register_texts import c_header, json_map
 from splatline.flow.stream_texts import json_codeword
 from tests.support import codewords, plane_words
+from tests.support.rom_words import compact_words
 
 CONFIGS = (PAPER, RGB24, SWIFT, *plane_words.CONFIGS)
 
@@ -109,3 +110,25 @@ def test_the_fields_of_a_code_word_fill_its_stream_without_a_gap(config):
     assert place == 8 * codeword["stream_bytes"]
     assert codeword["bits"] == (96 if config.plane else 64)
     assert json_map(register_map(config))["codeword"] == codeword
+
+
+@pytest.mark.parametrize("config", [PAPER, RGB24, SWIFT], ids=lambda c: c.name)
+def test_the_fields_of_compact_words_lie_where_they_are_said_to(config):
+    rng = np.random.default_rng(11)
+    config = config.with_shapes()
+    fields = {f.name: f for f in compact_fields(config)}
+    for _ in range(50):
+        limits = {"size": 17, "level_x": 64, "level_y": 64, "part": 4}
+        values = {name: int(rng.integers(limit)) for name, limit in limits.items()}
+        rest = {name: int(rng.integers(1 << fields[name].width)) for name in list(fields)[6:]}
+        above = sum(value << fields[name].lsb for name, value in rest.items())
+        word = int(np.ravel(compact_words(config, *values.values(), rest=above))[0])
+        for name, value in {**values, **rest, "mode": 0, "mark": 0b00010}.items():
+            assert word >> fields[name].lsb & (1 << fields[name].width) - 1 == value, name
+    assert sum(f.width for f in fields.values()) == 64
+
+
+def test_an_engine_without_a_shape_rom_has_no_compact_words():
+    for config in (PAPER, PLANE):
+        with pytest.raises(ValueError, match="has no shape ROM"):
+            compact_fields(config)
