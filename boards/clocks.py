@@ -31,11 +31,19 @@ class Clocks(LiteXModule):
         Hz of ``hdmi``; it is met exactly, and ``hdmi5x`` is five times as fast.
     half_rate
         The SDRAM runs at twice the rate of ``sys``, in the domain ``sys2x``.
+
+    Attributes
+    ----------
+    names
+        The domains by LiteX's names of the PLLs' outputs.
+    rates
+        Hz of each domain that has logic.
     """
 
     def __init__(self, platform, reset, *, clk_freq, pixel_freq, half_rate):
         self.rst = Signal()
-        self.names = {}  # of the domains, by LiteX's names of the PLLs' outputs
+        self.names = {}
+        self.rates = {"sys": clk_freq, "hdmi": pixel_freq, "hdmi5x": 5 * pixel_freq}
         self.cd_sys, self.cd_hdmi, self.cd_hdmi5x = (
             ClockDomain(name) for name in ("sys", "hdmi", "hdmi5x")
         )
@@ -51,6 +59,7 @@ class Clocks(LiteXModule):
         setattr(self, f"cd_{name}", delayed)
         if half_rate:
             self.cd_sys2x = ClockDomain("sys2x")
+            self.rates["sys2x"] = 2 * clk_freq
             pll.create_clkout(self.cd_sys2x, 2 * clk_freq)
         pll.create_clkout(delayed, (2 if half_rate else 1) * clk_freq, phase=SDRAM_PHASE)
         video_pll.create_clkout(self.cd_hdmi, pixel_freq, margin=0)

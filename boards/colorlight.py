@@ -25,6 +25,9 @@ CLOCK = 45e6
 """Hz of the system and of the SDRAM, which has 32 bits. Routes reach 50, and gigabit Ethernet needs
 31.25 with 32 bits."""
 
+RECEIVED = 125e6
+"""Hz of the clock that gigabit Ethernet sends along."""
+
 ETHERBONE_BUFFER = 256
 """32-bit words of a packet that the board can hold: the most that LiteEth allows."""
 
@@ -70,6 +73,7 @@ class Colorlight(BoardSoC):
             **processor,
         )
         add_ethernet(self, platform.request("eth_clocks", 0), platform.request("eth", 0))
+        clocks.rates["eth_clocks0_rx"] = RECEIVED
 
 
 def add_ethernet(soc, clock_pads, pads):

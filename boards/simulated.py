@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from litedram.common import PhySettings
 from litedram.frontend.dma import LiteDRAMDMAReader
-from litedram.modules import MT48LC16M16
+from litedram.modules import M12L64322A, MT48LC16M16
 from litedram.phy.model import SDRAMPHYModel
 from litex.build.generic_platform import Pins, Subsignal
 from litex.build.lattice import LatticeECP5Platform
@@ -17,11 +17,11 @@ from migen.genlib.resetsync import AsyncResetSynchronizer
 
 from splatline.contract.config import EngineConfig
 
-from .colorlight import add_ethernet
+from . import colorlight, ulx3s
 from .memory_map import CSR_PAGES
 from .soc import BoardSoC
 
-__all__ = ["BAUD", "SMALL", "SimulatedSoC"]
+__all__ = ["BAUD", "BOARDS", "SMALL", "SimulatedSoC"]
 
 BAUD = 12_500_000
 """Bits a second of the link: as fast as its receiver can be, so that simulations are short."""
@@ -36,7 +36,8 @@ SMALL = {
 TRAFFIC = 4
 """Ports of the memory that read all the time, if a test wants that."""
 
-LINKS = ("serial", "etherbone")
+BOARDS = ("ulx3s", "colorlight")
+"""Boards that are simulated: each with its clock, its SDRAM and its link."""
 
 PINS = [
     ("clk", 0, *(Subsignal(name, Pins(1)) for name in ("sys", "hdmi", "hdmi5x", "rst"))),
@@ -46,6 +47,30 @@ PINS = [
      *(Subsignal(f"{way}_data", Pins(4)) for way in ("rx", "tx"))),
     ("gpdi", 0, *(Subsignal(f"{name}_p", Pins(1)) for name in ("clk", "data0", "data1", "data2"))),
 ]  # fmt: skip
+
+
+MEMORIES = {
+    "ulx3s": (
+        ulx3s.CLOCK,
+        MT48LC16M16,
+        # The settings of LiteDRAM's HalfRateGENSDRPHY with 16 bits.
+        PhySettings(
+            phytype="HalfRateGENSDRPHY", memtype="SDR", databits=16, dfi_databits=16, nranks=1,
+            nphases=2, rdphase=0, wrphase=0, cl=2, read_latency=2, write_latency=0,
+        ),
+    ),
+    "colorlight": (
+        colorlight.CLOCK,
+        M12L64322A,
+        # The settings of LiteDRAM's GENSDRPHY with 32 bits.
+        PhySettings(
+            phytype="GENSDRPHY", memtype="SDR", databits=32, dfi_databits=32, nranks=1,
+            nphases=1, rdphase=0, wrphase=0, cl=2, read_latency=3, write_latency=0,
+        ),
+    ),
+}  # fmt: skip
+"""Of each board the rate of ``sys`` in Hz, the chip of its SDRAM, and what its PHY tells
+LiteDRAM."""
 
 
 class Clocks(LiteXModule):
@@ -90,8 +115,7 @@ class Traffic(LiteXModule):
 class SimulatedSoC(BoardSoC):
     """A board for a simulator: LiteDRAM's model of PHY and chips, and clocks from pins.
 
-    With a serial link it is a ULX3S; with Etherbone its link is that of a Colorlight, from the pins
-    of RGMII on.
+    ``sys`` is a clock pin; :attr:`sys_clk_freq` is its rate in Hz.
 
     Parameters
     ----------
@@ -99,42 +123,34 @@ class SimulatedSoC(BoardSoC):
         The engine's configuration.
     timings
         Name of a video mode of LiteX, or one as a dictionary.
-    clk_freq
-        Hz of ``sys``.
+    board
+        ``ulx3s``: 16 bits of SDRAM at twice the rate of ``sys``, and a serial link;
+        ``colorlight``: 32 bits of SDRAM at the rate of ``sys``, and Etherbone from the pins of
+        RGMII on.
     refreshes
         Refreshes of the SDRAM for each one that its chips need.
-    link
-        ``serial`` or ``etherbone``.
     """
 
     csr_map: ClassVar = {**CSR_PAGES, "traffic": len(CSR_PAGES)}
 
     def __init__(
-        self, config: EngineConfig, timings="640x480@60Hz", *, clk_freq=50e6, refreshes=1,
-        link=LINKS[0],
-    ):  # fmt: skip
+        self, config: EngineConfig, timings="640x480@60Hz", *, board=BOARDS[0], refreshes=1
+    ):
         platform = LatticeECP5Platform("LFE5U-85F-6BG381C", PINS, toolchain="trellis")
-        module = MT48LC16M16(clk_freq, "1:2")
+        clk_freq, module, settings = MEMORIES[board]
+        module = module(clk_freq, f"1:{settings.nphases}")
         module.timing_settings.tREFI //= refreshes
         super().__init__(
             platform,
             Clocks(platform),
             config,
             clk_freq=clk_freq,
-            phy=SDRAMPHYModel(module, settings=phy_settings(), clk_freq=clk_freq),
+            phy=SDRAMPHYModel(module, settings=settings, clk_freq=clk_freq),
             module=module,
             timings=timings,
         )
-        if link == LINKS[1]:
-            add_ethernet(self, platform.request("eth_clocks"), platform.request("eth"))
+        if board == "colorlight":
+            colorlight.add_ethernet(self, platform.request("eth_clocks"), platform.request("eth"))
         else:
             self.add_uartbone(baudrate=BAUD)
         self.traffic = Traffic([self.sdram.crossbar.get_port("read") for _ in range(TRAFFIC)])
-
-
-def phy_settings() -> PhySettings:
-    """Return what LiteDRAM's HalfRateGENSDRPHY with 16 bits has as its settings."""
-    return PhySettings(
-        phytype="HalfRateGENSDRPHY", memtype="SDR", databits=16, dfi_databits=16, nranks=1,
-        nphases=2, rdphase=0, wrphase=0, cl=2, read_latency=2, write_latency=0,
-    )  # fmt: skip

@@ -12,6 +12,7 @@ from typing import Any
 
 import cocotb
 from cocotb.triggers import Timer
+from cocotb.utils import get_sim_time
 from cocotbext.eth import GmiiFrame, RgmiiSink, RgmiiSource  # type: ignore[import-untyped]
 from cocotbext.uart import UartSink, UartSource  # type: ignore[import-untyped]
 
@@ -56,6 +57,10 @@ class BoardBench:
     async def wait(self, nanoseconds: int) -> None:
         """Let time pass."""
         await Timer(nanoseconds, "ns")
+
+    async def time(self) -> float:
+        """Return the time of the simulation in ns."""
+        return float(get_sim_time("ns"))
 
     async def record(self, on: bool) -> int:
         """Begin or end the record of the pins; return the bits of the last record."""

@@ -111,6 +111,10 @@ class SimulatedBoard(ServedSimulator):
         """Let time pass on the board."""
         self.command("wait", round(seconds * 1e9))
 
+    def time(self) -> float:
+        """Return how many seconds have passed on the board."""
+        return self.command("time") * 1e-9
+
     def watch(self, seconds: float) -> npt.NDArray[np.uint8]:
         """Record the HDMI pins for some time; return them as :func:`unpack_pins` does."""
         self.command("record", True)

@@ -36,7 +36,7 @@ def written(address, words):
 @pytest.fixture(scope="module")
 def system():
     logging.disable(logging.INFO)
-    soc = SimulatedSoC(RGB24, SMALL, link="etherbone")
+    soc = SimulatedSoC(RGB24, SMALL, board="colorlight")
     files = system_files(soc, RGB24)
     del files["board.lpf"]
     return describe(soc), build_board(files, options=RGMII)
@@ -44,7 +44,9 @@ def system():
 
 @pytest.fixture
 def network(system, tmp_path):
-    with SimulatedBoard(system[1], tmp_path / "pins", plusargs=[f"+bit={BIT}"]) as simulated:
+    half = 0.5e9 / system[0]["clk_freq"]  # ns
+    plusargs = [f"+bit={BIT}", f"+sys_half={half:.3f}"]
+    with SimulatedBoard(system[1], tmp_path / "pins", plusargs=plusargs) as simulated:
         yield BoardNetwork(simulated, ADDRESS)
 
 
