@@ -91,8 +91,8 @@ def engine_diagrams():
                          (parts[0][-1] - 2, parts[0][-1] + 1), (between - 2, between + 1)),
         "chain_raster": diagram(chain, "Two engines: one initial raster, one raster",
                                 ["clk", *stream("initial", "raster")],
-                                (begun[0] - 1, begun[-1] + 1), (joined[0] - 2, joined[0] + 6),
-                                (joined[-1] - 4, joined[-1] + 2)),
+                                (begun[0] - 1, begun[-1] + 1), (joined[0] - 1, joined[0] + 4),
+                                (joined[-1] - 3, joined[-1] + 1)),
     }  # fmt: skip
 
 
