@@ -74,7 +74,7 @@ class BoardSoC(SoCMini):
         self.timings = video_timings[timings] if isinstance(timings, str) else timings
 
         self.scanout = ScanOut(memory.get_port("read", data_width=32), VIDEO, depth=scan_depth)
-        self.engine = EngineCore(config, memory.get_port("write", data_width=32), self.scanout)
+        self.engine = EngineCore(platform, config, memory.get_port("write", data_width=32))
         self.player = Player(
             memory.get_port("read", data_width=32), 8 * codeword_stream_bytes(config)
         )
@@ -92,6 +92,10 @@ class BoardSoC(SoCMini):
             self.player.source.connect(
                 self.engine.codewords, keep={"valid", "ready", "data", "last"}
             ),
+            self.engine.buffer_0.eq(self.scanout.buffer_0.storage),
+            self.engine.buffer_1.eq(self.scanout.buffer_1.storage),
+            self.engine.stride.eq(self.scanout.stride.storage[:16]),
+            self.engine.background.eq(self.scanout.background.storage),
             self.scanout.swap_valid.eq(self.engine.swap_valid),
             self.scanout.swap_index.eq(self.engine.swap_index),
             self.engine.swapped.eq(self.scanout.swapped),
