@@ -11,7 +11,15 @@ from .config import BLOCK, ROWS, EngineConfig
 from .plane import LOW_BITS, SHIFTS, SUM_FRACTION, Z_FRACTION
 from .presets import PAPER, PLANE
 
-__all__ = ["COLUMN", "FIRST", "LAST", "plane_at", "plane_fields", "unfold", "unfold_plane"]
+__all__ = [
+    "COLUMN",
+    "FIRST",
+    "LAST",
+    "decode_plane_word",
+    "decode_word",
+    "plane_at",
+    "plane_fields",
+]
 
 SHIFT = np.array(SHIFTS, np.int64)
 
@@ -27,10 +35,10 @@ OUTWARDS = tuple(PLANE.outwards(end).lsb - LOW_BITS for end in range(2))
 
 
 @nb.njit(cache=True)
-def unfold(word: int, rows: Any) -> int:
+def decode_word(word: int, rows: Any) -> int:
     """Set the rows of an element's block: first and last column, first > last if it is empty.
 
-    See ``docs/contract.md``, "Half places". Columns are 0..8.
+    See ``docs/contract.md``, "Half pixels". Columns are 0..8.
 
     Parameters
     ----------
@@ -66,7 +74,7 @@ def unfold(word: int, rows: Any) -> int:
 
 
 @nb.njit(cache=True)
-def unfold_plane(low: int, high: int, rows: Any) -> None:
+def decode_plane_word(low: int, high: int, rows: Any) -> None:
     """Set the rows of a plane word's block: first and last column, first > last if it is empty.
 
     See ``docs/contract.md``, "Plane words".

@@ -20,7 +20,7 @@ def codeword_stream_bytes(config: EngineConfig) -> int:
 def codeword_fields(config: EngineConfig) -> tuple[StreamField, ...]:
     """Return the fields of a code word on AXI, the lowest first, with its padding."""
     intensity, row = config.intensity_bits, config.first(1).lsb - config.first(0).lsb
-    empty = "it is empty" if config.plane else "it is empty, or marks a half place"
+    empty = "it is empty" if config.plane else "it is empty, or marks a half pixel"
     scans = f"of each row the first column (3 bits), then the last one; first > last: {empty}"
     end = "; of a control word bit 0: it ends the frame"
     lines = "; of a control word: lines to advance"

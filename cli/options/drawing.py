@@ -147,9 +147,9 @@ def draw(
     if engines is not None:
         if engine == "axi":
             raise InputError("a chain has no buses yet: give --engines or --engine axi, not both")
-        from splatline.host.encode.partition import deal
+        from splatline.host.encode.partition import partition
 
-        parts = [deal(frame, engines) for frame in frames]
+        parts = [partition(frame, engines) for frame in frames]
     pictures = []
     with stages.stage("golden", "Drawing with the golden renderer") as share:
         for number, each in enumerate(parts, 1):

@@ -16,7 +16,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.codeword import plane_at, plane_fields, unfold, unfold_plane
+from splatline.contract.codeword import decode_plane_word, decode_word, plane_at, plane_fields
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
@@ -172,10 +172,10 @@ def _mark_shown(
         for i in range(befores[band], behinds[band + 1]):
             x = low[i] >> x_lsb & x_mask
             if is_plane:
-                unfold_plane(low[i], high[i], block)
+                decode_plane_word(low[i], high[i], block)
                 start, a, b = plane_at(high[i], plane)
             else:
-                unfold(low[i], block)
+                decode_word(low[i], block)
                 start, a, b = (low[i] >> z_lsb & z_mask) << SUM_FRACTION, 0, 0
             for row in range(BLOCK):
                 line = lines[i] - ROWS + row - top

@@ -17,10 +17,10 @@ from .read_stream import read_stream
 from .sort_by_line import advance_word, end_word
 from .stand_ins import X_LSB, replace
 
-__all__ = ["deal"]
+__all__ = ["partition"]
 
 
-def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame]:
+def partition(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame]:
     """Divide a frame's elements among engines.
 
     Every element goes to one engine, and each part has its own control words and end word. A chain
@@ -52,9 +52,9 @@ def deal(frame: Frame, engines: int, method: str = DEFAULT_METHOD) -> list[Frame
         If there is no such method, the number of engines is below 1, or there is no end word.
     """
     if method not in METHODS:
-        raise InputError(f"no way of dealing named {method!r}; there are: {', '.join(METHODS)}")
+        raise InputError(f"no partition method named {method!r}; there are: {', '.join(METHODS)}")
     if engines < 1:
-        raise InputError(f"elements are dealt to at least one engine, not {engines}")
+        raise InputError(f"a partition has at least one engine, not {engines}")
     config = frame.config
     elements, lines = read_stream(frame.codewords, config)
     x_lsb = X_LSB if config.plane else config.x.lsb

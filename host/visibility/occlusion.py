@@ -16,7 +16,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.codeword import plane_at, plane_fields, unfold, unfold_plane
+from splatline.contract.codeword import decode_plane_word, decode_word, plane_at, plane_fields
 from splatline.contract.config import BLOCK, ROWS, EngineConfig
 from splatline.contract.plane import SUM_FRACTION
 from splatline.host.compiled_cache import cached_njit
@@ -159,7 +159,7 @@ def _add_block(
     Parameters
     ----------
     block
-        First and last column of each of its rows; see ``contract.codeword.unfold``.
+        First and last column of each of its rows; see ``contract.codeword.decode_word``.
     top, x
         Its first line and column.
     z
@@ -201,7 +201,7 @@ def _cover(
                     continue
                 word = words[i]
                 x, z = word >> x_lsb & x_mask, word >> z_lsb & z_mask
-                unfold(word, block)
+                decode_word(word, block)
                 end = min(-(-(top + (ROWS if word & 1 else BLOCK)) // HIGH), end_row)
                 first = max(top // HIGH, first_row)
                 _add_block(block, top, x, z, first, end, bound, mask, gathered)
@@ -231,7 +231,7 @@ def _cover_planes(
                     continue
                 low, high = words[i, 0], words[i, 1]
                 x = low >> x_lsb & x_mask
-                unfold_plane(low, high, block)
+                decode_plane_word(low, high, block)
                 z = _largest_depth(high, block, plane, background)
                 end = min(-(-(top + (ROWS if low & 1 else BLOCK)) // HIGH), end_row)
                 first = max(top // HIGH, first_row)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from splatline.contract.codeword import unfold, unfold_plane
+from splatline.contract.codeword import decode_plane_word, decode_word
 from splatline.contract.config import BLOCK
 from splatline.host.compiled_cache import cached_njit
 
@@ -134,9 +134,9 @@ def _place(index: int, words: Any, highs: Any, top: int, block: Any, machine: Ma
     rows = np.empty((BLOCK, 2), np.int64)
     word = words[index]
     if len(highs):
-        unfold_plane(word, highs[index], rows)
+        decode_plane_word(word, highs[index], rows)
     else:
-        unfold(word, rows)
+        decode_word(word, rows)
     x = word >> machine.x_lsb & machine.x_mask
     block[FIRST_LINE], block[COLUMN] = top, x
     room = max((machine.last_column // machine.pixels + 1) * machine.pixels - x, 0)

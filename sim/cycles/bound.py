@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from splatline.contract.codeword import unfold, unfold_plane
+from splatline.contract.codeword import decode_plane_word, decode_word
 from splatline.contract.config import BLOCK
 from splatline.contract.fields import Field
 from splatline.contract.frame import Frame, are_control
@@ -140,9 +140,9 @@ def _rows(words: Any, highs: Any) -> Any:
     rows = np.empty((len(words), BLOCK, 2), np.int64)
     for i in range(len(words)):
         if len(highs):
-            unfold_plane(words[i], highs[i], rows[i])
+            decode_plane_word(words[i], highs[i], rows[i])
         else:
-            unfold(words[i], rows[i])
+            decode_word(words[i], rows[i])
     return rows
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from splatline.contract.codeword import unfold, unfold_plane
+from splatline.contract.codeword import decode_plane_word, decode_word
 from splatline.contract.config import BLOCK
 from splatline.contract.plane import SHIFTS, SUM_FRACTION, Z_FRACTION
 from splatline.host.compiled_cache import cached_njit
@@ -277,9 +277,9 @@ def _cut(words: Any, highs: Any, index: int, tiles: Any, pixels: int) -> tuple[i
     rows = np.empty((BLOCK, 2), np.int64)
     right = 0
     if len(highs):
-        unfold_plane(words[index], highs[index], rows)
+        decode_plane_word(words[index], highs[index], rows)
     else:
-        right = unfold(words[index], rows)
+        right = decode_word(words[index], rows)
     for row in range(BLOCK):
         first, last = rows[row]
         if first > last:

@@ -107,7 +107,7 @@ def test_a_beat_that_is_too_wide_for_a_stream_is_refused(monkeypatch):
 
 
 def test_an_element_touches_so_many_words():
-    """Of nine columns: at a half place, turned rows reach the one beside the block."""
+    """Of nine columns: at a half pixel, turned rows reach the one beside the block."""
     for pixels in (2, 4, 8):
         most = max((offset + BLOCK) // pixels + 1 for offset in range(pixels))
         assert PAPER.replace(pixels_per_word=pixels).block_words == most

@@ -144,7 +144,7 @@ def test_a_chain_of_two_draws_the_parts_over_each_other():
     """``tests/rtl/chain`` has chains of blocks, without planes."""
     frame, other = (job.frame for job in jobs(pw.FLAT, (9, 10)))
     played = [
-        ChainJob.dealt(frame, other, engines=2, method=method, rates=rates, seed=3)
+        ChainJob.partitioned(frame, other, engines=2, method=method, rates=rates, seed=3)
         for method, rates in (("lines", {}), ("elements", {"codeword": 0.5, "raster": 0.4}))
     ]
     outcomes = play_chain(played, built=build_chain(pw.FLAT, 2))

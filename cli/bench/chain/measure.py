@@ -125,7 +125,7 @@ def _row(
     from splatline.sim.cosim.player.chains import ChainJob, play_chain
 
     def job(drawn: Frame, count: int, written: str = "first") -> ChainJob:
-        return ChainJob.dealt(
+        return ChainJob.partitioned(
             *[drawn] * count, engines=engines, method=method, write_tables=written
         )
 

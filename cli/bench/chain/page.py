@@ -37,7 +37,7 @@ def rate(runs: Sequence[_Run], clocks_mhz: Mapping[str, float | None]) -> list[_
     rated = []
     for run in runs:
         host = alone.get((run["scene"], run["preset"], "elements"))
-        # A method that deals whole lines keeps the host's order, so one engine takes the same time.
+        # Whole lines keep the host's order, so one engine takes the same time.
         same = alone.get((run["scene"], run["preset"], run["method"]), host)
         least = None if same is None else max(same / run["engines"], run["beats"])
         clock = clocks_mhz[run["preset"]]

@@ -20,7 +20,7 @@ struct Phase {
     Stall stalls[PORTS];
     int64_t reset_at, upset_at;  // cycle, or -1
     int64_t upset[3];            // number of the register, bit, row
-    int64_t limit, silence;      // cycles: of the phase; without progress while every port is willing
+    int64_t limit, silence;      // cycles: of the phase; without progress in unstalled cycles
     int64_t last_column, last_line;
     int64_t expected;            // digest of the last frame, 0 if it is unknown
     int64_t seed;
@@ -103,11 +103,11 @@ struct Player {
         return next[INITIAL] < p.initial[1];
     }
 
-    // Offer what is to be offered; return whether every port is willing.
+    // Offer what is to be offered; return whether the cycle is unstalled.
     bool drive(int64_t cycle) {
         bool all = true;
         for (int port = 0; port < RASTER; port++) {
-            const bool will = willing(p.stalls[port], port, cycle, used, random);
+            const bool will = unstalled(p.stalls[port], port, cycle, used, random);
             const bool there = more(port, cycle);
             if (!offered[port]) since[port] = cycle;
             offered[port] |= there && will;
@@ -120,7 +120,7 @@ struct Player {
         ports.write(offered[WRITES], offered[WRITES] ? in.writes[next[WRITES]] : none);
         const uint64_t *beat = offered[INITIAL] ? in.beats + next[INITIAL] * (layout.limbs + 1) : idle;
         ports.initial(offered[INITIAL], beat, beat[layout.limbs]);
-        const bool takes = willing(p.stalls[RASTER], RASTER, cycle, used, random);
+        const bool takes = unstalled(p.stalls[RASTER], RASTER, cycle, used, random);
         ports.raster_ready(takes);
         return all && takes;
     }

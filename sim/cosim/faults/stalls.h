@@ -1,4 +1,4 @@
-// When a port is willing: patterns of stalls.
+// When a port waits: patterns of stalls.
 #pragma once
 #include <cstdint>
 
@@ -22,7 +22,7 @@ inline uint64_t scramble(uint64_t &state) {
 // - RANDOM: with probability `a` / 256 a cycle.
 // - BURSTS: `a` cycles of every `a` + `b`.
 // - SHY: unless one of the other ports in the mask `b` was used in the last `a` cycles.
-inline bool willing(const Stall &s, int port, int64_t cycle, const int64_t *used, uint64_t &random) {
+inline bool unstalled(const Stall &s, int port, int64_t cycle, const int64_t *used, uint64_t &random) {
     switch (s.pattern) {
     case CLOSED: return cycle < s.a || cycle >= s.a + s.b;
     case RANDOM: return int64_t(scramble(random) >> 20 & 255) < s.a;

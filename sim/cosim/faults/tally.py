@@ -21,7 +21,7 @@ class Tally:
     trials, cycles, words, frames
         How many there were; code words that the engine took, and frames that were compared.
     silence
-        Most cycles without progress while every port was willing.
+        Most cycles without progress in unstalled cycles.
     nearest
         Largest share of the bound on cycles that a phase without stalls took.
     wrong

@@ -45,7 +45,7 @@ class Trial(NamedTuple):
 
 
 def silence_bound(config: EngineConfig, height: int, *, after_reset: bool = False) -> int:
-    """Return the most cycles without progress while every port is willing.
+    """Return the most cycles without progress in unstalled cycles.
 
     See ``docs/contract.md``, "Time".
     """
@@ -53,7 +53,7 @@ def silence_bound(config: EngineConfig, height: int, *, after_reset: bool = Fals
 
 
 def cycle_bound(config: EngineConfig, part: Phase) -> int:
-    """Return the most cycles of the frames of a phase while every port is willing.
+    """Return the most cycles of the frames of a phase in unstalled cycles.
 
     See ``docs/contract.md``, "Time".
     """

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
-from splatline.host.encode.partition import deal
+from splatline.host.encode.partition import partition
 from splatline.host.encode.partition_methods import DEFAULT_METHOD
 from splatline.sim.cosim.simulator import Build
 
@@ -31,11 +31,11 @@ class ChainJob(Playing):
     frames: Sequence[Sequence[Frame]]
 
     @classmethod
-    def dealt(
+    def partitioned(
         cls, *frames: Frame, engines: int, method: str = DEFAULT_METHOD, **options: object
     ) -> ChainJob:
         """Return a job of whole frames, each partitioned among the engines."""
-        parts = [deal(frame, engines, method) for frame in frames]
+        parts = [partition(frame, engines, method) for frame in frames]
         return cls(frames=parts, **options)  # type: ignore[arg-type]
 
     @property

@@ -7,7 +7,7 @@ import pytest
 
 from splatline.cli.bench.chain.page import rate
 from splatline.cli.options import drawing as engines
-from splatline.host.encode.partition import deal
+from splatline.host.encode.partition import partition
 from splatline.host.encode.partition_methods import METHODS
 from splatline.host.frame_file import load_frame
 from splatline.plots import figure
@@ -70,7 +70,7 @@ def test_golden_draws_what_a_chain_would(run, folder, cloud, monkeypatch):
     assert result.exit_code == 0, result.output
     assert run("encode", cloud, *SMALL, "-o", "ball.frame").exit_code == 0
     frame = load_frame("ball.frame")
-    expected = golden.render_parts(deal(frame, 4))
+    expected = golden.render_parts(partition(frame, 4))
     assert expected.mismatches(golden.render(frame)) > 0  # where depths are equal
     figure.save_rgb("expected.png", expected.to_rgb(figure.BACKGROUND))
     figure.save_depth("expected_depth.png", expected)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame, Tables
 from splatline.contract.presets import PAPER, PRESETS
-from splatline.host.encode.partition import deal
+from splatline.host.encode.partition import partition
 from splatline.host.encode.partition_methods import METHODS
 from splatline.host.encode.sort_by_line import advance_word, end_word
 from splatline.sim import golden
@@ -61,11 +61,11 @@ def elements_of(frame):
 )
 def test_every_element_is_dealt_once_and_to_its_line(seed, count, engines, method, config, advance):
     frame = random_frame(seed, count, config, advance=advance)
-    parts = deal(frame, engines, method)
+    parts = partition(frame, engines, method)
     assert len(parts) == engines
-    dealt = [elements_of(part) for part in parts]
-    assert sorted(itertools.chain(*dealt)) == sorted(elements_of(frame))
-    for part, elements in zip(parts, dealt, strict=True):
+    taken = [elements_of(part) for part in parts]
+    assert sorted(itertools.chain(*taken)) == sorted(elements_of(frame))
+    for part, elements in zip(parts, taken, strict=True):
         assert part.codewords[-1] == end_word(config)
         assert part.counts == {"elements": len(elements)}
         assert len(part.codewords) <= len(frame.codewords)
@@ -75,7 +75,8 @@ def test_every_element_is_dealt_once_and_to_its_line(seed, count, engines, metho
 @pytest.mark.parametrize("engines", [2, 4, 8])
 def test_the_parts_are_of_one_size(method, engines):
     sizes = [
-        len(elements_of(p)) for p in deal(random_frame(1, 20_000, advance=0.01), engines, method)
+        len(elements_of(p))
+        for p in partition(random_frame(1, 20_000, advance=0.01), engines, method)
     ]
     # Lines with fewer elements than engines cannot be cut evenly.
     most = {"columns": 12, "elements": 1, "lines": 200}[method]
@@ -89,7 +90,7 @@ def test_the_parts_over_each_other_are_the_whole_where_depths_differ(method):
     expected = golden.render(frame)
     assert expected.drawn.mean() > 0.3
     raster = None
-    for part in deal(frame, 5, method):
+    for part in partition(frame, 5, method):
         raster = golden.render(part, raster)
     assert raster.mismatches(expected) == 0
 
@@ -97,13 +98,13 @@ def test_the_parts_over_each_other_are_the_whole_where_depths_differ(method):
 def test_round_robin_keeps_the_order():
     frame = random_frame(4, 1000)
     whole = elements_of(frame)
-    for n, part in enumerate(deal(frame, 3, "elements")):
+    for n, part in enumerate(partition(frame, 3, "elements")):
         assert elements_of(part) == whole[n::3]
 
 
 def test_lines_stay_together():
     owners = {}
-    for n, part in enumerate(deal(random_frame(5, 2000), 4, "lines")):
+    for n, part in enumerate(partition(random_frame(5, 2000), 4, "lines")):
         for line, _ in elements_of(part):
             assert owners.setdefault(line, n) == n
 
@@ -112,7 +113,7 @@ def test_lines_stay_together():
 def test_strips_of_columns_lie_side_by_side_and_their_halves_take_turns(preset):
     frame = random_frame(6, 4000, PRESETS[preset])
     last = {}
-    for part in deal(frame, 4, "columns"):
+    for part in partition(frame, 4, "columns"):
         lines = {}
         for line, word in elements_of(part):
             lines.setdefault(line, []).append(word >> PAPER.x.lsb & PAPER.x.mask)
@@ -126,7 +127,7 @@ def test_strips_of_columns_lie_side_by_side_and_their_halves_take_turns(preset):
 def test_steps_longer_than_x_holds_are_cut():
     far = [advance_word(500, PAPER)] * 3
     frame = frame_of([5, *far, 7, end_word(PAPER)])
-    first, second = deal(frame, 2, "elements")
+    first, second = partition(frame, 2, "elements")
     assert elements_of(second) == [(1500, 7)]
     assert len(second.codewords) == 5
     assert elements_of(first) == [(0, 5)]
@@ -135,11 +136,11 @@ def test_steps_longer_than_x_holds_are_cut():
 @pytest.mark.parametrize(
     ("frame", "engines", "method", "words"),
     [
-        (random_frame(1, 5), 2, "cards", "no way of dealing named 'cards'; there are: columns"),
+        (random_frame(1, 5), 2, "cards", "no partition method named 'cards'; there are: columns"),
         (random_frame(1, 5), 0, "lines", "at least one engine, not 0"),
         (random_frame(1, 5, ended=False), 2, "lines", "no end-of-frame word"),
     ],
 )
 def test_what_cannot_be_dealt_is_said(frame, engines, method, words):
     with pytest.raises(InputError, match=words):
-        deal(frame, engines, method)
+        partition(frame, engines, method)

@@ -9,7 +9,7 @@ from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.contract.presets import PLANE
 from splatline.host.encode.encode import encode
-from splatline.host.encode.partition import deal
+from splatline.host.encode.partition import partition
 from splatline.host.encode.plane_block import row_ends
 from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.frame_file import describe_frame, load_frame, save_frame
@@ -278,7 +278,7 @@ def test_a_chain_s_parts_draw_the_same_depth(cloud, method):
     # The bits of control words that mean nothing may be anything.
     control = (frame.codewords[:, 1] == 0).nonzero()[0]
     frame.codewords[control[:-1]] |= np.array([1 << 63, 0xFFFFFFFF], np.uint64)
-    parts = deal(frame, 3, method)
+    parts = partition(frame, 3, method)
     assert sum(part.counts["elements"] for part in parts) == len(frame.codewords) - len(control)
     whole = golden.render(frame)
     assert np.array_equal(golden.render_parts(parts).depth, whole.depth)

@@ -76,26 +76,29 @@ def dealt_unevenly(frame, rng):
 
 
 def jobs_of(rng):
-    """Every way of dealing, uneven ones, initial rasters, frames behind each other, resets."""
+    """Every way of partition, uneven ones, initial rasters, frames behind each other, resets."""
     jobs = []
     for seed, rates in enumerate(RATES):
         frame = shapes(rng, 150, 50, 40, config=SMALL)
         any_bits = nonsense(rng, 200, 33, 37, config=SMALL)
         options = {"rates": rates, "seed": seed}
         jobs += [
-            ChainJob.dealt(frame, engines=ENGINES, method=method, **options) for method in METHODS
+            ChainJob.partitioned(frame, engines=ENGINES, method=method, **options)
+            for method in METHODS
         ]
-        jobs.append(ChainJob.dealt(any_bits, engines=ENGINES, **options))
+        jobs.append(ChainJob.partitioned(any_bits, engines=ENGINES, **options))
         for parts in dealt_unevenly(shapes(rng, 60, 50, 40, config=SMALL), rng):
             tables = parts[0].tables
             parts = [dataclasses.replace(part, tables=tables) for part in parts]
             jobs.append(ChainJob(frames=[parts], **options))
         for share in (0.05, 0.6):
             initial = random_raster(rng, 50, 40, share, SMALL)
-            jobs.append(ChainJob.dealt(frame, engines=ENGINES, initial=initial, **options))
+            jobs.append(ChainJob.partitioned(frame, engines=ENGINES, initial=initial, **options))
         jobs.append(following(rng, seed, {**rates, "table": 1.0}))
         jobs.append(without_new_tables(rng, rates, seed))
-        jobs.append(ChainJob.dealt(frame, engines=ENGINES, reset_after=97 * (seed + 2), **options))
+        jobs.append(
+            ChainJob.partitioned(frame, engines=ENGINES, reset_after=97 * (seed + 2), **options)
+        )
     return jobs
 
 
@@ -108,7 +111,7 @@ def following(rng, seed, rates):
         shapes(rng, 30, 64, 30, config=SMALL),
     ]
     initial = random_raster(rng, 50, 40, 0.3, SMALL) if seed % 2 else None
-    return ChainJob.dealt(*frames, engines=ENGINES, initial=initial, rates=rates, seed=seed)
+    return ChainJob.partitioned(*frames, engines=ENGINES, initial=initial, rates=rates, seed=seed)
 
 
 def without_new_tables(rng, rates, seed, config=SMALL, engines=ENGINES):
@@ -116,7 +119,7 @@ def without_new_tables(rng, rates, seed, config=SMALL, engines=ENGINES):
     frames = [shapes(rng, count, 50, 37, config=config) for count in (70, 5, 40, 0, 0, 70, 70)]
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
     initial = random_raster(rng, 50, 37, 0.1, config) if seed % 2 else None
-    return ChainJob.dealt(
+    return ChainJob.partitioned(
         *frames,
         engines=engines,
         method="lines",
@@ -156,7 +159,7 @@ def test_frames_follow_each_other_without_a_gap(config, most, build):
     rng = np.random.default_rng(2)
     frames = [shapes(rng, 300, 50, 48, largest=3, config=config) for _ in range(5)]
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
-    job = ChainJob.dealt(*frames, engines=1, write_tables="first")
+    job = ChainJob.partitioned(*frames, engines=1, write_tables="first")
     # The first of both waits for the memories to be cleared.
     times = check([job, job], built=build(config))[1].times
     assert len(times) == len(frames)
@@ -182,7 +185,7 @@ def test_frames_follow_each_other_in_a_chain_without_a_gap(config, most, link):
     rng = np.random.default_rng(2)
     frames = [shapes(rng, 900, 50, 48, largest=3, config=config) for _ in range(5)]
     frames = [dataclasses.replace(frame, tables=frames[0].tables) for frame in frames]
-    job = ChainJob.dealt(*frames, engines=2, method="elements", write_tables="first")
+    job = ChainJob.partitioned(*frames, engines=2, method="elements", write_tables="first")
     times = check([job, job], built=chain_of_two(config, link))[1].times
     assert len(times) == len(frames)
     for before, after in itertools.pairwise(times):
@@ -201,7 +204,7 @@ def test_where_depths_differ_a_chain_draws_what_one_engine_draws():
     words |= rng.permutation(SMALL.z.mask)[: len(words)].astype(np.uint64) << np.uint64(SMALL.z.lsb)
     words[fields["control"]] = frame.codewords[fields["control"]]
     frame = dataclasses.replace(frame, codewords=words)
-    jobs = [ChainJob.dealt(frame, engines=ENGINES, method=method) for method in METHODS]
+    jobs = [ChainJob.partitioned(frame, engines=ENGINES, method=method) for method in METHODS]
     expected = golden.render(frame)
     for outcome in check(jobs, simulator_name=QUICKEST):
         assert outcome.rasters[0].mismatches(expected) == 0
@@ -240,7 +243,7 @@ def test_engines_whose_beats_have_two_words(link):
     """Joined as others are, and loaded as a whole."""
     rng = np.random.default_rng(12)
     jobs = [
-        ChainJob.dealt(
+        ChainJob.partitioned(
             shapes(rng, 150, 50, 40, config=BLOCKS),
             engines=2,
             rates=rates,

@@ -6,7 +6,7 @@ import pytest
 from splatline.cli.bench.engine.few_elements import few_splats
 from splatline.contract.errors import InputError
 from splatline.contract.presets import LANES8, PAPER, PLANE, RGB24, SWIFT, SWIFT_PLANE
-from splatline.host.encode.partition import deal
+from splatline.host.encode.partition import partition
 from splatline.host.encode.sort_by_line import advance_word
 from splatline.rtl.engine import engine_latency
 from splatline.rtl.tiles.lane import lane_address_bits
@@ -228,7 +228,7 @@ def test_a_stream_without_an_end_is_cut_short(words):
 def test_elements_dealt_to_a_chain_hardly_meet_in_memory(config, most, engines):
     """An engine's part of a dense frame: elements that follow each other lie in other words."""
     frame = scene_frame("terrain", view={"size": (256, 256)}, config=config)
-    for part in deal(frame, engines, "columns"):
+    for part in partition(frame, engines, "columns"):
         apart = count_cycles(part, after_reset=False, conflicts=False)
         assert count_cycles(part, after_reset=False) < most * apart
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from splatline.contract.codeword import unfold_plane
+from splatline.contract.codeword import decode_plane_word
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PLANE
 from splatline.contract.raster import Raster
@@ -100,7 +100,7 @@ def test_rows_are_rotated_and_moved(raised, first_out, last_out):
             upper, mode=0, raised=raised, first_out=first_out, last_out=last_out, sides=int(sides)
         )
         low, high = pw.array_of([word]).view(np.int64)[0]
-        unfold_plane(low, high, rows)
+        decode_plane_word(low, high, rows)
         image = golden.render(pw.make_frame([pw.advance(4), word | 100 << 83], (8, 8)))
         for row in range(8):
             covered = [pw.covers(word, row, column) for column in range(8)]
@@ -123,7 +123,7 @@ def test_a_moved_row_may_vanish_and_stays_in_its_block():
     assert not drawn(empty, sides=3, first_out=1, last_out=1)[7].any()
 
 
-def test_the_codes_for_half_places_mean_nothing():
+def test_the_codes_for_half_pixels_mean_nothing():
     for rows in ([(2, 1), (3, 4), (2, 5), (2, 5)], [(1, 0), (1, 0), (3, 4), (5, 2)]):
         frame = pw.make_frame([pw.advance(4), pw.encode(rows, mode=0)], (8, 8))
         filled = [first <= last for first, last in rows]
