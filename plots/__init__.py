@@ -1,4 +1,4 @@
 """Figures, plots and sheets of pictures, made from results.
 
-It imports ``contract``, ``host`` and ``sim``. Start with ``figure``.
+It imports ``contract`` and ``sim``. Start with ``figure``.
 """

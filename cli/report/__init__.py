@@ -1,4 +1,4 @@
 """Output of commands: tables and progress.
 
-It imports ``contract``. Start with ``tables``.
+It imports ``contract``, ``host`` and, for types, ``cli.options``. Start with ``tables``.
 """

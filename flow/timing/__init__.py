@@ -1,4 +1,4 @@
 """Clock rates: routed on an ECP5, and estimated for the Virtex-II.
 
-It imports ``contract``, ``rtl`` and ``flow``. Start with ``pnr``.
+It imports ``contract`` and ``flow``. Start with ``pnr``.
 """

@@ -1,4 +1,4 @@
 """Clouds larger than the memory: thinned, while they are read, to what a view can show.
 
-It imports ``files``, ``cloud`` and ``visibility``.
+It imports ``contract`` and ``host``. Start with ``thin``.
 """

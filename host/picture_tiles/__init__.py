@@ -1,4 +1,4 @@
 """Pictures larger than an engine's image, as frames of tiles.
 
-It imports the rest of the host. Start with ``frames``.
+It imports ``contract`` and ``host``. Start with ``frames``.
 """

@@ -1,4 +1,4 @@
 """The built-in scenes.
 
-It imports ``contract``, ``host.cloud`` and ``host.files``. Start with ``scenes``.
+It imports ``contract`` and ``host.cloud``. Start with ``scenes``.
 """

@@ -1,4 +1,4 @@
 """From normals and colours to intensities and materials.
 
-It imports ``contract`` and ``host.cloud``. Start with ``lighting``.
+It imports ``contract``, ``host.cloud`` and ``host.compiled_cache``. Start with ``lighting``.
 """

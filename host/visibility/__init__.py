@@ -1,4 +1,5 @@
 """What a view shows: projection, culling, occlusion, and an index of blocks of points.
 
-It imports ``contract`` and ``host.cloud``. Start with ``view``.
+It imports ``contract``, ``host.cloud``, ``host.shading`` and ``host.compiled_cache``. Start with
+``view``.
 """

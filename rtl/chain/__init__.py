@@ -1,4 +1,4 @@
 """Several engines that draw one picture.
 
-It imports ``contract``, ``rtl.engine`` and ``rtl.lib``. Start with ``chain``.
+It imports ``contract``, ``rtl.engine``, ``rtl.layouts`` and ``rtl.lib``. Start with ``chain``.
 """

@@ -1,6 +1,6 @@
 """Exact and point-sampled renderers, and measures of a picture's error against them.
 
-It imports ``contract`` and ``host``. Start with ``reference``.
+It imports ``contract``, ``host`` and ``sim.golden``. Start with ``reference``.
 """
 
 from __future__ import annotations

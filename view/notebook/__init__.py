@@ -1,4 +1,5 @@
 """A cloud that turns in a Jupyter notebook.
 
-It imports what ``view`` does, and ``anywidget`` where it is installed. Start with ``show``.
+It imports ``contract``, ``host``, ``view``, and ``anywidget`` where it is installed. Start with
+``show``.
 """

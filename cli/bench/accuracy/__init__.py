@@ -1,1 +1,4 @@
-"""``splatline bench accuracy``: error against run time."""
+"""``splatline bench accuracy``: error against run time.
+
+It imports all rooms. Start with ``measure``.
+"""

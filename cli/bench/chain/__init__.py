@@ -1,1 +1,4 @@
-"""``splatline bench chain``: chains of engines."""
+"""``splatline bench chain``: chains of engines.
+
+It imports all rooms. Start with ``measure``.
+"""

@@ -1,1 +1,4 @@
-"""``splatline bench configurations``: comparison of windows, widths and depths."""
+"""``splatline bench configurations``: comparison of windows, widths and depths.
+
+It imports all rooms. Start with ``measure``.
+"""

@@ -1,1 +1,4 @@
-"""``splatline bench host``: run time of host and golden."""
+"""``splatline bench host``: run time of host and golden.
+
+It imports all rooms. Start with ``measure``.
+"""

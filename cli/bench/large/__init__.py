@@ -1,1 +1,4 @@
-"""``splatline bench large``: clouds larger than the memory."""
+"""``splatline bench large``: clouds larger than the memory.
+
+It imports all rooms. Start with ``command``.
+"""

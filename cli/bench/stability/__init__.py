@@ -1,1 +1,4 @@
-"""``splatline bench stability``: the stress suite."""
+"""``splatline bench stability``: the stress suite.
+
+It imports all rooms. Start with ``measure``.
+"""

@@ -1,6 +1,7 @@
 """A driver in freestanding C99, for whoever has no Python beside the engine.
 
-``splatline registers --c-driver FOLDER`` writes it, with the header of a preset's registers.
+``splatline registers --c-driver FOLDER`` writes it, with the header of a preset's registers. It
+imports nothing. Start with ``splatline_driver``.
 """
 
 from pathlib import Path

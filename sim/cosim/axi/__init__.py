@@ -1,4 +1,5 @@
 """Simulation of whole frames on the AXI top, through the host's driver.
 
-It imports ``contract``, ``flow``, ``host.device`` and ``sim``. Start with ``axi_device``.
+It imports ``contract``, ``rtl.bus``, ``flow``, ``host.device`` and ``sim``. Start with
+``axi_device``.
 """

@@ -1,4 +1,5 @@
 """Simulation of whole frames: a player in Verilog that feeds the engine, and its control.
 
-It imports ``contract``, ``flow`` and ``sim``. Start with ``frames``.
+It imports ``contract``, ``rtl.chain``, ``flow``, ``host.encode`` and ``sim``. Start with
+``frames``.
 """

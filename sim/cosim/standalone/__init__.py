@@ -1,4 +1,4 @@
 """A test bench in plain Verilog for an engine: stimulus and expected beats in files, no Python.
 
-It imports all of ``sim``, ``flow`` and ``host``. Start with ``write``; ``bench.v`` is the bench.
+It imports ``contract``, ``host`` and ``sim``. Start with ``write``; ``bench.v`` is the bench.
 """
