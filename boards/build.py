@@ -56,7 +56,7 @@ def build_bitstream(
     InputError
         If the bitstream cannot be written.
     """
-    files = system_files(soc, config)
+    files = system_files(soc)
     synthesis = synthesis_options(config)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)

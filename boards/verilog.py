@@ -8,8 +8,6 @@ from pathlib import Path
 
 from litex.build.generic_platform import IOStandard, Misc
 
-from splatline.contract.config import EngineConfig
-
 __all__ = ["TOP", "system_files"]
 
 TOP = "board"
@@ -18,7 +16,7 @@ TOP = "board"
 CONSTRAINTS = f"{TOP}.lpf"
 
 
-def system_files(soc, config: EngineConfig) -> dict[str, str]:
+def system_files(soc) -> dict[str, str]:
     """Finalise a system; return its Verilog, its constraints, and the contents of its memories.
 
     Of the same system they are the same texts.

@@ -46,7 +46,7 @@ PART = 10
 def simulated_board(board: str) -> Iterator[tuple[SimulatedBoard, Link, dict]]:
     """Build a board and start its simulator; yield it, its link and its description."""
     soc = SimulatedSoC(DEFAULT, SCREEN, board=board)
-    files = system_files(soc, DEFAULT)
+    files = system_files(soc)
     del files["board.lpf"]
     ethernet = board == "colorlight"
     built = build_board(files, options=RGMII if ethernet else ())

@@ -30,7 +30,7 @@ def main() -> None:
     """Print the rate of writes, each of which is read back in part."""
     logging.disable(logging.INFO)
     soc = SimulatedSoC(DEFAULT, SMALL, board="colorlight")
-    files = system_files(soc, DEFAULT)
+    files = system_files(soc)
     built = build_board({name: text for name, text in files.items() if name != "board.lpf"},
                         options=RGMII)  # fmt: skip
     told = describe(soc)

@@ -60,7 +60,7 @@ def tools(monkeypatch):
     def pack(arguments, folder):
         (folder / "top.bit").write_bytes(b"bits")
 
-    monkeypatch.setattr(build, "system_files", lambda soc, config: {"board.v": ""})
+    monkeypatch.setattr(build, "system_files", lambda soc: {"board.v": ""})
     monkeypatch.setattr(build, "run_yosys", lambda script, folder: None)
     monkeypatch.setattr(build, "run_nextpnr", route)
     monkeypatch.setattr(build, "run_ecppack", pack)

@@ -21,7 +21,7 @@ MODULES = {"serv": ("serv_rf_top", "serv_rf_top.v"), "vexriscv": ("VexRiscv", "V
 
 def test_it_says_nothing_of_when_and_where_it_was_made():
     logging.disable(logging.INFO)
-    text = system_files(SimulatedSoC(RGB24, SMALL), RGB24)["board.v"]
+    text = system_files(SimulatedSoC(RGB24, SMALL))["board.v"]
     assert not re.findall(r"[0-9]{4}-[0-9]{2}-[0-9]{2}|sha1|[0-9]{2}:[0-9]{2}:[0-9]{2}", text)
 
 
@@ -29,7 +29,7 @@ def test_it_says_nothing_of_when_and_where_it_was_made():
 def test_a_processor_and_its_program_are_in_it(cpu):
     pytest.importorskip(f"pythondata_cpu_{cpu}")
     soc = make_system("ulx3s", RGB24, cpu, program=b"\x13\x00\x00\x00\x6f")
-    files = system_files(soc, RGB24)
+    files = system_files(soc)
     top, source = {
         "serv": ("serv_rf_top", "serv_rf_top.v"),
         "vexriscv": ("VexRiscv", "VexRiscv_Min.v"),
@@ -43,7 +43,7 @@ def test_a_processor_and_its_program_are_in_it(cpu):
 
 
 def test_without_a_processor_there_is_none():
-    files = system_files(make_system("ulx3s", RGB24), RGB24)
+    files = system_files(make_system("ulx3s", RGB24))
     assert sorted(files) == ["board.lpf", "board.v", "splatline.v"]
 
 

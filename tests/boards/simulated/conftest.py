@@ -56,7 +56,7 @@ def system():
     """Return the description of a small system, and its Verilog with the faults."""
     logging.disable(logging.INFO)  # LiteX tells much
     soc = SimulatedSoC(RGB24, SMALL, refreshes=REFRESHES)
-    files = system_files(soc, RGB24)
+    files = system_files(soc)
     del files["board.lpf"]
     files["board.v"] = switched("board", FAULTS.values())(files["board.v"])
     return describe(soc), files

@@ -37,7 +37,7 @@ def written(address, words):
 def system():
     logging.disable(logging.INFO)
     soc = SimulatedSoC(RGB24, SMALL, board="colorlight")
-    files = system_files(soc, RGB24)
+    files = system_files(soc)
     del files["board.lpf"]
     return describe(soc), build_board(files, options=RGMII)
 

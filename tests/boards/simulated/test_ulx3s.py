@@ -35,7 +35,7 @@ def system():
     """
     logging.disable(logging.INFO)
     soc = Ulx3s(RGB24, SMALL, BAUD)
-    files = system_files(soc, RGB24)
+    files = system_files(soc)
     del files["board.lpf"]
     text = files["board.v"]
     assert text.count(DATA_PINS) == 1
