@@ -8,7 +8,7 @@ import pytest
 from splatline.boards.board import Board
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER, RGB24
-from tests.support.fake_board import DESCRIPTION, FakeBus
+from tests.support.fake_bus import DESCRIPTION, FakeBus
 from tests.support.random_frames import frame_of, word
 
 

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from splatline.cli import fusesoc_generator
+from splatline.flow.tops import TOPS
 
 ROOT = Path(__file__).parents[2]
 CORE = yaml.safe_load((ROOT / "splatline.core").read_text().removeprefix("CAPI=2:"))
@@ -35,19 +36,41 @@ def generate(folder, **parameters):
 def test_the_engine_comes_with_its_bench(tmp_path):
     files = generate(tmp_path, preset="paper", bench=True)
     assert {"splatline.v", "bench.v", "bench_sizes.vh", "raster.hex"} <= set(files)
+    assert files["splatline.vlt"] == {"file_type": "vlt"}
+    assert "lint_off" in (tmp_path / "splatline.vlt").read_text()
     assert files["bench_sizes.vh"]["is_include_file"]
     assert files["raster.hex"] == {"file_type": "user", "copyto": "raster.hex"}
     assert "module splatline(" in (tmp_path / "splatline.v").read_text()
 
 
 def test_limits_of_an_ecp5_name_the_clock_of_the_top(tmp_path):
-    for top, clock in {"pins": "clk", "axi": "aclk"}.items():
+    for top, clock in {"pins": "clk", "axi": "aclk", "framebuffer": "aclk"}.items():
         folder = tmp_path / top
         folder.mkdir()
         fusesoc_generator._write_limits(folder, "dut", {"top": top, "ecp5_mhz": 80})
         limits = (folder / "dut.lpf").read_text()
         assert limits.splitlines()[-1] == f'FREQUENCY PORT "{clock}" 80 MHZ;'
         assert ("IOBUF" in limits) == (top == "pins")
+
+
+def test_a_frame_buffer_may_have_simple_memories(tmp_path):
+    generate(tmp_path, preset="paper", top="framebuffer", memory="simple", name="screen")
+    text = (tmp_path / "screen.v").read_text()
+    assert text.startswith("// Splatline") and "preset paper-simple" in text.splitlines()[0]
+    assert "module screen(" in text and "m_axi_awvalid" in text
+
+
+def test_the_generator_documents_every_top_and_option():
+    usage = CORE["generators"]["splatline_verilog"]["usage"]
+    for text in (usage, fusesoc_generator.__doc__):
+        assert all(each in text for each in (*TOPS, *fusesoc_generator.OPTIONS))
+
+
+def test_lint_is_with_all_warnings():
+    lints = [target for target in CORE["targets"].values() if target.get("flow") == "lint"]
+    assert len(lints) == 2
+    for target in lints:
+        assert target["flow_options"] == {"tool": "verilator", "verilator_options": ["-Wall"]}
 
 
 def test_parameters_that_are_refused_end_the_generator(tmp_path):

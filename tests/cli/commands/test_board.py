@@ -8,7 +8,7 @@ import pytest
 from splatline.cli.main import main
 from splatline.contract.presets import RGB24
 from splatline.host.frame_file import save_frame
-from tests.support.fake_board import DESCRIPTION, FakeBus
+from tests.support.fake_bus import DESCRIPTION, FakeBus
 from tests.support.random_frames import frame_of, word
 
 
