@@ -4,14 +4,18 @@ FuseSoC runs this file with a YAML file of its own. It writes a core file and wh
 the current folder. Parameters of a ``generate`` section, all optional:
 
 - ``preset``: the engine's configuration, ``rgb24`` by default.
-- ``top``: ``engine``, ``pins`` or ``axi``, as of ``splatline verilog``.
+- ``top``: ``engine``, ``pins``, ``axi`` or ``framebuffer``, as of ``splatline verilog``.
+- ``memory``: ``dual`` or ``simple``, as of ``splatline verilog``; the preset's own by default.
 - ``name``: name of the top module; ``splatline`` by default.
 - ``bench``: whether to write a test bench beside the engine; its module is ``bench``.
 - ``ecp5_mhz``: clock rate of an ECP5, for a file of constraints for nextpnr.
+
+Waivers for Verilator's lint come with the hardware. They are for files that Amaranth wrote.
 """
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -21,7 +25,18 @@ import yaml
 
 __all__ = ["generate"]
 
-TYPES = {".v": "verilogSource", ".vh": "verilogSource", ".hex": "user", ".lpf": "LPF"}
+WAIVERS = Path(__file__).parents[1] / "flow" / "verilator.vlt"
+
+OPTIONS = ("preset", "top", "memory")
+"""Parameters that are options of ``splatline verilog``."""
+
+TYPES = {
+    ".v": "verilogSource",
+    ".vh": "verilogSource",
+    ".vlt": "vlt",
+    ".hex": "user",
+    ".lpf": "LPF",
+}
 
 
 def generate(parameters: dict[str, Any], vlnv: str, folder: Path) -> Path:
@@ -48,11 +63,12 @@ def generate(parameters: dict[str, Any], vlnv: str, folder: Path) -> Path:
     """
     name = parameters.get("name", "splatline")
     options = ["-o", f"{name}.v", "--name", name]
-    options += [f"--{each}={parameters[each]}" for each in ("preset", "top") if each in parameters]
+    options += [f"--{each}={parameters[each]}" for each in OPTIONS if each in parameters]
     if parameters.get("bench"):
         options += ["--bench", "."]
     program = "from splatline.cli.main import main; main()"
     subprocess.run([sys.executable, "-c", program, "verilog", *options], cwd=folder, check=True)
+    shutil.copyfile(WAIVERS, folder / f"{name}.vlt")
     if "ecp5_mhz" in parameters:
         _write_limits(folder, name, parameters)
     files = [_entry(path) for path in sorted(folder.iterdir()) if path.suffix in TYPES]
@@ -79,7 +95,7 @@ def _entry(path: Path) -> dict[str, dict[str, Any]]:
 def _write_limits(folder: Path, name: str, parameters: dict[str, Any]) -> None:
     """Write nextpnr's constraints: the clock's rate, and the kind of pins if there are pins."""
     limits = ""
-    clock = "aclk" if parameters.get("top") == "axi" else "clk"
+    clock = "aclk" if parameters.get("top") in ("axi", "framebuffer") else "clk"
     if parameters.get("top") == "pins":
         from splatline.flow.timing.pnr import CONSTRAINTS
 

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from splatline.cli import fusesoc_generator
+from splatline.cli.commands.verilog_synth import verilog
 from splatline.flow.tops import TOPS
 
 ROOT = Path(__file__).parents[2]
@@ -53,11 +54,15 @@ def test_limits_of_an_ecp5_name_the_clock_of_the_top(tmp_path):
         assert ("IOBUF" in limits) == (top == "pins")
 
 
-def test_a_frame_buffer_may_have_simple_memories(tmp_path):
-    generate(tmp_path, preset="paper", top="framebuffer", memory="simple", name="screen")
-    text = (tmp_path / "screen.v").read_text()
-    assert text.startswith("// Splatline") and "preset paper-simple" in text.splitlines()[0]
-    assert "module screen(" in text and "m_axi_awvalid" in text
+def test_a_frame_buffer_may_have_simple_memories(tmp_path, monkeypatch):
+    calls = []
+    monkeypatch.setattr(subprocess, "run", lambda call, **_: calls.append(call))
+    asked = {"preset": "paper", "top": "framebuffer", "memory": "simple", "name": "screen"}
+    fusesoc_generator.generate(asked, "::x:0", tmp_path)
+    (call,) = calls
+    options = call[call.index("verilog") + 1 :]
+    with verilog.make_context("verilog", options) as context:
+        assert asked.items() <= {**context.params, "preset": context.params["preset"].name}.items()
 
 
 def test_the_generator_documents_every_top_and_option():
