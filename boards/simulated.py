@@ -129,13 +129,16 @@ class SimulatedSoC(BoardSoC):
         RGMII on.
     refreshes
         Refreshes of the SDRAM for each one that its chips need.
+    processor
+        ``cpu`` and ``program`` of :class:`splatline.boards.soc.BoardSoC`.
     """
 
     csr_map: ClassVar = {**CSR_PAGES, "traffic": len(CSR_PAGES)}
 
     def __init__(
-        self, config: EngineConfig, timings="640x480@60Hz", *, board=BOARDS[0], refreshes=1
-    ):
+        self, config: EngineConfig, timings="640x480@60Hz", *, board=BOARDS[0], refreshes=1,
+        **processor,
+    ):  # fmt: skip
         platform = LatticeECP5Platform("LFE5U-85F-6BG381C", PINS, toolchain="trellis")
         clk_freq, module, settings = MEMORIES[board]
         module = module(clk_freq, f"1:{settings.nphases}")
@@ -148,6 +151,7 @@ class SimulatedSoC(BoardSoC):
             phy=SDRAMPHYModel(module, settings=settings, clk_freq=clk_freq),
             module=module,
             timings=timings,
+            **processor,
         )
         if board == "colorlight":
             colorlight.add_ethernet(self, platform.request("eth_clocks"), platform.request("eth"))
