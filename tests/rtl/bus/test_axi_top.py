@@ -149,8 +149,11 @@ def test_plane_words_of_any_bits_are_golden_s(plane_device):
 @pytest.mark.parametrize(
     ("config", "beat_bytes", "words"),
     [
-        # The driver knows no preset like the first.
-        (PAPER.replace(pixels_per_word=8, coefficient_bits=12, colour_shift=15), 32, 3),
+        # The driver knows no preset like the first, which has 6 bits a channel.
+        (
+            PAPER.replace(channel_bits=6, pixels_per_word=8, coefficient_bits=12, colour_shift=12),
+            *(32, 3),
+        ),
         (RGB24, 32, 2),
     ],
     ids=["lanes", "rgb24"],

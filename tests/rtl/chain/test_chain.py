@@ -136,7 +136,11 @@ def test_every_picture_is_golden_s_under_stalls_on_every_link(link):
 
 
 TILES = SMALL.replace(pixels_per_word=4, window_lines=16)
-BLOCKS = SMALL.replace(window="blocks", pixels_per_word=8, raster_words=2, window_lines=16)
+BLOCKS = SMALL.replace(
+    window="blocks", pixels_per_word=8, raster_words=2, window_lines=16,
+    channel_bits=6, coefficient_bits=8, colour_shift=9,
+)  # fmt: skip
+"""With 6 bits a channel."""
 
 
 @functools.cache
