@@ -26,12 +26,16 @@ def board(tmp_path, request):
     fake.close()
 
 
+PATIENT = 300.0
+"""Seconds of a device that answers, on a machine with much else to do."""
+
+
 @pytest.mark.parametrize(
     "board", [PAPER, PRESETS["rgb24"], SWIFT, PLANE], indirect=True, ids=lambda c: c.name
 )
 def test_the_code_of_a_simulation_draws_on_a_board(board):
     rng = np.random.default_rng(1)
-    with XdmaDevice(board.card) as device:
+    with XdmaDevice(board.card, timeout=PATIENT) as device:
         engine = Engine(device)
         assert engine.config is board.config
         for seed, share in enumerate((None, 0.4, None)):
@@ -45,13 +49,13 @@ def test_the_code_of_a_simulation_draws_on_a_board(board):
 
 def test_a_frame_longer_than_what_the_pipes_hold(board):
     frame = clean(PAPER, 3, 20_000)
-    with XdmaDevice(board.card) as device:
+    with XdmaDevice(board.card, timeout=PATIENT) as device:
         assert draw_scene(Engine(device), frame).mismatches(golden.render(frame)) == 0
 
 
 def test_materials_that_have_not_changed_are_not_written_again(board, monkeypatch):
     frame = clean(PAPER, 4)
-    with XdmaDevice(board.card) as device:
+    with XdmaDevice(board.card, timeout=PATIENT) as device:
         engine = Engine(device)
         engine.write_tables(frame.tables, WIDTH, HEIGHT)
         written = []
@@ -69,7 +73,7 @@ def test_materials_that_have_not_changed_are_not_written_again(board, monkeypatc
 
 def test_an_error_is_raised_by_name_with_what_was_drawn(board, monkeypatch):
     frame = clean(PAPER, 5)
-    with XdmaDevice(board.card) as device:
+    with XdmaDevice(board.card, timeout=PATIENT) as device:
         engine = Engine(device)
         engine.write_tables(frame.tables, WIDTH, HEIGHT)
         receive = device.receive
@@ -110,7 +114,7 @@ def test_tables_of_another_engine_are_refused(board):
 
 def test_an_image_larger_than_the_engine_s_is_refused(board):
     frame = clean(PAPER, 6)
-    with XdmaDevice(board.card) as device:
+    with XdmaDevice(board.card, timeout=PATIENT) as device:
         engine = Engine(device)
         with pytest.raises(InputError, match="513x40 pixels does not fit the engine's 512x1024"):
             engine.write_tables(frame.tables, 513, 40)
