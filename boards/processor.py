@@ -40,6 +40,6 @@ def processor_options(cpu: str | None, program: bytes) -> dict[str, Any]:
         "integrated_rom_init": [word for (word,) in words],
         "integrated_sram_size": RAM_BYTES,
         "with_timer": True,
-        # On a shared bus a processor that fetches in every cycle lets no other master in.
+        # On a shared bus a processor that fetches in every cycle lets no other master in (0113).
         "bus_interconnect": "crossbar",
     }
