@@ -49,26 +49,18 @@ PINS = [
 ]  # fmt: skip
 
 
+def _phy(phytype, bits, phases, latency) -> PhySettings:
+    """Return what a PHY of SDR SDRAM tells LiteDRAM."""
+    return PhySettings(
+        phytype=phytype, memtype="SDR", databits=bits, dfi_databits=bits, nranks=1,
+        nphases=phases, rdphase=0, wrphase=0, cl=2, read_latency=latency, write_latency=0,
+    )  # fmt: skip
+
+
 MEMORIES = {
-    "ulx3s": (
-        ulx3s.CLOCK,
-        MT48LC16M16,
-        # The settings of LiteDRAM's HalfRateGENSDRPHY with 16 bits.
-        PhySettings(
-            phytype="HalfRateGENSDRPHY", memtype="SDR", databits=16, dfi_databits=16, nranks=1,
-            nphases=2, rdphase=0, wrphase=0, cl=2, read_latency=2, write_latency=0,
-        ),
-    ),
-    "colorlight": (
-        colorlight.CLOCK,
-        M12L64322A,
-        # The settings of LiteDRAM's GENSDRPHY with 32 bits.
-        PhySettings(
-            phytype="GENSDRPHY", memtype="SDR", databits=32, dfi_databits=32, nranks=1,
-            nphases=1, rdphase=0, wrphase=0, cl=2, read_latency=3, write_latency=0,
-        ),
-    ),
-}  # fmt: skip
+    "ulx3s": (ulx3s.CLOCK, MT48LC16M16, _phy("HalfRateGENSDRPHY", 16, phases=2, latency=2)),
+    "colorlight": (colorlight.CLOCK, M12L64322A, _phy("GENSDRPHY", 32, phases=1, latency=3)),
+}
 """Of each board the rate of ``sys`` in Hz, the chip of its SDRAM, and what its PHY tells
 LiteDRAM."""
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from splatline.contract.beat_layout import beat_fields, raster_stream_bytes
-from splatline.contract.codeword_layout import codeword_fields, codeword_stream_bytes
+from splatline.contract.codeword_layout import (
+    codeword_fields,
+    codeword_stream_bytes,
+    compact_fields,
+)
 from splatline.contract.config import EngineConfig
 from splatline.contract.stream_layout import StreamField
 
@@ -40,6 +44,10 @@ static inline void splatline_bits_put(uint64_t *limbs, unsigned lsb, unsigned wi
     splatline_bits_get(limbs, SPLATLINE_FIELD(CODEWORD_##field, n))
 #define SPLATLINE_CODEWORD_PUT(field, limbs, n, value) \\
     splatline_bits_put(limbs, SPLATLINE_FIELD(CODEWORD_##field, n), value)
+#define SPLATLINE_COMPACT_GET(field, limbs, n) \\
+    splatline_bits_get(limbs, SPLATLINE_FIELD(COMPACT_##field, n))
+#define SPLATLINE_COMPACT_PUT(field, limbs, n, value) \\
+    splatline_bits_put(limbs, SPLATLINE_FIELD(COMPACT_##field, n), value)
 #define SPLATLINE_BEAT_GET(field, limbs, n) \\
     splatline_bits_get(limbs, SPLATLINE_FIELD(BEAT_##field, n))
 #define SPLATLINE_BEAT_PUT(field, limbs, n, value) \\
@@ -52,6 +60,8 @@ def stream_macros(config: EngineConfig) -> Iterator[str]:
     """Yield the header's lines of code words and raster beats."""
     size = codeword_stream_bytes(config)
     yield from _layout_macros("CODEWORD", "A code word", size, codeword_fields(config))
+    if config.shapes != "none":
+        yield from _layout_macros("COMPACT", "A compact word", size, compact_fields(config))
     size = raster_stream_bytes(config)
     yield from _layout_macros("BEAT", "A raster beat", size, beat_fields(config))
     yield f"#define SPLATLINE_BEAT_PIXELS {config.raster_pixels}u"
@@ -88,12 +98,18 @@ def json_beat(config: EngineConfig) -> dict:
 
 
 def json_codeword(config: EngineConfig) -> dict:
-    """Return the layout of a code word as plain lists and dictionaries."""
-    return {
+    """Return the layout of a code word as plain lists and dictionaries.
+
+    ``compact_fields`` are those of a compact word, of an engine with a shape ROM.
+    """
+    layout = {
         "bits": config.codeword_bits,
         "stream_bytes": codeword_stream_bytes(config),
         "fields": [field._asdict() for field in codeword_fields(config)],
     }
+    if config.shapes != "none":
+        layout["compact_fields"] = [field._asdict() for field in compact_fields(config)]
+    return layout
 
 
 def field_rows(fields: Iterable[StreamField]) -> Iterator[str]:

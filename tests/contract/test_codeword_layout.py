@@ -7,7 +7,11 @@ import subprocess
 import numpy as np
 import pytest
 
-from splatline.contract.codeword_layout import codeword_stream_bytes, compact_fields
+from splatline.contract.codeword_layout import (
+    codeword_fields,
+    codeword_stream_bytes,
+    compact_fields,
+)
 from splatline.contract.presets import PAPER, PLANE, RGB24, SWIFT
 from splatline.contract.register_map import register_map
 from splatline.flow.register_texts import c_header, json_map
@@ -58,6 +62,30 @@ int main(void)
 """Reads the fields of code words as numbers of 64 bits, and writes the code words."""
 
 
+COMPACT_PROGRAM = """
+#include "splatline.h"
+#include <stdio.h>
+int main(void)
+{
+    uint64_t field[5];
+    while (fread(field, sizeof field, 1, stdin) == 1) {
+        uint64_t word[SPLATLINE_COMPACT_LIMBS] = {0};
+        SPLATLINE_COMPACT_PUT(SIZE, word, 0, field[0]);
+        SPLATLINE_COMPACT_PUT(LEVEL_X, word, 0, field[1]);
+        SPLATLINE_COMPACT_PUT(LEVEL_Y, word, 0, field[2]);
+        SPLATLINE_COMPACT_PUT(PART, word, 0, field[3]);
+        SPLATLINE_COMPACT_PUT(X, word, 0, field[4]);
+        SPLATLINE_COMPACT_PUT(MARK, word, 0, 2);
+        if (SPLATLINE_COMPACT_GET(LEVEL_Y, word, 0) != field[2])
+            return 1;
+        fwrite(word, SPLATLINE_COMPACT_BYTES, 1, stdout);
+    }
+    return 0;
+}
+"""
+"""Reads the fields of compact words as numbers of 64 bits, and writes the words."""
+
+
 def random_fields(rng, config):
     """Return a code word, by the encoders of the tests, and the numbers that the program reads."""
     module = plane_words if config.plane else codewords
@@ -83,18 +111,23 @@ def random_fields(rng, config):
     return word, [*numbers, *sides, *rest]
 
 
+def run_program(text, config, numbers, folder):
+    """Compile a program with an engine's header; return what it writes of the numbers."""
+    (folder / "splatline.h").write_text(c_header(register_map(config)))
+    (folder / "main.c").write_text(text)
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    subprocess.run([compiler, *flags, "main.c", "-o", "main"], cwd=folder, check=True)
+    sent = numbers.tobytes()
+    return subprocess.run([folder / "main"], input=sent, check=True, capture_output=True).stdout
+
+
 @pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
 def test_the_c_header_packs_code_words(config, tmp_path):
     """Byte by byte what the encoders of the tests make, which know the contract alone."""
     rng = np.random.default_rng(1)
     words, numbers = zip(*(random_fields(rng, config) for _ in range(200)), strict=True)
-    (tmp_path / "splatline.h").write_text(c_header(register_map(config)))
-    (tmp_path / "main.c").write_text(PROGRAM)
-    compiler = shutil.which("gcc") or shutil.which("cc")
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
-    subprocess.run([compiler, *flags, "main.c", "-o", "main"], cwd=tmp_path, check=True)
-    sent = np.array(numbers, "<i8").tobytes()
-    packed = subprocess.run([tmp_path / "main"], input=sent, check=True, capture_output=True).stdout
+    packed = run_program(PROGRAM, config, np.array(numbers, "<i8"), tmp_path)
     size = 16 if config.plane else 8
     assert codeword_stream_bytes(config) == size
     assert packed == b"".join(word.to_bytes(size, "little") for word in words)
@@ -132,3 +165,22 @@ def test_an_engine_without_a_shape_rom_has_no_compact_words():
     for config in (PAPER, PLANE):
         with pytest.raises(ValueError, match="has no shape ROM"):
             compact_fields(config)
+    assert "compact_fields" not in json_codeword(PAPER)
+    assert "SPLATLINE_COMPACT_SIZE" not in c_header(register_map(PAPER))
+
+
+@pytest.mark.parametrize("config", [PAPER, RGB24, SWIFT], ids=lambda c: c.name)
+def test_the_c_header_and_the_json_have_compact_words(config, tmp_path):
+    """Byte by byte what the encoder of the tests makes."""
+    rng = np.random.default_rng(12)
+    config = config.with_shapes()
+    numbers = rng.integers(0, [17, 64, 64, 4, 512], (100, 5), np.uint64)
+    packed = run_program(COMPACT_PROGRAM, config, numbers.astype("<u8"), tmp_path)
+    x = next(field for field in codeword_fields(config) if field.name == "x")
+    words = [
+        np.ravel(compact_words(config, *row[:4], rest=row[4] << x.lsb))[0]
+        for row in numbers.tolist()
+    ]
+    assert packed == np.array(words, "<u8").tobytes()
+    written = json.loads(json.dumps(json_codeword(config)))["compact_fields"]
+    assert written == [field._asdict() for field in compact_fields(config)]
