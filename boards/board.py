@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame, check_codewords
@@ -48,7 +49,11 @@ class _Registers:
 
     def write32(self, offset: int, value: int) -> None:
         """Write a register."""
-        self.link.write(self.base + offset, np.array([value], np.uint32))
+        self.write_words(offset, np.array([value], np.uint32))
+
+    def write_words(self, offset: int, words: npt.NDArray[np.uint32]) -> None:
+        """Write registers that follow each other."""
+        self.link.write(self.base + offset, words)
 
 
 class Board:

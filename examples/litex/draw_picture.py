@@ -46,7 +46,11 @@ class SocDevice:
 
     def write32(self, offset, value):
         """Write a register of the engine."""
-        self.link.write(self.engine + offset, np.array([value], np.uint32))
+        self.write_words(offset, np.array([value], np.uint32))
+
+    def write_words(self, offset, words):
+        """Write registers of the engine that follow each other."""
+        self.link.write(self.engine + offset, words)
 
     def send(self, codewords, initial=None):
         """Write a frame's code words into the RAM, and start both DMAs."""

@@ -43,6 +43,22 @@ class Registers(Protocol):
             If the bus answers with an error and passes it on.
         """
 
+    def write_words(self, offset: int, words: npt.NDArray[np.uint32]) -> None:
+        """Write registers that follow each other, each in an access of 32 bits.
+
+        Parameters
+        ----------
+        offset
+            Byte offset of the first.
+        words
+            Shape (n,), uint32.
+
+        Raises
+        ------
+        BusError
+            If the bus answers with an error and passes it on.
+        """
+
 
 class Device(Registers, Protocol):
     """An engine on its buses: a board (:mod:`splatline.host.device.xdma`) or a simulation of one.

@@ -160,17 +160,24 @@ class Driver:
             else np.flatnonzero((entries != before).any(axis=1))
         )
         self._entries = None
-        window = self.registers.materials
-        # A register bus takes one word at a time, and nothing wider.
-        for entry, words in zip(changed.tolist(), entries[changed].tolist(), strict=True):
-            for place, word in enumerate(words):
-                self.device.write32(window.offset + entry * window.stride + 4 * place, word)
+        self._write_materials(changed, entries[changed])
         for channel, ambient in zip(("RED", "GREEN", "BLUE"), tables.ambient, strict=True):
             self.set(f"AMBIENT_{channel}", VALUE=int(ambient))
         self.set("LAST_COLUMN", VALUE=width - 1)
         self.set("LAST_LINE", VALUE=height - 1)
         self._raise_errors("the tables were not taken")
         self._entries = entries
+
+    def _write_materials(
+        self, numbers: npt.NDArray[np.intp], entries: npt.NDArray[np.uint32]
+    ) -> None:
+        """Write entries of the material table; those without a gap between them at once."""
+        window = self.registers.materials
+        starts = window.offset + window.stride * numbers
+        ends = np.flatnonzero(np.diff(starts) != 4 * window.words) + 1
+        for run, words in zip(np.split(starts, ends), np.split(entries, ends), strict=True):
+            if len(run):
+                self.device.write_words(int(run[0]), words.ravel())
 
     def counters(self) -> dict[str, int]:
         """Return the counters by name in small letters; each wraps at 2**32."""

@@ -104,6 +104,12 @@ class XdmaDevice:
         """Write a register: one access of 32 bits."""
         self._registers[offset // 4] = value
 
+    def write_words(self, offset: int, words: npt.NDArray[np.uint32]) -> None:
+        """Write registers that follow each other."""
+        # A register bus takes accesses of 32 bits, and a copied array has wider ones.
+        for place, word in enumerate(words.tolist(), offset // 4):
+            self._registers[place] = word
+
     def send(
         self, codewords: npt.NDArray[np.uint64], initial: npt.NDArray[np.uint64] | None = None
     ) -> None:

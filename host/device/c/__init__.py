@@ -10,4 +10,4 @@ __all__ = ["DRIVER"]
 
 FILES = ("splatline_driver.h", "splatline_driver.c")
 DRIVER = tuple(Path(__file__).with_name(name) for name in FILES)
-"""Where the files of the driver are."""
+"""The folder of the driver's files."""

@@ -115,7 +115,7 @@ class AxiBench:
         return int.from_bytes(done.data, "little"), int(done.resp)
 
     async def write(self, offset: int, data: bytes) -> int:
-        """Write bytes at an offset; return the bus's response code."""
+        """Write bytes at an offset; return the bus's response code, the worst of several."""
         return int((await self.master.write(offset, data)).resp)
 
     async def together(

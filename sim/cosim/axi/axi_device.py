@@ -130,7 +130,11 @@ class SimulatedDevice(ServedSimulator):
 
     def write32(self, offset: int, value: int) -> None:
         """Write a register."""
-        response = self.command("write", offset, value.to_bytes(4, "little"))
+        self.write_words(offset, np.array([value], np.uint32))
+
+    def write_words(self, offset: int, words: npt.NDArray[np.uint32]) -> None:
+        """Write registers that follow each other; the bus has several writes under way."""
+        response = self.command("write", offset, words.astype("<u4").tobytes())
         if response:
             raise BusError(f"the write at {offset:#x} was refused ({_RESPONSES[response]})")
 

@@ -35,6 +35,11 @@ class _Recorder:
         """Remember a write."""
         self.writes.append(offset << DATA_BITS | value)
 
+    def write_words(self, offset: int, words: npt.NDArray[np.uint32]) -> None:
+        """Remember writes of registers that follow each other."""
+        for place, word in enumerate(words.tolist()):
+            self.write32(offset + 4 * place, word)
+
 
 def register_writes(frames: list[Frame]) -> list[npt.NDArray[np.uint64]]:
     """Return the writes before each frame, of which all but the first are drawn over a raster.

@@ -47,6 +47,10 @@ class Scripted:
         if register is not None and register.name not in ("ERROR", "IRQ_STATUS"):
             self.words[offset] = value
 
+    def write_words(self, offset, words):
+        for place, word in enumerate(words.tolist()):
+            self.write32(offset + 4 * place, word)
+
     def send(self, codewords, initial=None):
         pass
 

@@ -13,8 +13,7 @@ from splatline.contract.register_map import VERSION, register_map
 from splatline.host.device.driver import Engine
 from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
-from splatline.sim.cosim import simulator
-from splatline.sim.cosim.axi.axi_device import SimulatedDevice, build_axi
+from splatline.sim.cosim.axi.axi_device import SimulatedDevice
 from splatline.sim.cosim.axi.axi_frames import simulate_on_buses
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.bus import axi_abort_cases, axi_bus_cases, axi_cases
@@ -163,8 +162,7 @@ def test_an_engine_with_wider_beats_and_materials(config, beat_bytes, words):
     assert raster_stream_bytes(config) == beat_bytes
     frame = clean(config, 1, 30)
     start = random_raster(np.random.default_rng(1), WIDTH, HEIGHT, 0.02, config)
-    quickest = "icarus" if simulator.available("icarus") else "verilator"
-    with SimulatedDevice(config, built=build_axi(config, quickest)) as device:
+    with SimulatedDevice(config) as device:
         engine = Engine(device)
         assert engine.config == config
         assert engine.registers.materials.words == words

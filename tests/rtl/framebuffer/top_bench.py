@@ -48,6 +48,9 @@ class Registers:
     def write32(self, offset, value):
         self.written.append((offset, value))
 
+    def write_words(self, offset, words):
+        self.written += zip(range(offset, offset + 4 * len(words), 4), words.tolist(), strict=True)
+
 
 class Bench:
     """An engine with its bus models, and the memory as it must be."""
