@@ -52,7 +52,7 @@ def surface(
     from splatline.contract.errors import InputError
     from splatline.plots.surface_plot import plot_surface
 
-    from .measure import Sweep, measure_clouds, measure_scenes
+    from .measure import MANY, Sweep, measure_clouds, measure_scenes
     from .page import page
 
     missing = [path for path in clouds if not path.is_file()]
@@ -60,11 +60,13 @@ def surface(
         raise InputError(f"{missing[0]}: no such file")
     check_folder(out_dir)
     sweep = Sweep(size or (256, 256), preset, DENSITIES, NOISES)
+    many: tuple[int, ...] = MANY
     if quick:
         sweep = Sweep(size or (64, 64), preset, (0.3, 1.0, 3.0), (0.0, 0.5))
+        many = (10_000,)
     with Counter(sweep.total() + len(clouds)) as counter:
         truths, runs = measure_scenes(sweep, counter.advance)
-        scans = measure_clouds(clouds, preset, counter.advance)
+        scans = measure_clouds(clouds, many, preset, counter.advance)
     report = {
         "size": list(sweep.size),
         "preset": preset.name,

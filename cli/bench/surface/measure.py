@@ -24,6 +24,9 @@ SCENES = ("knot", "terrain")
 DENSER = 4
 """Points of a dense or noisy sample of a scan, for one of its own."""
 
+MANY = (436_000, 4_000_000)
+"""Points of the samples of the largest scan whose first pictures ``splatline bench host`` times."""
+
 SEED = 1
 """Of points and of noise."""
 
@@ -33,7 +36,7 @@ TRIAL = 100_000
 
 @dataclass(frozen=True)
 class Sweep:
-    """What is measured of the scenes.
+    """Measurements of the scenes.
 
     Parameters
     ----------
@@ -96,25 +99,67 @@ def measure_scenes(
 
 
 def measure_clouds(
-    clouds: Sequence[Path], preset: EngineConfig, advance: Callable[[str], None]
+    clouds: Sequence[Path],
+    many: Sequence[int],
+    preset: EngineConfig,
+    advance: Callable[[str], None],
 ) -> list[dict[str, Any]]:
-    """Return pinholes and see-through pixels of clouds and of samples, in the default view."""
-    from splatline.host.files.readers import read_cloud
-    from splatline.host.visibility.view import fit_view
-    from splatline.sim.reference.wholeness import wholeness
+    """Return pinholes and see-through pixels of clouds and of samples, in the default view.
 
-    runs = []
+    Parameters
+    ----------
+    clouds
+        Files of scans.
+    many
+        Points of further samples of the largest scan.
+    preset
+        The engine to draw for.
+    advance
+        Called with the name of each scan, before it is measured.
+    """
+    from splatline.host.files.readers import read_cloud
+
+    runs: list[dict[str, Any]] = []
+    largest: Cloud | None = None
     for path in clouds:
         advance(path.stem)
         scan = read_cloud(path)
-        view = fit_view(scan)
-        for name, cloud in samples_of(scan):
-            raster, counts, splat = _draw(cloud, view, preset)
-            runs.append(
-                {"cloud": name, "points": len(cloud), "splat_pixels": splat, **wholeness(raster),
-                 "elements": counts["elements"], "codewords": counts["codewords"]}
-            )  # fmt: skip
+        runs += _open_shares(samples_of(scan), scan, preset)
+        if largest is None or len(scan) > len(largest):
+            largest = scan
+    if largest is not None:
+        runs += _open_shares(_larger(largest, many), largest, preset)
     return runs
+
+
+def _open_shares(
+    samples: Iterator[tuple[str, Cloud]], scan: Cloud, preset: EngineConfig
+) -> Iterator[dict[str, Any]]:
+    """Yield pinholes and see-through pixels of each sample, in the view that fits its scan."""
+    from splatline.host.visibility.view import fit_view
+    from splatline.sim.reference.wholeness import wholeness
+
+    view = fit_view(scan)
+    for name, cloud in samples:
+        raster, counts, splat = _draw(cloud, view, preset)
+        yield {
+            "cloud": name,
+            "points": len(cloud),
+            "splat_pixels": splat,
+            **wholeness(raster),
+            "elements": counts["elements"],
+            "codewords": counts["codewords"],
+        }
+
+
+def _larger(scan: Cloud, many: Sequence[int]) -> Iterator[tuple[str, Cloud]]:
+    """Yield samples of a scan's discs that have so many points, with their discs' normals."""
+    from splatline.host.cloud.resample import resample
+    from splatline.host.cloud.spacing import splat_radii
+
+    radii = splat_radii(scan)
+    for count in many:
+        yield f"{scan.name}, {count:,}", resample(scan, radii, count)[0]
 
 
 def samples_of(scan: Cloud) -> Iterator[tuple[str, Cloud]]:

@@ -30,9 +30,18 @@ def test_every_case_is_measured_and_tabulated(outcome):
     page = (folder / "surface.md").read_text()
     assert page in result.stdout
     assert "## knot, points spread evenly" in page and "## terrain, points at random" in page
-    assert "| ball | 3,000 |" in page
+    clouds = page.split("## Clouds")[1]
+    for name, points in ("ball", 3000), ("ball, dense", 12_000), ("ball, noisy", 12_000), (
+        "ball, 10,000", 10_000
+    ):  # fmt: skip
+        assert f"| {name} | {points:,} |" in clouds
+    whole = sum(run["pinholes"] + run["see_through"] <= 5e-4 for run in report["clouds"])
+    assert f"Of 4 clouds {whole} have at most 0.050 % of both." in clouds
     goal = page.split("## The goal")[1].split("## knot")[0]
-    assert "| 0 | 16 |" in goal and "PSNR falls" in goal
+    runs = [run for run in report["runs"] if run["noise"] == 0.0 and run["density"] >= 1.0]
+    both = [100.0 * (run["pinholes"] + run["see_through"]) for run in runs]
+    reached = sum(share <= 0.05 for share in both)
+    assert f"| 0 | 16 | {reached}, {max(both):.3f} |" in goal and "PSNR falls" in goal
     assert (folder / "surface.png").read_bytes().startswith(b"\x89PNG")
 
 
