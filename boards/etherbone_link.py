@@ -42,7 +42,7 @@ SCRATCH = 4
 
 
 class Datagrams(Protocol):
-    """What is used of a UDP socket, which has a time limit."""
+    """The used methods of a UDP socket with a time limit."""
 
     def sendto(self, data: bytes, peer: tuple[str, int], /) -> int:
         """Send a datagram."""

@@ -11,7 +11,7 @@ PROCESSORS = {"serv": "standard", "vexriscv": "minimal"}
 """Processors by LiteX's names, and their variants. The package ``pythondata-cpu-NAME`` has each."""
 
 REGISTERS = 0xF000_0000
-"""Where the registers of a system with a processor begin: caches do not hold what is there."""
+"""First address of the registers in a system with a processor; caches leave them out."""
 
 ROM_BYTES, RAM_BYTES = 0x2000, 0x1000
 """Of block RAM: the program, from address 0 on, and its data, from 0x1000_0000 on."""

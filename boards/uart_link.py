@@ -19,7 +19,7 @@ WRITE, READ = 0x01, 0x02
 
 
 class SerialPort(Protocol):
-    """What is used of pyserial's ``Serial``."""
+    """The used methods of pyserial's ``Serial``."""
 
     def write(self, data: bytes) -> int | None:
         """Send bytes."""

@@ -33,7 +33,7 @@ NO_MEMORY = (
 """Message of a MemoryError."""
 
 NOT_LOADED = "failed to map segment", "annot allocate memory", "cannot create shared object"
-"""What glibc's loader says of a library that does not fit the memory."""
+"""The message of glibc's loader for a library that does not fit the memory."""
 
 INTERRUPTED = 130
 """Exit code of a run stopped with Ctrl-C, by the convention of shells (128 + SIGINT)."""

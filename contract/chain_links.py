@@ -3,6 +3,6 @@
 __all__ = ["LINKS", "MOST_ENGINES"]
 
 LINKS = ("merge", "load")
-"""How an engine's picture reaches the next: by a merger, or loaded into the window."""
+"""Ways of an engine's picture to the next: by a merger, or loaded into the window."""
 
 MOST_ENGINES = 64

@@ -1,4 +1,4 @@
-"""What the animated drawings of the manual share: a small picture, and how SVG moves.
+"""Parts of the manual's animated drawings: a small picture, and the motion of SVG.
 
 A drawing has a panel of its own, so that it is legible on light and on dark pages. It moves by CSS
 alone. Readers who ask their system for less motion see one moment of it.

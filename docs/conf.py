@@ -1,4 +1,4 @@
-"""How Sphinx builds the manual: ``make docs``, into ``build/site``."""
+"""Sphinx's settings for the manual: ``make docs`` builds it in ``build/site``."""
 
 import inspect
 import re

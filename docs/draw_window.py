@@ -38,7 +38,7 @@ STATES = {
     "is drawn into": (63, 185, 120),
     "to come": (88, 102, 120),
 }
-"""What a line of the window does, and its colour."""
+"""States of a line of the window, each with its colour."""
 
 
 def main(path):

@@ -18,7 +18,7 @@ from splatline.host.files.read_las import read_las
 from splatline.host.files.source import open_source
 
 FIELDS = ("XY_RETURNS_CHANNEL", "Z", "CLASSIFICATION", "FLAGS", "RGB")
-"""What ``read_las`` decompresses of a file with colours."""
+"""The fields that ``read_las`` decompresses of a file with colours."""
 
 PIECE = 1 << 20
 

@@ -64,7 +64,7 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
 
 
 class _Files(caching.CompileResultCacheImpl):
-    """Where the files of a function are, and what is in them."""
+    """The cached files of a function: their place and their contents."""
 
     _locator_classes: ClassVar = [
         caching.UserProvidedCacheLocator,

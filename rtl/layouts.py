@@ -174,7 +174,7 @@ def sum_bits(config: EngineConfig) -> int:
 
 
 class PlaneLayout(data.StructLayout):
-    """What an element's plane is made of, in quarters of a level.
+    """Terms of an element's plane, in quarters of a level.
 
     - ``across``, ``down``: change of depth from column to column, and from line to line.
     - ``before``: change from the first column of the window word that X lies in to X.

@@ -1,4 +1,4 @@
-"""What a person chooses in a live view beside the camera: each value by its name."""
+"""A person's choices in a live view beside the camera: each value by its name."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ __all__ = ["Drawing", "Settings", "draw", "draw_view"]
 
 @dataclass(frozen=True)
 class Settings:
-    """How a picture is drawn.
+    """Settings of a picture.
 
     Parameters
     ----------

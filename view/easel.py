@@ -32,7 +32,7 @@ exact reference."""
 
 @dataclass(frozen=True)
 class Sight:
-    """What is drawn: a cloud, a camera, the choices, and width and height in pixels."""
+    """A sight to draw: a cloud, a camera, the choices, and width and height in pixels."""
 
     live: LiveCloud
     camera: Camera

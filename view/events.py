@@ -1,4 +1,4 @@
-"""What a person does to a live view, and what the view answers: plain values, no network."""
+"""Events of a live view and their answers: plain values, no network."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a live view tells about a cloud and its choices, once it is read."""
+"""First message of a live view: the cloud and its choices, once it is read."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LIGHT_TITLES = {
     "matte": "as studio, without highlights",
     "none": "the points' own colours",
 }
-"""What each set of lights is, in a few words."""
+"""A few words about each set of lights."""
 
 
 def greeting(session: Session) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a picture means in hardware: code words, cycles, frames a second, and what was left out."""
+"""A picture in hardware: code words, cycles, frames a second, and points left out."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PRESET_TITLES = {
     "plane": "a depth for every pixel",
     "swift-plane": "both: a word a cycle, a depth for every pixel",
 }
-"""What a preset is for, in a few words."""
+"""Purpose of each preset, in a few words."""
 
 
 def preset_facts() -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""What a live view answers: pictures, files and messages."""
+"""Answers of a live view: pictures, files and messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How coarse a picture must be, so that it is drawn within the display's period."""
+"""Coarseness of pictures, so that each is drawn within the display's period."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TOO_LONG = 2.0
 """A picture of this many budgets is followed by a coarser one at once; else the second is."""
 
 AGED = 0.97
-"""What is left of a finer picture's time after each coarser one: it is tried again some time."""
+"""Factor of a finer picture's time after each coarser one, so that it is tried again some time."""
 
 
 def ladder(size: tuple[int, int], most: tuple[int, int]) -> list[float]:

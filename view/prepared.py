@@ -20,7 +20,7 @@ from .live_cloud import LiveCloud, live_cloud
 __all__ = ["Drawable", "Prepared", "prepare"]
 
 Drawable = Cloud | Scene | str | os.PathLike[str]
-"""What can be drawn: a cloud, a built-in scene, or the name of a cloud's file."""
+"""Subjects of a view: a cloud, a built-in scene, or the name of a cloud's file."""
 
 
 class Prepared(NamedTuple):

@@ -1,4 +1,4 @@
-"""Where the camera goes when a person drags, turns the wheel or presses a key."""
+"""Motion of the camera when a person drags, turns the wheel or presses a key."""
 
 from __future__ import annotations
 

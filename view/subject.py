@@ -1,4 +1,4 @@
-"""What a live view looks at: a file or a built-in scene, read as ``splatline render`` does."""
+"""The subject of a live view: a file or a built-in scene, read as ``splatline render`` does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a live view and a film take from a render request: the cloud, the camera, the settings."""
+"""Render requests of a live view and of a film: the cloud, the camera, the settings."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class _View:
 
     @property
     def notes(self) -> list[str]:
-        """What a person should know about the cloud, each in one line."""
+        """Remarks about the cloud, each in one line."""
         return [*self.cloud.notes, *_far_note(self.far_away)]
 
 

@@ -1,4 +1,4 @@
-"""What is ready to be drawn: the frames or the tiles of a render request."""
+"""Prepared pictures: the frames or the tiles of a render request."""
 
 from __future__ import annotations
 

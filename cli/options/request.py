@@ -1,4 +1,4 @@
-"""What the command line asks to be drawn."""
+"""Render requests: pictures that the command line asks for."""
 
 from __future__ import annotations
 

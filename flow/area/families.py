@@ -24,7 +24,7 @@ NAME = "splatline"
 """Name of the top module."""
 
 KINDS = ("lut", "ff", "bram", "mult")
-"""What is counted: LUTs, flip-flops, block RAMs and multipliers."""
+"""Counted cells: LUTs, flip-flops, block RAMs and multipliers."""
 
 LANE = re.compile(r"\blane_\d+_\d+\b")
 """Name of a lane in that of a cell."""
@@ -34,7 +34,7 @@ MEMORY_END = "map_ffram"
 
 
 class FamilyFlow(NamedTuple):
-    """How a family is synthesised, and what its cells are.
+    """A family: its synthesis command and its cells.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ INDEX_BITS = 11
 
 
 class Closing(NamedTuple):
-    """How far the gaps about a cloud's distinct points reach; see ``measure_cells``.
+    """Sizes of the gaps about a cloud's distinct points; see ``measure_cells``.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from .curve_order import Curve, sort_along_curve
 __all__ = ["Cloud"]
 
 CACHED = ("curve", "cells")
-"""What depends on the positions alone."""
+"""Values that depend on the positions alone."""
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,7 @@ class Fixed(NamedTuple):
 
 
 class Shapes(NamedTuple):
-    """What the quality ``paper`` draws with.
+    """The shapes of the quality ``paper``.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ def whole_image(width: int, height: int) -> Tile:
 
 
 class Target(NamedTuple):
-    """Where words go, for compiled code: a flat tuple, as numba's parallel loops require.
+    """Destination of the words, for compiled code: a flat tuple, as numba's parallel loops require.
 
     It is copied at each call, so that it is as small as can be.
 

@@ -32,7 +32,7 @@ LEAST = 12
 
 
 class E57Header(NamedTuple):
-    """What stands before the points.
+    """Header of the file, before the points.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ EMPTY_NOTE = (
 
 
 class Empty(Enum):
-    """Which points at exactly 0, 0, 0 are left out."""
+    """Points at exactly 0, 0, 0 that are left out."""
 
     KEPT = "none"
     SEVERAL = "all, if there are several"

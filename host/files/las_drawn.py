@@ -1,4 +1,4 @@
-"""Which points of a LAS file are drawn."""
+"""Selection of the points of a LAS file that are drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the header of a LAS file says besides the layout of its points."""
+"""Facts from the header of a LAS file, besides the layout of its points."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ class Extra:
 
 @dataclass(frozen=True)
 class LasHeader:
-    """What stands before the points.
+    """Header of the file, before the points.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the header of a cloud file tells, without its points: a listing for every format."""
+"""Contents of a cloud file by its header, without its points: a listing for every format."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Extent = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 @dataclass(frozen=True)
 class Listing:
-    """What stands before the points.
+    """Header of the file, before the points.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ Lines = Callable[[], Generator[str, None, None]]
 _NO_NUMBER = re.compile(
     r"[-+]?(nan(\([^)]*\)|\d*)|1\.?#(qnan|snan|ind|inf)\d*|null|none|n/?a|-|\?)?", re.IGNORECASE
 )
-"""What programs write where there is no value."""
+"""Texts that programs write where there is no value."""
 
 _COMMENT = re.compile(r"(?<!\.)#|//|%")
 """Not the mark in ``1.#IND``."""

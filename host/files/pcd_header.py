@@ -41,7 +41,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Header:
-    """What stands before the data.
+    """Header of the file, before the data.
 
     Parameters
     ----------

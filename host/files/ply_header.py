@@ -73,7 +73,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What stands before the data.
+    """Header of the file, before the data.
 
     Parameters
     ----------

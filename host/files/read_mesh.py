@@ -28,7 +28,7 @@ CHECKS: dict[str, Callable[[Source], object]] = {
     ".glb": check_glb,
     ".ply": read_header,
 }
-"""What a file must pass before trimesh reads it; that of STL is trimesh's own."""
+"""Checks of a file before trimesh reads it; that of STL is trimesh's own."""
 
 NAMES = (("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue"))
 """Names of a mesh's columns, as in other formats."""

@@ -23,7 +23,7 @@ LONGEST = 1 << 16
 """Bytes of the longest header that is read."""
 
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""How numpy stores arrays. Others may take any memory to unpack."""
+"""Compressions that numpy stores arrays with. Others may take any memory to unpack."""
 
 VECTORS = {
     **dict.fromkeys(("positions", "points", "xyz", "vertices", "pos", "position"), (3,)),

@@ -1,4 +1,4 @@
-"""What a cloud file holds: its header at once, its values where that is quick or asked for."""
+"""Contents of a cloud file: its header at once, its values where that is quick or asked for."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .wanted import USUAL, Wanted
 __all__ = ["DEPTHS", "survey"]
 
 DEPTHS = ("quick", "header", "full")
-"""How much of a file is read: its values if it is small, its header alone, its values anyway."""
+"""Extent of the reading: values if the file is small, its header alone, its values anyway."""
 
 SMALL = 1 << 28
 """Bytes of a binary file whose values are read at once, in a second."""

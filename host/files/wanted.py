@@ -1,4 +1,4 @@
-"""What a reader is asked for besides positions and normals: what colours a point, and ranges."""
+"""A reader's request besides positions and normals: the source of colours, and ranges."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class ColourBy:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a file is read for.
+    """A request to a reader.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ PACKAGES = ("splatline", "numpy", "numba", "distributed")
 
 
 class Traffic(NamedTuple):
-    """What the tasks of a picture gave.
+    """Results of the tasks of a picture.
 
     Parameters
     ----------

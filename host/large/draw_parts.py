@@ -48,7 +48,7 @@ Progress = Callable[[str, float], None]
 
 @dataclasses.dataclass(frozen=True)
 class Drawing:
-    """How parts are drawn; see ``make_frames``.
+    """Settings of the drawing of parts; see ``make_frames``.
 
     Parameters
     ----------

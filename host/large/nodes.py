@@ -1,4 +1,4 @@
-"""Which nodes of an octree a view needs."""
+"""Selection of the nodes of an octree that a view needs."""
 
 from __future__ import annotations
 

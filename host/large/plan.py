@@ -1,4 +1,4 @@
-"""What is settled before a large cloud is read: view, colours and range of depths."""
+"""Plan of a picture before a large cloud is read: view, colours and range of depths."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Part:
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """What all parts of a picture share, from a sample of each file.
+    """Values that all parts of a picture share, from a sample of each file.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ def cells_of_memory(memory: int) -> int:
 
 
 class PartCloud(NamedTuple):
-    """What was read of a part.
+    """The points that were read of a part.
 
     Parameters
     ----------

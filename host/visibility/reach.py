@@ -1,4 +1,4 @@
-"""How far the points and discs of a cloud reach, in camera axes: one pass over the cloud."""
+"""Extent of a cloud's points and discs, in camera axes: one pass over the cloud."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _Floats = npt.NDArray[np.float64]
 
 
 class Reach(NamedTuple):
-    """What a view is fitted to.
+    """The extent that a view is fitted to.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ __all__ = ["BlockLayout", "ClearedLayout", "ColumnsLayout"]
 
 
 class ColumnsLayout(data.ArrayLayout):
-    """What each column of lanes adds to an element's depth, in quarters of a level."""
+    """Depth that each column of lanes adds to an element's, in quarters of a level."""
 
     def __init__(self, config: EngineConfig):
         slope = PlaneLayout(config)["across"].shape.width

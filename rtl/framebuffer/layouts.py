@@ -40,7 +40,7 @@ def word_address_bits(data_bits: int) -> int:
 
 
 class SettingsLayout(data.StructLayout):
-    """Where a frame goes, its size, and the colour of its background: red lowest."""
+    """A frame's address, its size, and the colour of its background: red lowest."""
 
     def __init__(self, config: EngineConfig):
         super().__init__(

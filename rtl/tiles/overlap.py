@@ -1,4 +1,4 @@
-"""Whether two tiles overlap: the hazard of the lanes."""
+"""Overlap of two tiles: the hazard of the lanes."""
 
 from amaranth.hdl import Mux, Signal
 

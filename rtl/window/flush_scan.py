@@ -1,4 +1,4 @@
-"""What both flush scans do with their dirty bits, their lines and the frame overlap."""
+"""Parts of both flush scans: dirty bits, lines and the frame overlap."""
 
 from amaranth.hdl import Cat, Const, Mux
 

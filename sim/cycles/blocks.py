@@ -25,7 +25,7 @@ PAIR = 2
 """Words of a beat."""
 
 NOTHING, ELEMENT, END = range(3)
-"""What is offered to the window: nothing, an element or the end of the frame."""
+"""Kinds of offers to the window: nothing, an element or the end of the frame."""
 
 FIRST_LINE, COLUMN, ROWS = range(3)
 """State of an element: its block's first line and column; then the pixels of each row that lie in

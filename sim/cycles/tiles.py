@@ -32,7 +32,7 @@ NO_TRACE = np.empty((0, 3), np.int64)
 """Given to :func:`count_tiles` where cycles are only counted."""
 
 NOTHING, TILE, END = range(3)
-"""What is offered to the window: nothing, a tile or the end of the frame."""
+"""Kinds of offers to the window: nothing, a tile or the end of the frame."""
 
 
 class Lanes(NamedTuple):

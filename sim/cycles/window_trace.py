@@ -1,4 +1,4 @@
-"""Where the window of a tiles engine is in each cycle of a frame."""
+"""Trace of the window of a tiles engine: its position in each cycle of a frame."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["WindowTrace", "trace_window"]
 
 
 class WindowTrace(NamedTuple):
-    """What the window does in each cycle: three arrays of shape (cycles,), int64.
+    """The window's work in each cycle: three arrays of shape (cycles,), int64.
 
     Parameters
     ----------

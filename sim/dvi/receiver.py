@@ -22,7 +22,7 @@ class DviError(ValueError):
 
 
 class Screen(NamedTuple):
-    """What a screen shows.
+    """A picture on a screen.
 
     Parameters
     ----------

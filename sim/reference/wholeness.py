@@ -1,4 +1,4 @@
-"""What a person sees of a surface that is not whole: pinholes, and pixels that show what is behind.
+"""Measures of a surface that is not whole: pinholes, and pixels that show a layer behind.
 
 Neither needs a reference. A true surface has some of both where its own outline is thin, so the
 same measures of the truth stand beside those of a picture.

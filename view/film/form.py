@@ -1,4 +1,4 @@
-"""What a film is like: its frames, its size, its rate and its length."""
+"""Form of a film: its frames, its size, its rate and its length."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Pixels: TypeAlias = npt.NDArray[np.uint8]
 
 @dataclasses.dataclass(frozen=True)
 class Form:
-    """What a film is like.
+    """Form of a film.
 
     Parameters
     ----------

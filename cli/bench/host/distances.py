@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["DISTANCES", "measure_distances"]
 
 DISTANCES = (1, 2, 5, 10, 30)
-"""How many times as far as a view that fits the cloud."""
+"""Distances, as multiples of that of a view that fits the cloud."""
 
 SAMPLES = (1, 16)
 """Samples a pixel whose errors are measured."""

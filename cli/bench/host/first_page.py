@@ -28,7 +28,7 @@ many pictures.
 The first run on a machine compiles for 42 s of processor time (measured once, with an empty
 cache). `make setup` does so and says it; after `pip install` the first command does, and says
 it."""
-"""What the start consists of, and the first run of all."""
+"""Parts of the start, and the first run on a machine."""
 
 LEAST = 5e-4
 """Seconds below which a stage is left out, if it is so in every cloud."""

@@ -25,7 +25,7 @@ QUALITY = "fast"
 
 
 class Subject(NamedTuple):
-    """What is drawn: a cloud, its view, and the radius of each disc."""
+    """A scene of the race: a cloud, its view, and the radius of each disc."""
 
     cloud: Cloud
     view: View

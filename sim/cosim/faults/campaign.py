@@ -41,7 +41,7 @@ ENGINE: dict[str, tuple[Maker, float]] = {
     "words of any bits": (nonsense_trials, 0.16),
     "initial rasters": (initial_trials, 0.10),
 }
-"""What makes the trials of a kind at an engine's own ports, and their share of the campaign."""
+"""Generator of the trials of a kind at an engine's own ports, and their share of the campaign."""
 
 AXI: dict[str, tuple[Maker, float]] = {
     "stalls": (stall_trials, 0.10),

@@ -45,7 +45,7 @@ RUNTIME = ("verilated.cpp", "verilated_threads.cpp")
 
 
 class Played:
-    """What came of a batch.
+    """Results of a batch.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What trials are made of: small frames of every kind, with golden's pictures of them."""
+"""Material of the trials: small frames of every kind, with golden's pictures of them."""
 
 from __future__ import annotations
 

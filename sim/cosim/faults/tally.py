@@ -1,4 +1,4 @@
-"""What came of trials, as numbers that add up and that JSON holds."""
+"""Results of trials, as numbers that add up and that JSON holds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAXIMA = ("silence", "nearest")
 
 @dataclass
 class Tally:
-    """What came of trials; tallies add up.
+    """Results of trials; tallies add up.
 
     Parameters
     ----------

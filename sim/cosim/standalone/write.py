@@ -69,7 +69,7 @@ _Words = npt.NDArray[np.uint64]
 
 @dataclass(frozen=True)
 class _Played:
-    """What both benches play: of two frames the code words, an initial raster, the pictures."""
+    """Files for both benches: of two frames the code words, an initial raster, the pictures."""
 
     frames: list[Frame]
     codewords: list[_Words]
