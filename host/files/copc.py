@@ -150,7 +150,9 @@ def _checked(source: Source, header: LasHeader, entries: npt.NDArray[Any]) -> np
     if (sizes <= header.length).any() or (starts + sizes > ends).any():
         raise InputError("has nodes that overlap, or end outside of the file; is it damaged?")
     if points > unpacked_limit(int(sizes.sum())) // header.length:
-        raise InputError(f"promises {points:,} points, more than {source.size:,} bytes hold")
+        raise InputError(
+            f"promises {points:,} points, more than {source.size:,} bytes hold; is it damaged?"
+        )
     keys = nodes[["level", "x", "y", "z"]]
     if len(np.unique(keys)) < len(keys):
         raise InputError("has two nodes at one place of its octree; is it damaged?")

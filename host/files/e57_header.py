@@ -123,7 +123,9 @@ def opened_e57(source: Source) -> Iterator[tuple[Any, Any, list[Any], int]]:
         scans = [scan for scan in _children(image.root()["data3D"]) if scan.isDefined("points")]
         total = sum(scan["points"].childCount() for scan in scans)
         if total > unpacked_limit(source.size) // LEAST:
-            raise InputError(f"promises {total:,} points, more than {source.size:,} bytes hold")
+            raise InputError(
+                f"promises {total:,} points, more than {source.size:,} bytes hold; is it damaged?"
+            )
         if not total:
             raise InputError("has no points")
         yield libe57, image, scans, total

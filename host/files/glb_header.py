@@ -53,7 +53,9 @@ def check_glb(source: Source) -> None:
     if packed:
         raise InputError(f"is compressed by {packed[0]}, which is not read")
     if promised > unpacked_limit(source.size):
-        raise InputError(f"promises arrays of {promised:,} bytes, but has {source.size:,}")
+        raise InputError(
+            f"promises arrays of {promised:,} bytes, but has {source.size:,}; is it damaged?"
+        )
     source.stream.seek(0)
 
 

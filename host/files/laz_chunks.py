@@ -47,7 +47,10 @@ def open_laz(source: Source, header: LasHeader, selection: Any) -> Any:
     compressor, size, items = parse_laszip(header)
     limit = unpacked_limit(source.size) // header.length
     if header.count > limit:
-        raise InputError(f"promises {header.count:,} points, more than {source.size:,} bytes hold")
+        raise InputError(
+            f"promises {header.count:,} points, more than {source.size:,} bytes hold;"
+            " is it damaged?"
+        )
     record = bytearray(header.laszip)
     if size != VARIABLE and not 0 < size <= header.count:
         size = header.count  # one chunk, for which no more memory is needed

@@ -16,7 +16,7 @@ _FIRST = re.compile(r"(ST)?C?N?4?OFF\b(?P<rest>.*)", re.IGNORECASE | re.DOTALL)
 
 
 def check_off(source: Source) -> None:
-    """Raise ``InputError`` if a file is no OFF, or has fewer lines than vertices and faces."""
+    """Raise ``InputError`` if a file is no OFF, or has less than its counts say."""
     lines = _content(source)
     first = _FIRST.match(next(lines, ""))
     if first is None:
@@ -24,12 +24,15 @@ def check_off(source: Source) -> None:
     counts = first["rest"].split() or next(lines, "").split()
     if len(counts) < 2 or not all(count.isdecimal() for count in counts[:2]):
         raise InputError("cannot be read as OFF: it does not count its vertices and faces")
-    wanted = sum(map(int, counts[:2]))
+    vertices, faces = map(int, counts[:2])
+    wanted = vertices + faces
     found, last = 0, ""
-    for found, last in zip(range(1, wanted + 1), lines, strict=False):  # noqa: B007
-        pass
+    for found, last in zip(range(1, wanted + 1), lines, strict=False):
+        # A corner takes a digit and a blank.
+        if found > vertices and found < wanted and 2 * _number(last.split(None, 1)) > len(last):
+            raise InputError("has a face of more corners than its line holds; is it damaged?")
     corners = last.split()
-    is_cut = bool(int(counts[1])) and not len(corners) - _number(corners) > 0
+    is_cut = bool(faces) and not len(corners) - _number(corners) > 0
     if found < wanted or is_cut:
         raise InputError(
             f"ends after {found:,} of its {wanted:,} vertices and faces;"

@@ -19,6 +19,7 @@ from .obj_indices import check_obj
 from .off_header import check_off
 from .ply_header import read_header
 from .source import Source, unpacked_limit
+from .stl_header import check_stl
 
 __all__ = ["read_mesh"]
 
@@ -26,9 +27,10 @@ CHECKS: dict[str, Callable[[Source], object]] = {
     ".obj": check_obj,
     ".off": check_off,
     ".glb": check_glb,
+    ".stl": check_stl,
     ".ply": read_header,
 }
-"""Checks of a file before trimesh reads it; that of STL is trimesh's own."""
+"""Checks of a file before trimesh reads it."""
 
 NAMES = (("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue"))
 """Names of a mesh's columns, as in other formats."""
@@ -97,7 +99,9 @@ def _load(source: Source) -> list[Part]:
     placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
     count = sum(len(scene.geometry[name].vertices) for _, name in placed)
     if count > unpacked_limit(source.size) // VERTEX:
-        raise InputError(f"promises {count:,} vertices, more than {source.size:,} bytes hold")
+        raise InputError(
+            f"promises {count:,} vertices, more than {source.size:,} bytes hold; is it damaged?"
+        )
     if not count and source.suffix in (".obj", ".stl"):  # trimesh passes over what it does not know
         raise InputError(f"cannot be read as {source.suffix[1:].upper()}: it has no vertices")
     if not count:

@@ -55,7 +55,9 @@ def read_ptx(source: Source) -> Columns:
     while (header := lines.header()) is not None:
         count, matrix = header
         if count > source.size // LEAST:
-            raise InputError(f"promises {count:,} points, more than {source.size:,} bytes hold")
+            raise InputError(
+                f"promises {count:,} points, more than {source.size:,} bytes hold; is it damaged?"
+            )
         rows = lines.points(count)
         if EMPTY not in source.wanted.keep:
             seen = rows[:, :3].any(axis=1)

@@ -111,3 +111,8 @@ def compressed_pcd():
     packed = lzf.compress(data)
     sizes = np.array([len(packed), len(data)], "<u4").tobytes()
     return head + b"binary_compressed\n" + sizes + packed
+
+
+def ply_of(count, properties, *, kind="ascii", element="vertex"):
+    lines = "".join(f"property {item}\n" for item in properties)
+    return f"ply\nformat {kind} 1.0\nelement {element} {count}\n{lines}end_header\n1 2 3\n".encode()

@@ -170,7 +170,11 @@ def test_wrong_files(tmp_path):
         ("a.glb", whole[:12] + struct.pack("<I", 1 << 30) + whole[16:], "does not fit the file"),
         ("a.glb", whole[:4] + struct.pack("<I", 1) + whole[8:], "is glTF 1; 2 is read"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4000000000\n", "damaged"),
-        ("a.stl", stl()[:-3], "cannot be read as STL"),
+        ("a.stl", stl()[:-3], "ends after 11 of its 12 triangles"),
+        ("a.stl", stl() + bytes(7), "has 7 bytes behind its 12 triangles"),
+        ("a.stl", stl()[:70], "ends inside its header"),
+        ("a.stl", b"solid box" + stl()[9:-60], "ends after 10 of its 12 triangles"),
+        ("a.stl", b"solid box\nendsolid box\n", "it has no vertices"),
         ("a.off", off().replace(b"8 6 0", b"9 6 0"), "ends after 14 of its 15 vertices"),
         ("a.off", b"OFF\n0 0 0\n", "has no vertices"),
     ):
