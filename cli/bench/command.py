@@ -16,6 +16,7 @@ from splatline.cli.bench.surface.command import surface
 from splatline.cli.bench.view.command import view
 from splatline.cli.options.outputs import check_folder
 from splatline.cli.options.parameters import ORBIT, SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 
 from .options import folder_option, scenes_option
@@ -109,6 +110,7 @@ def accuracy(
         if name not in names:
             raise InputError(f"no pictures of {name!r} to leave out; there are: {', '.join(names)}")
     check_folder(out_dir)
+    tell_compiling()
     splats = tuple(ACCURACY_SIZES[name] for name in dict.fromkeys(sizes))
     sweep = Sweep(clouds, scenes or SCENES, views, size or (512, 512), splats)
     if quick:

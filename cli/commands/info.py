@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Stages
 
 __all__ = ["info"]
@@ -93,6 +94,7 @@ def _cloud_facts(path: Path, depth: str, format: str | None) -> dict[str, Any]:
     """Return the facts of a cloud, in the file's own coordinates."""
     from splatline.host.files.survey import survey
 
+    tell_compiling()
     stages = {"read": f"Reading {path}", "spacing": f"Measuring the spacing of {path.name}"}
     with Stages().stages(stages) as tell:
         return survey(path, depth, format=format, progress=tell)

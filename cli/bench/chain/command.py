@@ -10,6 +10,7 @@ from splatline.cli.bench.options import folder_option, scenes_option
 from splatline.cli.bench.subjects import check_names
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 from splatline.cli.report.statistics import tool_versions
 from splatline.contract.chain_links import LINKS, MOST_ENGINES
@@ -97,6 +98,7 @@ def chain(
     plan = Plan(scenes or tuple(SCENES), clouds, size, elements, presets, links, engines)
     check_names(plan.scenes, clouds)
     check_folder(out_dir)
+    tell_compiling()
     with Counter(plan.total()) as counter:
         try:
             runs = list(measure(plan, counter.advance))

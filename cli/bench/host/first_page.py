@@ -7,6 +7,7 @@ from typing import Any
 from splatline.cli.bench.markdown import table
 
 from .first_picture import Kind
+from .race_page import EMBREE
 
 __all__ = ["first_pictures"]
 
@@ -18,6 +19,9 @@ GOALS = {
     Kind(436_000).name: 1.2,
 }
 """Most seconds from the command to the picture, by cloud."""
+
+YARDSTICK = (436_000, 0.021)
+"""Points of a cloud, and the seconds of Embree's frame of it where the goals were set."""
 
 REASONS = """\
 Most of the start are imports: 0.57 s by `python -X importtime`, with 0.20 s for numba, 0.11 s for
@@ -34,17 +38,31 @@ LEAST = 5e-4
 """Seconds below which a stage is left out, if it is so in every cloud."""
 
 
-def first_pictures(runs: list[dict[str, Any]]) -> list[str]:
-    """Return the section on the time to the first picture; nothing if it was not measured."""
+def first_pictures(runs: list[dict[str, Any]], peers: list[dict[str, Any]]) -> list[str]:
+    """Return the section on the time to the first picture; nothing if it was not measured.
+
+    Parameters
+    ----------
+    runs
+        Times of the clouds.
+    peers
+        Frames of other renderers in the same run. Embree's tells how fast the machine is.
+    """
     if not runs:
         return []
+    slower = _times_slower(peers)
     # The cloud with the most stages first, so that each stage stands where it happens.
     by_stages = sorted(runs, key=lambda run: -len(run["seconds"]))
     names = list(dict.fromkeys(name for run in by_stages for name in run["seconds"]))
     stages = [name for name in names if any(run["seconds"].get(name, 0) >= LEAST for run in runs)]
     rows = [
         ("**wall time**", *(f"**{run['wall']:.2f}**" for run in runs)),
-        ("goal", *(_verdict(run) for run in runs)),
+        ("goal", *(_verdict(run["cloud"], run["wall"]) for run in runs)),
+        *(
+            [("scaled", *(_verdict(run["cloud"], run["wall"] / slower, True) for run in runs))]
+            if slower
+            else []
+        ),
         (START, *(_seconds(run["start"]) for run in runs)),
         *((name, *(_seconds(run["seconds"].get(name)) for run in runs)) for name in stages),
         *((peer, *(_wall(run, peer) for run in runs)) for peer in runs[0]["peers"]),
@@ -61,6 +79,7 @@ def first_pictures(runs: list[dict[str, Any]]) -> list[str]:
         " splats. In brackets: their time as a multiple of ours.",
         "",
         table(("stage", *(_head(run) for run in runs)), rows, 1),
+        *_scale(slower),
         *(line for run in runs for line in _why_missed(run)),
         "",
         REASONS,
@@ -71,10 +90,34 @@ def _head(run: dict[str, Any]) -> str:
     return f"{run['cloud']}, {run['bytes'] / 1e6:.0f} MB"
 
 
-def _verdict(run: dict[str, Any]) -> str:
-    """Return the goal of a cloud, and whether it is met."""
-    goal = GOALS.get(run["cloud"])
-    return "-" if goal is None else f"{goal:.2f}: {'met' if run['wall'] <= goal else 'missed'}"
+def _verdict(cloud: str, wall: float, shows_time: bool = False) -> str:
+    """Return the goal of a cloud or its scaled time, and whether the goal is met."""
+    goal = GOALS.get(cloud)
+    if goal is None:
+        return "-"
+    return f"{wall if shows_time else goal:.2f}: {'met' if wall <= goal else 'missed'}"
+
+
+def _times_slower(peers: list[dict[str, Any]]) -> float | None:
+    """Return how many times as long Embree takes here as where the goals were set."""
+    points, seconds = YARDSTICK
+    for peer in peers:
+        if peer["peer"] == EMBREE and peer["points"] == points and peer["seconds"] is not None:
+            return float(peer["seconds"]) / seconds
+    return None
+
+
+def _scale(slower: float | None) -> list[str]:
+    """Return a paragraph on the scaled times."""
+    if slower is None:
+        return []
+    points, seconds = YARDSTICK
+    return [
+        "",
+        f"The goals were set on a machine where Embree draws a frame of {points:,} points in"
+        f" {1e3 * seconds:.0f} ms. Here it takes {1e3 * seconds * slower:.1f} ms,"
+        f" {slower:.2f} times as long. *Scaled* is the wall time divided by that.",
+    ]
 
 
 def _why_missed(run: dict[str, Any]) -> list[str]:

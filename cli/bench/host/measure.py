@@ -12,6 +12,7 @@ import click
 from splatline.cli.bench.options import folder_option
 from splatline.cli.options.outputs import check_folder, write_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 from splatline.cli.report.statistics import tool_versions
 from splatline.contract.presets import DEFAULT
@@ -77,6 +78,7 @@ def host(
       splatline bench host scan.ply --points 10000000
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     check_folder(out_dir)
+    tell_compiling()
     from . import first_picture as firsts
     from .distances import DISTANCES, measure_distances
     from .page import page

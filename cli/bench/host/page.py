@@ -58,7 +58,7 @@ def page(report: dict[str, Any]) -> str:
         ),
     ]
     parts += by_distance(report["distances"])
-    parts += rivals(report["peers"]) + first_pictures(report["first_pictures"])
+    parts += rivals(report["peers"]) + first_pictures(report["first_pictures"], report["peers"])
     return "\n".join(parts) + "\n"
 
 

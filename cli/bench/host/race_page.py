@@ -6,7 +6,7 @@ from typing import Any
 
 from splatline.cli.bench.markdown import table
 
-__all__ = ["GOALS", "rivals"]
+__all__ = ["EMBREE", "GOALS", "rivals"]
 
 EMBREE = "Embree discs"
 

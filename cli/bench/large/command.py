@@ -10,6 +10,7 @@ import click
 from splatline.cli.bench.options import folder_option
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Stages
 
 __all__ = ["large"]
@@ -54,6 +55,7 @@ def large(
     from splatline.cli.bench.machine import described
 
     check_folder(out_dir)
+    tell_compiling()
     stages = Stages()
     with tempfile.TemporaryDirectory() as folder:
         if scan is None:

@@ -14,6 +14,7 @@ import click
 from splatline.cli.bench.markdown import table
 from splatline.cli.bench.options import folder_option
 from splatline.cli.options.outputs import check_folder, write_text
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.statistics import tool_versions
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def stability(out_dir: Path) -> None:
       splatline bench stability --out-dir build/bench
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     check_folder(out_dir)
+    tell_compiling()
     begin = time.perf_counter()
     results = _measure()
     results["seconds"] = round(time.perf_counter() - begin, 1)

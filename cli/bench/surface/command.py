@@ -9,6 +9,7 @@ import click
 from splatline.cli.bench.options import folder_option
 from splatline.cli.options.outputs import check_folder, write_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 from splatline.cli.report.statistics import tool_versions
 from splatline.contract.config import EngineConfig
@@ -59,6 +60,7 @@ def surface(
     if missing:
         raise InputError(f"{missing[0]}: no such file")
     check_folder(out_dir)
+    tell_compiling()
     sweep = Sweep(size or (256, 256), preset, DENSITIES, NOISES)
     many: tuple[int, ...] = MANY
     if quick:

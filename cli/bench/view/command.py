@@ -12,6 +12,7 @@ import click
 from splatline.cli.bench.options import folder_option
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import SIZE
+from splatline.cli.report.compiling import tell_compiling
 from splatline.cli.report.progress import Counter
 from splatline.contract.errors import InputError, install_hint
 
@@ -52,6 +53,7 @@ def view(
       splatline bench view scan.ply --seconds 10
     """  # noqa: D301  (click reads the backspace as "do not wrap")
     check_folder(out_dir)
+    tell_compiling()
     if importlib.util.find_spec("aiohttp") is None:
         raise InputError(f"bench view needs aiohttp: {install_hint('view')}")
     from splatline.cli.bench.machine import described

@@ -137,7 +137,7 @@ def test_goals_of_the_first_picture_are_said_of_the_clouds_that_have_one():
     def page(cloud, wall):
         run = {"cloud": cloud, "bytes": 10**7, "wall": wall, "start": 0.5}
         run |= {"seconds": {"read": 0.1, "normals": 0.3}, "peers": {"other": {"wall": 2 * wall}}}
-        return "\n".join(first_pictures([run]))
+        return "\n".join(first_pictures([run], []))
 
     kinds = {"4,000,000 points, normals": 3.0, "436,000 points, normals": 1.2,
              "1,000,000 points, noisy, no normals": 2.0}  # fmt: skip
@@ -151,6 +151,18 @@ def test_goals_of_the_first_picture_are_said_of_the_clouds_that_have_one():
         assert why in missed
         assert "Of the" not in met
     assert "| goal | - |" in page("3,000 points, normals", 1.0)
+
+
+def test_times_of_the_first_picture_are_scaled_by_embree_s():
+    """Embree takes half as long again as where the goals were set."""
+    run = {"cloud": "436,000 points, normals", "bytes": 10**7, "wall": 1.5, "start": 0.5}
+    run |= {"seconds": {"read": 1.0}, "peers": {}}
+    peer = {"cloud": "a", "peer": "Embree discs", "points": 436_000, "seconds": 0.0315}
+    page = "\n".join(first_pictures([run], [peer]))
+    assert "| goal | 1.20: missed |\n| scaled | 1.00: met |" in page
+    assert "Here it takes 31.5 ms, 1.50 times as long." in page
+    for other in ({"points": 1000}, {"peer": "VTK"}, {"seconds": None}):
+        assert "scaled" not in "\n".join(first_pictures([run], [peer | other]))
 
 
 def test_large_clouds_have_the_discs_that_render_draws():

@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from splatline.cli.commands import encode_play, film, render, view
+from splatline.cli.bench.stability import measure as bench_stability
+from splatline.cli.commands import encode_play, film, info, render, view
 from splatline.cli.report.compiling import LINE
 from splatline.contract.errors import InputError
 
@@ -46,9 +47,11 @@ def test_it_is_said_once_and_not_when_the_cache_has_the_functions(tmp_path):
         (["encode", "-o", "a.frame"], encode_play),
         (["film", "-o", "a.webp"], film),
         (["view", "--no-browser"], view),
+        (["info", "a.ply"], info),
+        (["bench", "stability"], bench_stability),
     ],
 )
-def test_each_command_that_draws_says_it(run, monkeypatch, command, module):
+def test_each_command_that_may_compile_says_it(run, monkeypatch, command, module):
     def tell():
         raise InputError("it would be told")
 
