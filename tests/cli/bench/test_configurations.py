@@ -7,6 +7,7 @@ from splatline.cli.bench.configurations.measure import POINTS, route
 from splatline.contract.presets import PAPER
 
 SHORT = ("--scene", "knot", "--size", "48x40", "--splats", "4")
+FEW = ("--point", "paper", "--point", "lines32", "--point", "small")
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_every_point_has_its_cycles_its_resources_and_its_clock(run, folder, too
 
 def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, monkeypatch):
     command = ("bench", "configurations", *SHORT, "--splats", "auto", "--clock")
-    assert run(*command).exit_code == 0
+    assert run(*command, *FEW).exit_code == 0
     before = json.loads((folder / "docs/bench/configurations.json").read_text())
     monkeypatch.setattr(bench_configurations, "route", lambda config: (77.0, "LFE5U-85F-6BG381"))
     assert run(*command, "--point", "lines32", "--keep").exit_code == 0
@@ -71,7 +72,7 @@ def test_one_engine_is_measured_again_and_the_others_kept(run, folder, tools, mo
 
 def test_what_is_routed_stands_beside_what_is_only_counted(run, folder, tools):
     command = ("bench", "configurations", *SHORT, "--splats", "auto")
-    assert run(*command, "--clock").exit_code == 0
+    assert run(*command, "--clock", *FEW).exit_code == 0
     result = run(*command, "--point", "lines32", "--keep")
     assert result.exit_code == 0, result.output
     page = (folder / "docs/bench/configurations.md").read_text()
@@ -84,7 +85,7 @@ def test_what_is_routed_stands_beside_what_is_only_counted(run, folder, tools):
 
 def test_a_clock_is_not_added_to_rows_without(run, folder, tools):
     command = ("bench", "configurations", *SHORT)
-    assert run(*command).exit_code == 0
+    assert run(*command, *FEW).exit_code == 0
     result = run(*command, "--point", "lines32", "--clock", "--keep")
     assert result.exit_code == 2
     assert "rows of other versions" in " ".join(result.stderr.split())

@@ -26,11 +26,11 @@ async def written_beats_are_asked_for_once_and_in_order(dut):
     """
     for seed, (rate, height, words, share, jump) in enumerate(
         [
-            (1.0, 100, 20, 0.9, 1),
+            (1.0, 60, 20, 0.9, 1),
             (0.4, 40, WORDS, 0.3, 1),
-            (0.7, 600, WORDS, 0.08, 0),
-            (1.0, 100, WORDS, 0.5, 0),
-            (1.0, 300, WORDS, 0.2, 1),
+            (0.7, 300, WORDS, 0.08, 0),
+            (1.0, 60, WORDS, 0.5, 0),
+            (1.0, 150, WORDS, 0.2, 1),
         ]
     ):
         rng, slide, top, cycles = random.Random(seed), BeatSlide(dut, seed, rate), -4, 0

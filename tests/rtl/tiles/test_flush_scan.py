@@ -97,9 +97,9 @@ async def drawn_words_are_asked_for_once_and_in_order(dut):
     """Tiles all over the eight lines from ``top`` on; dense and sparse, quick and slow sinks."""
     for seed, (rate, height, words, share, jump) in enumerate(
         [
-            (1.0, 150, 8, 0.9, 1),
-            (0.4, 60, WORDS, 0.3, 1),
-            (0.7, 600, WORDS, 0.04, 0),
+            (1.0, 90, 8, 0.9, 1),
+            (0.4, 40, WORDS, 0.3, 1),
+            (0.7, 300, WORDS, 0.04, 0),
             (1.0, 30, 40, 0.5, 0),
         ]
     ):
@@ -131,7 +131,7 @@ async def loaded_words_too(dut):
         rng, slide = random.Random(seed), LaneSlide(dut, seed, rate)
         await slide.start(jump=0)
         top, limit = -4, 0  # no word comes for lines above ``limit``
-        for _ in range(4000):
+        for _ in range(2000):
             oldest, touch, load = int(dut.oldest.value), NOTHING, None
             if top >= 0 and top + 4 < limit and rng.random() < 0.5:
                 last = top + rng.randrange(3)
