@@ -68,9 +68,9 @@ $(READY): pyproject.toml requirements.txt | tools
 	  echo "splatline: Python's shared library is missing, which cocotb needs;" \
 	    "install it: apt-get install libpython$$version" >&2; exit 1; }
 	@echo 'Compiling what draws a picture, once (half a minute) ...'
-	@printf '%s\n' 2 2 '0 0 0' '1 0 0' '0 1 0' '0 0 1' '1 0 0 0' '0 1 0 0' '0 0 1 0' '0 0 0 1' \
-	  '1 1 1 1' '2 1 1 1' '1 2 1 1' '2 2 1 1' >$(VENV)/first.ptx
-	@$(VENV)/bin/splatline render $(VENV)/first.ptx -o $(VENV)/first.png >/dev/null
+	@$(VENV)/bin/python -c 'for i in range(625): \
+	  print(i % 25, i // 25, i % 7, i % 256, i // 3, 255 - i % 256)' >$(VENV)/first.xyzrgb
+	@$(VENV)/bin/splatline render $(VENV)/first.xyzrgb -o $(VENV)/first.png >/dev/null
 	@touch $@
 	@echo '$(VENV) is ready.'
 

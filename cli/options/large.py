@@ -65,7 +65,7 @@ def is_large(request: RenderRequest) -> bool:
     from splatline.host.files.las_header import read_las_header
     from splatline.host.files.ply_rows import ply_rows
     from splatline.host.files.readers import open_cloud_file, parser_errors
-    from splatline.host.large.read_part import FIXED_BYTES, POINT_BYTES
+    from splatline.host.large.memory import FIXED_BYTES, POINT_BYTES
 
     with open_cloud_file(request.path) as source, parser_errors(source):
         if suffix == ".ply":

@@ -6,6 +6,8 @@ import sys
 import time
 from typing import Any
 
+from .numba_import import import_numba
+
 __all__ = ["LINE", "tell_compiling"]
 
 LINE = "Compiling, once on this machine (half a minute) ..."
@@ -25,6 +27,7 @@ def tell_compiling() -> None:
     if _told:
         return
     _told = True
+    import_numba()
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types

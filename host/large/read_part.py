@@ -16,22 +16,17 @@ from splatline.host.files.columns import Columns
 from splatline.host.files.copc import Octree
 from splatline.host.files.source import usual_up
 
+from .memory import FIXED_BYTES
 from .nodes import choose_nodes
 from .octree_parts import code_ranges, codes_in_node
 from .pieces import Colouring, PieceFile, colours_of, rows_of
 from .plan import Part, Plan
 from .thin import CELLS, Grid, Thinner
 
-__all__ = ["FIXED_BYTES", "POINT_BYTES", "PartCloud", "cells_of_memory", "read_part"]
+__all__ = ["PartCloud", "cells_of_memory", "read_part"]
 
 CELL_BYTES = 250
 """Most memory that a cell takes: as a point of a cloud, while its disc is measured."""
-
-POINT_BYTES = 250
-"""Most memory that a point takes of a cloud that is read at once."""
-
-FIXED_BYTES = 500 << 20
-"""Memory that is taken whatever the cloud: programs, a piece of a file, and pictures."""
 
 FEWEST_CELLS = 1 << 16
 

@@ -4,7 +4,7 @@ from PIL import Image
 
 from splatline.contract.presets import PAPER
 from splatline.host.shading.lighting import Lighting
-from splatline.host.shading.materials import find_materials, material_tables
+from splatline.host.shading.materials import find_materials, material_tables, materials_of
 from tests.support.clouds import cloud_of
 
 
@@ -53,6 +53,19 @@ def test_a_palette_has_less_error_than_median_cut_and_each_point_its_nearest_col
     cut = Image.fromarray(colours[None]).quantize(128, method=Image.Quantize.MEDIANCUT, dither=0)
     theirs = np.asarray(cut.convert("RGB"), float)[0]
     assert np.mean((shown - colours) ** 2) < 0.75 * np.mean((theirs - colours) ** 2)
+
+
+@pytest.mark.parametrize("count", [1, 7, 256])
+def test_each_colour_has_the_first_of_the_nearest_entries(count):
+    """At the ends of the range too, where the squares of distances are largest."""
+    rng = np.random.default_rng(count)
+    palette = rng.integers(0, 256, (count, 3)).astype(np.uint8)
+    palette[0] = 0
+    palette[count // 2 :] = palette[: count - count // 2]  # each twice
+    colours = np.vstack([rng.integers(0, 256, (3000, 3)), [(255, 255, 255), (0, 0, 0)]])
+    away = colours[:, None] - palette[None].astype(int)
+    expected = (away**2).sum(axis=2).argmin(axis=1)
+    assert (materials_of(coloured(colours), palette).index == expected).all()
 
 
 def test_one_colour_is_one_material():
