@@ -68,7 +68,7 @@ def find_materials(cloud: Cloud, most: int = MOST_MATERIALS) -> Materials:
     keys = _marked(lookup)
     own = _colours_of(keys)
     if len(own) <= most:
-        palette, nearest = own.astype(np.uint8), np.arange(len(own))
+        palette, nearest = own.astype(np.uint8), np.arange(len(own), dtype=np.uint8)
     else:
         palette = _find_palette(colours[:: -(-len(colours) // SAMPLED)], most)
         nearest = _nearest(palette, own)
