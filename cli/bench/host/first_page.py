@@ -24,10 +24,9 @@ YARDSTICK = (436_000, 0.021)
 """Points of a cloud, and the seconds of Embree's frame of it where the goals were set."""
 
 REASONS = """\
-Most of the start are imports: 0.57 s by `python -X importtime`, with 0.20 s for numba, 0.11 s for
-the part of scipy that numba loads, and 0.06 s for numpy (measured once, when the start took 0.5 to
-0.7 s). Next would be compiled functions that load without numba; `splatline view` starts once for
-many pictures.
+Most of the start are imports: 1.31 s by `python -X importtime`, with 0.66 s for numba and numpy
+(measured once, where the start took 1.3 s). Next would be compiled functions that load without
+numba; `splatline view` starts once for many pictures.
 
 The first run on a machine compiles for 42 s of processor time (measured once, with an empty
 cache). `make setup` does so and says it; after `pip install` the first command does, and says

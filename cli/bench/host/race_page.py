@@ -15,8 +15,8 @@ GOALS = ((436_000, 18 / 21), (4_000_000, 45 / 54))
 the goal of the last that is not larger."""
 
 MISSED = (
-    "Encoding is the largest part of our frame and grows with the splats that are drawn; Embree's"
-    " frame grows with the pixels"
+    "Our frame grows with the points that may be seen and the splats that are drawn; Embree's grows"
+    " with the pixels"
 )
 """Why a goal is missed."""
 
