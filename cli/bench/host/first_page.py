@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from splatline.cli.bench.markdown import table
+from splatline.cli.bench.sizes import LARGE, MEDIUM
 
 from .first_picture import Kind
 from .race_page import EMBREE
@@ -14,13 +15,13 @@ __all__ = ["first_pictures"]
 START = "start"
 
 GOALS = {
-    Kind(4_000_000).name: 3.0,
+    Kind(LARGE).name: 3.0,
     Kind(1_000_000, noisy=True).name: 2.0,
-    Kind(436_000).name: 1.2,
+    Kind(MEDIUM).name: 1.2,
 }
 """Most seconds from the command to the picture, by cloud."""
 
-YARDSTICK = (436_000, 0.021)
+YARDSTICK = (MEDIUM, 0.021)
 """Points of a cloud, and the seconds of Embree's frame of it where the goals were set."""
 
 REASONS = """\

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from splatline.cli.bench.sizes import MEDIUM
 from splatline.contract.tool_error import ToolFailure
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ class Kind(NamedTuple):
 
 def kinds(points: int) -> tuple[Kind, ...]:
     """Return the clouds that are timed, the largest of them with ``points`` points."""
-    return Kind(points), Kind(max(1, points // 4), noisy=True), Kind(min(436_000, points))
+    return Kind(points), Kind(max(1, points // 4), noisy=True), Kind(min(MEDIUM, points))
 
 
 def first_pictures(

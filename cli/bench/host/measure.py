@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from splatline.cli.bench.options import folder_option
+from splatline.cli.bench.sizes import LARGE, MEDIUM
 from splatline.cli.options.outputs import check_folder, write_json, write_text
 from splatline.cli.options.parameters import PRESET, SIZE
 from splatline.cli.report.compiling import tell_compiling
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     from .race import Subject
 
 __all__ = ["host"]
-
-MEDIUM = 436_000
-"""Points of a cloud of usual size, in the race with other renderers."""
 
 VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
     "whole": (1.0, ()),
@@ -45,7 +43,7 @@ VIEWS: dict[str, tuple[float, tuple[str, ...]]] = {
 @click.option(
     "--points",
     type=click.IntRange(1),
-    default=4_000_000,
+    default=LARGE,
     help="Points of the large cloud, which is resampled from the last cloud named, or the knot.",
 )
 @click.option("--repeats", type=click.IntRange(1), default=10, help="Frames; the fastest counts.")

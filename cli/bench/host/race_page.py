@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from splatline.cli.bench.markdown import table
+from splatline.cli.bench.sizes import LARGE, MEDIUM
 
 __all__ = ["EMBREE", "GOALS", "rivals"]
 
 EMBREE = "Embree discs"
 
-GOALS = ((436_000, 18 / 21), (4_000_000, 45 / 54))
+GOALS = ((MEDIUM, 18 / 21), (LARGE, 45 / 54))
 """Points of a cloud, and the most that our frame may take of Embree's. A cloud of other size has
 the goal of the last that is not larger."""
 

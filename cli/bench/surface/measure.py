@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from splatline.cli.bench.sizes import LARGE, MEDIUM
+
 if TYPE_CHECKING:
     from splatline.contract.config import EngineConfig
     from splatline.contract.raster import Raster
@@ -24,7 +26,7 @@ SCENES = ("knot", "terrain")
 DENSER = 4
 """Points of a dense or noisy sample of a scan, for one of its own."""
 
-MANY = (436_000, 4_000_000)
+MANY = (MEDIUM, LARGE)
 """Points of the samples of the largest scan whose first pictures ``splatline bench host`` times."""
 
 SEED = 1

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from splatline.cli.bench.options import folder_option
+from splatline.cli.bench.sizes import LARGE
 from splatline.cli.options.outputs import check_folder, lines_of_json, write_text
 from splatline.cli.options.parameters import SIZE
 from splatline.cli.report.compiling import tell_compiling
@@ -25,7 +26,7 @@ __all__ = ["view"]
 @click.option(
     "--points",
     type=click.IntRange(1),
-    default=4_000_000,
+    default=LARGE,
     help="Points of the large cloud, which is resampled from the knot.",
 )
 @click.option(
