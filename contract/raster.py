@@ -77,10 +77,9 @@ class Raster:
         """Where anything was drawn: shape (height, width)."""
         return np.not_equal(self.depth, self.config.background_depth)
 
-    def without(self, columns: int, lines: int) -> Raster:
-        """Return the raster without its first columns and lines; its arrays are views."""
-        part = slice(lines, None), slice(columns, None)
-        return Raster(self.depth[part], self.colour[part], self.config)
+    def part(self, lines: slice, columns: slice) -> Raster:
+        """Return some lines and columns of the raster; its arrays are views."""
+        return Raster(self.depth[lines, columns], self.colour[lines, columns], self.config)
 
     def to_rgb(
         self, background: tuple[float, float, float] = (1.0, 1.0, 1.0)

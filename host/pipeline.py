@@ -64,6 +64,7 @@ def make_frames(
     skips: Iterable[str] = DEFAULT_SKIPS,
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
+    close_specks: bool = False,
     may_be_empty: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> list[Frame]:
@@ -104,6 +105,9 @@ def make_frames(
         combined. None: the range of the first frame that draws anything.
     shapes
         One of ``SHAPE_SOURCES``: the source of the shapes of the quality ``paper``.
+    close_specks
+        Whether single pixels that show through a surface are closed; see ``encode.close_specks``.
+        Not with shapes from the ROM.
     may_be_empty
         Whether frames that draw nothing are no error, as those of a part of a picture.
     progress
@@ -114,9 +118,10 @@ def make_frames(
     list of Frame
         ``counts`` of each has ``points``, ``dropped`` (reason -> points left out when the cloud was
         read), ``culled`` (reason -> points), ``elements`` (points drawn), ``quality``, ``skips``,
-        ``shapes``, ``bits_sent`` (those of the stream, by the name of ``shapes``),
-        ``codewords`` (length of the stream), ``control_words``, ``depth_range`` (distances along
-        the view of depth 0 and of the largest depth) and ``seconds`` (per stage).
+        ``shapes``, ``specks`` (pixels that were closed, if they were), ``bits_sent`` (those of the
+        stream, by the name of ``shapes``), ``codewords`` (length of the stream), ``control_words``,
+        ``depth_range`` (distances along the view of depth 0 and of the largest depth) and
+        ``seconds`` (per stage).
 
     Raises
     ------
@@ -129,10 +134,18 @@ def make_frames(
     check_size(view.width, view.height, config)
     check_view(view)
     check_request(samples, config, quality, shapes, chosen)
+    if close_specks and shapes != "table":
+        raise InputError("specks are not closed among shapes from the ROM: take --shapes table")
     clock = Stopwatch()
     index = indexed(cloud, radii, thin, materials, config, clock)
     draw = functools.partial(
-        draw_up, index, lighting=lighting, config=config, quality=quality, shapes=shapes
+        draw_up,
+        index,
+        lighting=lighting,
+        config=config,
+        quality=quality,
+        shapes=shapes,
+        close=close_specks,
     )
     tell = _frame_counter(progress, samples, index is not cloud)
     frames = functools.partial(_frames_of_samples, draw, view, samples, depth_range, tell)
@@ -287,7 +300,9 @@ def total_counts(frames: Sequence[Frame]) -> dict[str, Any]:
     return {**total, "samples": len(frames)}
 
 
-_SUMMED = {"culled", "elements", "bits_sent", "codewords", "control_words", "seconds"}
+_SUMMED = {
+    "culled", "elements", "bits_sent", "codewords", "control_words", "seconds", "specks",
+}  # fmt: skip
 
 
 def _add(one: Any, other: Any) -> Any:

@@ -13,6 +13,7 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.close_specks import close_specks
 from splatline.host.encode.encode import encode
 from splatline.host.encode.sort_by_line import sort_by_line
 from splatline.host.shading.lighting import Lighting
@@ -39,6 +40,7 @@ def draw_up(
     depth_range: tuple[float, float] | None,
     shapes: str,
     rounding: float = 0.5,
+    close: bool = False,
 ) -> Frame:
     """Return a frame as :func:`make_frame` does; the frame is empty if nothing is in view.
 
@@ -48,6 +50,8 @@ def draw_up(
         Reasons to leave points out; all are applied.
     rounding
         Rounding offset of colours; see ``material_tables``.
+    close
+        Whether specks are closed; see ``close_specks``.
     """
     clock = Stopwatch()
     lighting = lighting or Lighting()
@@ -85,7 +89,11 @@ def draw_up(
         "depth_range": list(splats.depth_range),
         "seconds": clock.laps,
     }
-    return Frame(stream, tables, view.width, view.height, config, counts)
+    frame = Frame(stream, tables, view.width, view.height, config, counts)
+    if close:
+        frame = close_specks(frame)
+        clock.lap("close")
+    return frame
 
 
 def useful_skips(chosen: frozenset[str], quality: str) -> frozenset[str]:

@@ -85,6 +85,7 @@ def _settings_options(settings: Settings) -> dict[str, object]:
         "--preset": (settings.preset.name, DEFAULT.name),
         "--quality": (settings.quality, DEFAULT_QUALITY),
         "--samples": (settings.samples, 1),
+        "--specks": ("close" if settings.close_specks else "keep", "close"),
         "--lights": (settings.lights, DEFAULT_LIGHTS),
         "--background": (hex_colour(settings.background), hex_colour(BACKGROUND)),
     }

@@ -41,7 +41,7 @@ class Settings:
     ----------
     preset
         The engine.
-    quality, samples, skips
+    quality, samples, skips, close_specks
         As of ``make_frames``.
     lights
         One of ``LIGHTS``.
@@ -55,6 +55,7 @@ class Settings:
     skips: frozenset[str] = DEFAULT_SKIPS
     lights: str = DEFAULT_LIGHTS
     background: tuple[float, float, float] = BACKGROUND
+    close_specks: bool = True
 
 
 @dataclass(frozen=True)
@@ -177,6 +178,7 @@ def _draw(index: Index, view: View, settings: Settings, check: Callable[[], None
         "config": config,
         "quality": settings.quality,
         "skips": settings.skips,
+        "close_specks": settings.close_specks,
         "may_be_empty": True,
         "progress": lambda share: check(),
     }
@@ -203,19 +205,14 @@ def _draw_tiles(
     for row in picture.rows():
         for own in row:
             check()
-            tile = own.tile
-            columns, lines = tile.guard
-            part = (
-                slice(tile.origin_y + lines, tile.bottom),
-                slice(tile.origin_x + columns, tile.right),
-            )
+            place = own.tile.place
             for frame, raster in zip(own.frames, rasters, strict=True):
                 if frame is None:
                     continue
                 frames.append(frame)
                 start = time.perf_counter()
-                drawn = render(frame).without(columns, lines)
+                drawn = render(frame).part(*own.tile.own)
                 seconds += time.perf_counter() - start
-                raster.depth[part] = drawn.depth
-                raster.colour[part] = drawn.colour
+                raster.depth[place] = drawn.depth
+                raster.colour[place] = drawn.colour
     return frames, rasters, seconds

@@ -109,8 +109,8 @@ def render(
     colour, fit, splat_size
         As of ``prepare``.
     **settings
-        ``preset``, ``samples``, ``quality``, ``lights``, ``background`` and ``skips``; see
-        ``settings_of``.
+        ``preset``, ``samples``, ``quality``, ``lights``, ``background``, ``skips`` and
+        ``close_specks``; see ``settings_of``.
 
     Raises
     ------

@@ -26,6 +26,7 @@ def settings_of(
     quality: str = DEFAULT_QUALITY,
     samples: int = 1,
     skips: Iterable[str] = DEFAULT_SKIPS,
+    close_specks: bool = True,
     lights: str = DEFAULT_LIGHTS,
     background: str | Sequence[float] | None = None,
 ) -> Settings:
@@ -35,7 +36,7 @@ def settings_of(
     ----------
     preset
         The engine, or its name, such as ``paper``.
-    quality, samples, skips
+    quality, samples, skips, close_specks
         As of ``make_frames``.
     lights
         One of ``LIGHTS``.
@@ -51,7 +52,7 @@ def settings_of(
         raise InputError(f"no lights named {lights!r}; there are: {', '.join(LIGHTS)}")
     config, chosen = _config(preset), check_skips(skips)
     check_request(samples, config, quality, "table", chosen)
-    return Settings(config, quality, samples, chosen, lights, _background(background))
+    return Settings(config, quality, samples, chosen, lights, _background(background), close_specks)
 
 
 def _config(preset: str | EngineConfig) -> EngineConfig:

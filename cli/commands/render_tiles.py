@@ -211,12 +211,12 @@ def draw_row(row: list[TileFrames], options: TileOptions) -> DrawnRow:
 
 
 def _drawings(row: list[TileFrames], options: TileOptions) -> Iterator[Drawing]:
-    """Yield the drawing of each tile of a row, without its guard band."""
+    """Yield the drawing of each tile of a row, of its own pixels alone."""
     from splatline.sim import golden
     from splatline.sim.golden.multisample import average
 
     def picture_of(tile: TileFrames, rasters: Iterable[Raster | None]) -> Drawn:
-        return average([_without_guard(raster, tile, options.config) for raster in rasters])
+        return average([_own_part(raster, tile, options.config) for raster in rasters])
 
     simulated = options.engine != "golden"
     frames = [frame for tile in row for frame in tile.frames if frame is not None]
@@ -231,12 +231,10 @@ def _drawings(row: list[TileFrames], options: TileOptions) -> Iterator[Drawing]:
             yield Drawing(drawn)
 
 
-def _without_guard(raster: Raster | None, tile: TileFrames, config: EngineConfig) -> Raster:
-    """Return a tile's raster without its guard band; None is background."""
+def _own_part(raster: Raster | None, tile: TileFrames, config: EngineConfig) -> Raster:
+    """Return a tile's own part of its frame's raster; None is background."""
     from splatline.contract.raster import Raster
 
-    columns, lines = tile.tile.guard
     if raster is None:
-        width, height = tile.tile.size
-        return Raster.background(width - columns, height - lines, config)
-    return raster.without(columns, lines)
+        raster = Raster.background(*tile.tile.size, config)
+    return raster.part(*tile.tile.own)

@@ -60,6 +60,13 @@ _ENCODING_OPTIONS = (
         help="; ".join(f"{name}: {what}" for name, what in SHAPE_SOURCES.items())
         + ". rom implies the quality paper, and the variant of --preset that has a ROM.",
     ),
+    click.option(
+        "--specks",
+        type=click.Choice(["close", "keep"]),
+        default="close",
+        help="close: single pixels that show through a surface take the depth and colour of a"
+        " neighbour; keep: the discs as they are, as with --shapes rom.",
+    ),
     click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine to draw for."),
     click.option(
         "--quality",
@@ -213,6 +220,9 @@ def _with_options(command: _Command, own: Sequence[Callable[[_Command], _Command
         if options.get("shapes") == "rom":
             options["quality"] = _quality_for_rom(options["quality"])
             options["preset"] = options["preset"].with_shapes()
+        options["close_specks"] = options.pop("specks") == "close"
+        if options.get("shapes") == "rom":
+            options["close_specks"] = False
         names = {field.name for field in dataclasses.fields(RenderRequest)} & set(options)
         request = RenderRequest(
             clouds,

@@ -163,6 +163,7 @@ def _planned(
         samples=samples,
         lighting=LIGHTS[request.lights],
         splat_size=request.splat_size,
+        close_specks=request.close_specks,
         memory=_memory(request),
         up=upward_of(camera["orbit"], camera["up"]),
     )

@@ -74,6 +74,7 @@ def draw_settings(
         quality=request.quality,
         samples=samples,
         skips=request.skips,
+        close_specks=request.close_specks,
         lights=request.lights,
         background=background or BACKGROUND,
     )

@@ -104,6 +104,7 @@ def prepare_tiles(
             config=request.preset,
             quality=request.quality,
             skips=request.skips,
+            close_specks=request.close_specks,
         )
     return PreparedTiles(
         picture=picture,
@@ -165,6 +166,7 @@ def _encode(
         "config": request.preset,
         "quality": request.quality,
         "skips": request.skips,
+        "close_specks": request.close_specks,
         **discs._asdict(),
     }
     with stages.stage("", "Encoding") as share:

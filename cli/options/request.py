@@ -49,6 +49,8 @@ class RenderRequest:
         Reasons to leave points out.
     shapes
         Source of the shapes of the quality ``paper``.
+    close_specks
+        Whether single pixels that show through a surface are closed.
     fit
         Points that the view fits: ``bulk``, without those far from the rest, or ``all``.
     colour
@@ -80,6 +82,7 @@ class RenderRequest:
     distance: float | None = None
     lights: str = DEFAULT_LIGHTS
     shapes: str = "table"
+    close_specks: bool = True
     fit: str = "bulk"
     colour: ColourBy | None = None
     format: str | None = None

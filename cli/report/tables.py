@@ -46,6 +46,7 @@ def print_statistics(stats: dict[str, Any], *, title: str, files: list[str]) -> 
         ("points", "points"),
         ("culled", "not drawn"),
         ("elements", "elements"),
+        ("specks", "pixels closed"),
     ):
         value = nonzero(stats.get(key))
         if value or value == 0:

@@ -131,7 +131,7 @@ def encode(
     lines = np.empty(starts[-1], np.int16)
     slots = Slots.of(starts[:-1], tile, marks)
     positions = config.x.lsb, config.z.lsb, config.background_depth - 1
-    to = Target(words, lines, *size, *tile, *positions)
+    to = Target(words, lines, *size, *tile[:4], *positions)
     pyramid = new_pyramid(*tile.size, config) if skip_hidden else NOTHING
     occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
     # Chunks that may hide others go first. Later chunks know what they hide.

@@ -62,7 +62,7 @@ def encode_planes(
     lines = np.empty(starts[-1], np.int16)
     slots = Slots.of(starts[:-1], tile, marks)
     positions = config.x.lsb, config.z.lsb, config.background_depth - 1
-    to = Target(words.view(np.int64), lines, *size, *tile, *positions)
+    to = Target(words.view(np.int64), lines, *size, *tile[:4], *positions)
     pyramid = new_pyramid(*(tile.size if skip_hidden else (1, 1)), config)
     occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
     nearest = np.argsort(splats.nearest, kind="stable")

@@ -7,6 +7,9 @@ words of a tile are words of the whole image, bit for bit but for X.
 An engine clips words at the right and lower border. X is unsigned, so that no word begins left of
 the image. A tile's frame therefore has a guard band on the left and above, which the engine draws
 and the host throws away. The first tile of a row or column needs none.
+
+What is done to a pixel because of its neighbours (``close_specks``) must be the same in each tile.
+So each tile is drawn whole to ``HEM`` pixels beyond its own, on each side where another tile is.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from splatline.contract.config import BLOCK, ROWS
 __all__ = [
     "GUARD_COLUMNS",
     "GUARD_LINES",
+    "HEM",
     "Target",
     "Tile",
     "first_column_of",
@@ -30,8 +34,12 @@ __all__ = [
 ]
 
 GUARD_COLUMNS, GUARD_LINES = 2 * BLOCK, BLOCK
-"""The guard band. A word reaches at most seven columns and three lines into a tile. The frame
-begins at a multiple of ``sort_by_line.PERIOD`` columns, which is as many as the guard band's."""
+"""Columns and lines that the frames of two neighbouring tiles share. A word reaches at most seven
+columns and three lines into a tile. The frame begins at a multiple of ``sort_by_line.PERIOD``
+columns, which is as many as two frames share."""
+
+HEM = 2
+"""Pixels beside a tile's own that its frame draws as the whole image has them."""
 
 
 class Tile(NamedTuple):
@@ -44,23 +52,43 @@ class Tile(NamedTuple):
         band. ``origin_x`` is a multiple of ``sort_by_line.PERIOD``, so that words come in the order
         of the whole image.
     right, bottom
-        The column and the line behind its last.
+        The column and the line behind its frame's last.
+    hem_right, hem_below
+        Columns and lines at the end of its frame that the next tile has as its own.
     """
 
     origin_x: int
     origin_y: int
     right: int
     bottom: int
+    hem_right: int = 0
+    hem_below: int = 0
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of its frame, the guard band included."""
+        """Width and height of its frame, with all that is thrown away."""
         return self.right - self.origin_x, self.bottom - self.origin_y
 
     @property
     def guard(self) -> tuple[int, int]:
-        """Columns and lines of its guard band."""
-        return GUARD_COLUMNS * (self.origin_x > 0), GUARD_LINES * (self.origin_y > 0)
+        """Columns and lines at the beginning of its frame that are thrown away."""
+        columns, lines = GUARD_COLUMNS - HEM, GUARD_LINES - HEM
+        return columns * (self.origin_x > 0), lines * (self.origin_y > 0)
+
+    @property
+    def own(self) -> tuple[slice, slice]:
+        """Lines and columns of its frame that are its own."""
+        (columns, lines), (width, height) = self.guard, self.size
+        return slice(lines, height - self.hem_below), slice(columns, width - self.hem_right)
+
+    @property
+    def place(self) -> tuple[slice, slice]:
+        """Lines and columns of the whole image that are its own."""
+        lines, columns = self.own
+        return (
+            slice(self.origin_y + lines.start, self.origin_y + lines.stop),
+            slice(self.origin_x + columns.start, self.origin_x + columns.stop),
+        )
 
 
 def whole_image(width: int, height: int) -> Tile:
@@ -103,25 +131,26 @@ class Target(NamedTuple):
 
 @nb.njit(inline="always")
 def first_column_of(to: Any) -> int:
-    """Return the tile's first column."""
-    return to.origin_x + GUARD_COLUMNS * (to.origin_x > 0)
+    """Return the first column that a tile's frame draws whole."""
+    return to.origin_x + (GUARD_COLUMNS - 2 * HEM) * (to.origin_x > 0)
 
 
 @nb.njit(inline="always")
 def first_line_of(to: Any) -> int:
-    """Return the tile's first line."""
-    return to.origin_y + GUARD_LINES * (to.origin_y > 0)
+    """Return the first line that a tile's frame draws whole."""
+    return to.origin_y + (GUARD_LINES - 2 * HEM) * (to.origin_y > 0)
 
 
 @nb.njit(inline="always")
 def may_touch(x: int, line: int, origin_x: int, origin_y: int, right: int, bottom: int) -> bool:
-    """Return whether a word may touch a tile: its block has the lines from ``line`` - 4 on.
+    """Return whether a word may touch what a tile's frame draws whole.
 
-    A block has eight columns. The ninth that the contract knows is in no word of the host, whose
-    shapes half a column to the right have seven (``half_pixel``).
+    Its block has the lines from ``line`` - 4 on, and eight columns. The ninth that the contract
+    knows is in no word of the host, whose shapes half a column to the right have seven
+    (``half_pixel``).
     """
-    left = origin_x + (GUARD_COLUMNS - BLOCK + 1) * (origin_x > 0)
-    above = origin_y + (GUARD_LINES - ROWS + 1) * (origin_y > 0)
+    left = origin_x + (GUARD_COLUMNS - 2 * HEM - BLOCK + 1) * (origin_x > 0)
+    above = origin_y + (GUARD_LINES - 2 * HEM - ROWS + 1) * (origin_y > 0)
     return left <= x < right and above <= line < bottom + ROWS
 
 

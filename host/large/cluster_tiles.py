@@ -68,6 +68,7 @@ class ClusterTiles:
     counts: dict[str, Any]
     parts: PartFrames
     traffic: Traffic
+    _close: bool
     _rows: list[Any]
     _client: Any
     _shared: list[Any]  # without it what is lost could not be done again
@@ -90,10 +91,8 @@ class ClusterTiles:
         with lost_workers():
             for _ in self._rows:
                 while len(waiting) < most and (number := next(numbers, None)) is not None:
-                    row = self._rows[number]
-                    waiting.append(
-                        self._client.submit(_show, shared, row, self.grid, number, pure=False)
-                    )
+                    what = (shared, self._rows[number], self.grid, number, self._close)
+                    waiting.append(self._client.submit(_show, *what, pure=False))
                 shown, counts, traffic = waiting.popleft().result()
                 add_counts(self.counts, counts, self.config)
                 self.traffic = Traffic(
@@ -121,7 +120,15 @@ def draw_tiles_on_cluster(
     check_shown(plan, drawing, whole)
     counts = counts_without_rows(plan, drawing, whole)
     return ClusterTiles(
-        grid, drawing.config, counts, whole, Traffic(len(parts), 0), rows, client, shared
+        grid,
+        drawing.config,
+        counts,
+        whole,
+        Traffic(len(parts), 0),
+        drawing.close_specks,
+        rows,
+        client,
+        shared,
     )
 
 
@@ -148,10 +155,10 @@ def _join(rows: Sequence[_Row]) -> _Row:
 
 
 def _show(
-    show: Callable[[list[TileFrames]], Shown], row: _Row, grid: Grid, number: int
+    show: Callable[[list[TileFrames]], Shown], row: _Row, grid: Grid, number: int, close: bool
 ) -> tuple[Shown, dict[str, int], Traffic]:
     """Draw a row of tiles, on a worker."""
-    tiles = tiles_of_row(grid, number, row.frames)
+    tiles = tiles_of_row(grid, number, row.frames, close=close)
     return show(tiles), row_counts(tiles), Traffic(row.tasks + 1, row.bytes)
 
 

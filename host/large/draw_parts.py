@@ -17,6 +17,7 @@ from splatline.contract.presets import DEFAULT
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.spacing import Discs, measure_discs
 from splatline.host.cloud.upward import turn_upward
+from splatline.host.encode.close_specks import close_specks
 from splatline.host.encode.join_frames import join_frames
 from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.picture_tiles.frames import tile_picture
@@ -69,6 +70,8 @@ class Drawing:
     up
         The axis along which a survey's estimated normals point; None: they have no sign. See
         ``turn_upward``.
+    close_specks
+        Whether specks are closed, when all parts are joined.
     """
 
     config: EngineConfig = DEFAULT
@@ -79,6 +82,7 @@ class Drawing:
     splat_size: float | None = None
     memory: int = 2 << 30
     up: str | None = None
+    close_specks: bool = False
 
     def in_tiles(self, plan: Plan) -> bool:
         """Return whether a plan's picture is larger than the engine's image."""
@@ -244,6 +248,7 @@ def frames_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> list[Frame]:
     found = []
     for number, frame in enumerate(joined.frames):
         assert frame is not None, "a picture in tiles has no frame of its own"
+        own = close_specks(frame) if drawing.close_specks else frame
         sums: dict[str, Any] = {"culled": joined.culled, "elements": joined.elements}
         if number:  # those of the first stand for all samples
             sums = {"culled": dict.fromkeys(joined.culled, 0), "elements": 0}
@@ -254,13 +259,14 @@ def frames_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> list[Frame]:
             "quality": drawing.quality,
             "skips": sorted(drawing.skips - {OVERDRAWN}),
             "shapes": "table",
-            "bits_sent": {"table": drawing.config.codeword_bits * len(frame.codewords)},
-            "codewords": len(frame.codewords),
-            "control_words": frame.counts["control_words"],
+            **({"specks": own.counts["specks"]} if drawing.close_specks else {}),
+            "bits_sent": {"table": drawing.config.codeword_bits * len(own.codewords)},
+            "codewords": len(own.codewords),
+            "control_words": own.counts["control_words"],
             "depth_range": list(plan.depth_range),
             "seconds": {},
         }
-        found.append(dataclasses.replace(frame, counts=counts))
+        found.append(dataclasses.replace(own, counts=counts))
     return found
 
 

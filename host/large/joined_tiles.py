@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
+from splatline.host.encode.close_specks import close_specks
 from splatline.host.encode.read_stream import read_stream
 from splatline.host.encode.stand_ins import number_of
 from splatline.host.encode.tile import Tile
@@ -49,7 +50,12 @@ def tiles_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> JoinedTiles:
     grid = Grid.of(plan.view.width, plan.view.height, drawing.config, None)
     length = grid.columns * drawing.samples
     tiles = [
-        tiles_of_row(grid, row, joined.frames[row * length : (row + 1) * length])
+        tiles_of_row(
+            grid,
+            row,
+            joined.frames[row * length : (row + 1) * length],
+            close=drawing.close_specks,
+        )
         for row in range(grid.rows)
     ]
     counts = counts_without_rows(plan, drawing, joined)
@@ -58,7 +64,9 @@ def tiles_of(plan: Plan, drawing: Drawing, joined: PartFrames) -> JoinedTiles:
     return JoinedTiles(grid, drawing.config, counts, tiles)
 
 
-def tiles_of_row(grid: Grid, number: int, frames: Sequence[Frame | None]) -> list[TileFrames]:
+def tiles_of_row(
+    grid: Grid, number: int, frames: Sequence[Frame | None], *, close: bool
+) -> list[TileFrames]:
     """Return the tiles of a row, from left to right.
 
     Parameters
@@ -67,20 +75,27 @@ def tiles_of_row(grid: Grid, number: int, frames: Sequence[Frame | None]) -> lis
         The tiles, and the row's number.
     frames
         Of each tile and sample; empty if there are none.
+    close
+        Whether specks are closed.
     """
     tiles = grid.row(number)
     samples = len(frames) // len(tiles)
-    return [
-        TileFrames(tile, list(frames[at * samples : (at + 1) * samples] or [None]))
-        for at, tile in enumerate(tiles)
-    ]
+    found = []
+    for at, tile in enumerate(tiles):
+        own = list(frames[at * samples : (at + 1) * samples] or [None])
+        if close:
+            own = [frame and close_specks(frame, tile.own) for frame in own]
+        found.append(TileFrames(tile, own))
+    return found
 
 
 def counts_without_rows(plan: Plan, drawing: Drawing, joined: PartFrames) -> dict[str, Any]:
     """Return the statistics of a picture without those of its rows; see :func:`row_counts`."""
     skips = drawing.skips - {OVERDRAWN}
     return {
-        **first_counts(joined.points, joined.dropped, drawing.quality, skips),
+        **first_counts(
+            joined.points, joined.dropped, drawing.quality, skips, close=drawing.close_specks
+        ),
         "culled": joined.culled,
         "elements": joined.elements,
         "depth_range": list(plan.depth_range),
@@ -91,7 +106,9 @@ def row_counts(tiles: Sequence[TileFrames]) -> dict[str, int]:
     """Return the statistics of a row of tiles."""
     drawn = [tile for tile in tiles if any(frame is not None for frame in tile.frames)]
     made = [(tile.tile, frame) for tile in drawn for frame in tile.frames if frame is not None]
+    closed = [frame.counts["specks"] for _, frame in made if "specks" in frame.counts]
     return {
+        **({"specks": sum(closed)} if closed else {}),
         "codewords": sum(len(frame.codewords) for _, frame in made),
         "control_words": sum(frame.counts["control_words"] for _, frame in made),
         "words_twice": sum(_twice(tile, frame) for tile, frame in made),

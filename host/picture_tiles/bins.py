@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.host.compiled_cache import cached_njit
-from splatline.host.encode.tile import GUARD_COLUMNS, Tile
+from splatline.host.encode.tile import GUARD_COLUMNS, HEM, Tile
 from splatline.host.visibility.splats import COLUMN, DIAMETER, LINE, SPLAT, Splats
 from splatline.host.visibility.view import LARGEST, View
 
@@ -57,7 +57,7 @@ def bins_of_row(splats: Splats, view: View, grid: Grid, number: int) -> list[Bin
     """
     tiles = grid.row(number)
     chunks = len(splats.starts)
-    top = tiles[0].origin_y + tiles[0].guard[1]
+    top = tiles[0].place[0].start - HEM
     row = top, tiles[0].bottom, grid.step[0], grid.columns
     middle_x, middle_y = view.middle
     camera = 1.0 / view.focal, middle_x, middle_y
@@ -119,7 +119,7 @@ def _tiles_of(
     left = min(max(column - wide, 0.0), LARGEST)
     right = min(max(column + wide, 0.0), LARGEST)
     first = (int(left) - GUARD_COLUMNS) // step
-    last = (int(right) - GUARD_COLUMNS) // step
+    last = (int(right) - GUARD_COLUMNS + 2 * HEM) // step
     return min(max(first, 0), tiles - 1), min(max(last, 0), tiles - 1)
 
 

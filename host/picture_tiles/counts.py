@@ -9,7 +9,7 @@ __all__ = ["first_counts"]
 
 
 def first_counts(
-    points: int, dropped: dict[str, int], quality: str, skips: Iterable[str]
+    points: int, dropped: dict[str, int], quality: str, skips: Iterable[str], *, close: bool
 ) -> dict[str, Any]:
     """Return the statistics of a picture of which nothing is made yet.
 
@@ -22,6 +22,8 @@ def first_counts(
         Points of the cloud, and those left out as it was read, by reason.
     quality, skips
         How splats become code words, and reasons to leave points out.
+    close
+        Whether specks are closed.
     """
     return {
         "points": points,
@@ -34,6 +36,7 @@ def first_counts(
         "bits_sent": {"table": 0},
         "codewords": 0,
         "control_words": 0,
+        **({"specks": 0} if close else {}),
         "words_twice": 0,
         "tiles": 0,
         "tiles_empty": 0,

@@ -19,6 +19,7 @@ from splatline.contract.errors import InputError
 from splatline.contract.frame import Frame, Tables
 from splatline.contract.presets import DEFAULT
 from splatline.host.cloud.cloud import Cloud
+from splatline.host.encode.close_specks import close_specks as closed
 from splatline.host.encode.encode import Encoded, encode
 from splatline.host.encode.quality import DEFAULT_QUALITY
 from splatline.host.encode.sort_by_line import sort_by_line
@@ -99,6 +100,7 @@ class TiledPicture:
     counts: dict[str, Any]
     _quality: str
     _useful: frozenset[str]
+    _close: bool
     _samples: list[_Sample] = field(repr=False)
 
     def map_rows(self, show: Callable[[list[TileFrames]], Shown]) -> Iterator[Shown]:
@@ -148,14 +150,19 @@ class TiledPicture:
             return None
         stream, control_words = sort_by_line(encoded, self.config)
         clock.lap("sort")
+        sizes = {"codewords": len(stream), "control_words": control_words}
+        frame = Frame(stream, sample.tables, *own.tile.size, self.config, sizes)
+        if self._close:
+            frame = closed(frame, own.tile.own)
+            clock.lap("close")
         counts = self.counts
-        counts["codewords"] += len(stream)
-        counts["control_words"] += control_words
+        for name, number in frame.counts.items():
+            counts[name] += number
         counts["words_twice"] += words_of_others(*encoded.together(), own.tile, self.config)
-        counts["bits_sent"]["table"] += self.config.codeword_bits * len(stream)
+        counts["bits_sent"]["table"] += self.config.codeword_bits * len(frame.codewords)
         for stage, seconds in clock.laps.items():
             counts["seconds"][stage] = counts["seconds"].get(stage, 0.0) + seconds
-        return Frame(stream, sample.tables, *own.tile.size, self.config)
+        return frame
 
     def _count_points(self) -> None:
         """Count each point once, when all tiles are made."""
@@ -229,6 +236,7 @@ def tile_picture(
     depth_range: tuple[float, float] | None = None,
     shapes: str = "table",
     frame_size: tuple[int, int] | None = None,
+    close_specks: bool = False,
     may_be_empty: bool = False,
     progress: Callable[[float], None] = lambda share: None,
 ) -> TiledPicture:
@@ -236,7 +244,8 @@ def tile_picture(
 
     Parameters
     ----------
-    cloud, view, samples, radii, thin, lighting, materials, config, quality, skips, depth_range
+    cloud, view, samples, radii, thin, lighting, materials, config, quality, skips, depth_range,
+    close_specks
         As for :func:`splatline.host.pipeline.make_frames`. The view is the whole picture's.
     shapes
         ``table``; compact words have no order that tiles keep.
@@ -263,8 +272,9 @@ def tile_picture(
     laps = clock.laps
     # A picture of one pixel a point is better than an empty one.
     for kept in dict.fromkeys((chosen, chosen - {"no_pixel"})):
-        counts = first_counts(len(index), index.cloud.dropped, quality, kept)
-        picture = TiledPicture(grid, config, counts, quality, useful_skips(kept, quality), [])
+        counts = first_counts(len(index), index.cloud.dropped, quality, kept, close=close_specks)
+        useful = useful_skips(kept, quality)
+        picture = TiledPicture(grid, config, counts, quality, useful, close_specks, [])
         lights = lighting or Lighting()
         limits = picture.project(index, view, samples, lights, depth_range, progress)
         if limits is not None or may_be_empty:
@@ -277,8 +287,14 @@ def tile_picture(
 def words_of_others(
     words: npt.NDArray[np.uint64], line: npt.NDArray[Any], tile: Tile, config: EngineConfig
 ) -> int:
-    """Return how many words begin left of a tile or above it; the tile there has them too."""
-    columns, lines = tile.guard
+    """Return how many words begin in another tile, which has them too.
+
+    A word begins at its X, four lines above its own line; outside of the image in the next tile.
+    """
+    lines, columns = tile.own
     low = words[:, 0] if config.plane else words
     x = low >> np.uint64(config.x.lsb) & np.uint64(config.x.mask)
-    return int(np.count_nonzero((x < columns) | (line < lines + ROWS) & (lines > 0)))
+    beside = (x < columns.start) | ((x >= columns.stop) & (tile.hem_right > 0))
+    above = (line < lines.start + ROWS) & (lines.start > 0)
+    below = (line >= lines.stop + ROWS) & (tile.hem_below > 0)
+    return int(np.count_nonzero(beside | above | below))

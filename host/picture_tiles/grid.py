@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
-from splatline.host.encode.tile import GUARD_COLUMNS, GUARD_LINES, Tile
+from splatline.host.encode.tile import GUARD_COLUMNS, GUARD_LINES, HEM, Tile
 
 __all__ = ["MOST_LINES", "MOST_SIDE", "Grid"]
 
@@ -26,7 +26,7 @@ class Grid(NamedTuple):
     width, height
         Of the picture, in pixels.
     frame_width, frame_height
-        Most columns and lines of a tile's frame, the guard band included.
+        Most columns and lines of a tile's frame, with all that is thrown away.
     """
 
     width: int
@@ -83,9 +83,14 @@ class Grid(NamedTuple):
         across, down = self.step
         top = number * down
         bottom = min(top + self.frame_height, self.height)
-        return [
-            Tile(left, top, min(left + self.frame_width, self.width), bottom)
+        below = HEM * (bottom < self.height)
+        rights = [
+            (left, min(left + self.frame_width, self.width))
             for left in range(0, across * self.columns, across)
+        ]
+        return [
+            Tile(left, top, right, bottom, HEM * (right < self.width), below)
+            for left, right in rights
         ]
 
 

@@ -65,9 +65,9 @@ def test_rasters_of_two_kinds_do_not_compare(other, message):
         random_raster(cw.PAPER).mismatches(other)
 
 
-def test_first_columns_and_lines_are_taken_away():
+def test_a_part_has_some_lines_and_columns():
     depth = np.arange(12, dtype=np.uint16).reshape(3, 4)
     raster = Raster(depth, np.zeros((3, 4, 3), np.uint8))
-    assert raster.without(1, 2).depth.tolist() == [[9, 10, 11]]
-    assert raster.without(0, 0).depth.tolist() == raster.depth.tolist()
-    assert raster.without(3, 1).colour.shape == (2, 1, 3)
+    assert raster.part(slice(2, 3), slice(1, None)).depth.tolist() == [[9, 10, 11]]
+    assert raster.part(slice(None), slice(None)).depth.tolist() == raster.depth.tolist()
+    assert raster.part(slice(1, None), slice(3, None)).colour.shape == (2, 1, 3)

@@ -50,6 +50,7 @@ CASES = {
         Choices(Settings(samples=4, lights="side", background=(1.0, 0.5019607843137255, 0.0))),
         (201, 160),
     ),
+    "specks": (Choices(Settings(close_specks=False)), (320, 240)),
     "paper": (Choices(Settings(preset=PRESETS["paper"], quality="paper")), (256, 256)),
     "plane, tiles": (Choices(Settings(preset=PRESETS["plane"], lights="none")), (700, 530)),
     "swift, tiles, samples": (

@@ -260,7 +260,7 @@ def _draw(cloud: Cloud, view: View, preset: EngineConfig) -> tuple[Raster, dict[
     from splatline.sim import golden
 
     radii = splat_radii(cloud)
-    frame = make_frame(cloud, view, radii=radii, config=preset)
+    frame = make_frame(cloud, view, radii=radii, config=preset, close_specks=True)
     depth = (cloud.positions - view.eye) @ view.axes[2]
     return golden.render(frame), frame.counts, float(np.median(2.0 * radii * view.focal / depth))
 

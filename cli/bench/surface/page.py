@@ -28,6 +28,9 @@ rendered without points (`sim/reference/true_surface.py`).
 - **Behind**: drawn pixels as far behind all of the true surface in their neighbourhood.
 - **Holes**: background among the pixels that the true surface covers fully.
 
+Specks are closed, as in every picture of `splatline render`
+([0104](../decisions/0104-specks-are-closed-in-the-image.md)): what is counted is left after that.
+
 Shares are of the pixels drawn, in percent; PSNR is in dB. Pixels are drawn with one sample, the
 truth with 16. The true terrain is shaded by smoothed normals; what is estimated from very many of
 its points has the grid's own facets, which lowers the PSNR.
@@ -44,8 +47,6 @@ are two samples more, with their discs' normals.
 
 Of {total} clouds {reached} have at most {goal} % of both. No true surface of a scan is known: where
 a near part ends before a far one, both are drawn in neighbouring pixels and count as see-through.
-Where the eye sees a surface along it, discs leave gaps
-([0105](../decisions/0105-specks-lie-where-the-eye-sees-a-surface-along.md)).
 """
 
 
@@ -123,8 +124,8 @@ def _goal(report: dict[str, Any]) -> list[str]:
         f"At most {_percent(GOAL)} % from 1 point a pixel: runs that reach it, and the worst in"
         " percent. The true surface has see-through pixels of its own. So they are counted in three"
         " ways: all of them; less the share that the true surface has; only those behind all of"
-        " the true surface near them. Noise lifts and tilts points, so that no disc of a few"
-        " spacings closes all gaps.\n",
+        " the true surface near them. Noise lifts and tilts points, so that gaps are larger than"
+        " a pixel.\n",
         table(
             (
                 "noise",

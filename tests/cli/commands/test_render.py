@@ -45,6 +45,23 @@ def test_the_statistics_hold_what_the_manual_lists(run, folder, cloud):
     assert {"read", "spacing", "golden"} <= set(numbers["seconds"])
 
 
+def test_specks_are_closed_unless_they_are_kept(run, folder):
+    common = ("render", "--scene", "knot", "--size", "200x200", "--splat-size", "0.01")
+    drawn = {}
+    for specks in ("close", "keep"):
+        options = ("--specks", specks, "-o", f"{specks}.png", "--stats", "knot.json")
+        result = run(*common, *options)
+        assert result.exit_code == 0, result.stderr
+        drawn[specks] = json.loads((folder / "knot.json").read_text()), result.stdout
+    closed, kept = (drawn[specks][0] for specks in ("close", "keep"))
+    assert closed["specks"] > 100
+    assert "specks" not in kept
+    assert closed["drawn_pixels"] > kept["drawn_pixels"]
+    assert closed["codewords"] >= kept["codewords"] + closed["specks"]
+    assert f"pixels closed │ {closed['specks']:,}" in drawn["close"][1]
+    assert (folder / "close.png").read_bytes() != (folder / "keep.png").read_bytes()
+
+
 def test_the_reference_adds_the_measures_of_error(run, folder, cloud):
     result = run("render", cloud, "--size", "64x64", "--reference", "--stats", "ball.json")
     assert result.exit_code == 0, result.stderr

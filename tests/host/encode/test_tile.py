@@ -5,7 +5,7 @@ import pytest
 
 from splatline.contract.presets import RGB24
 from splatline.host.encode.encode import encode
-from splatline.host.encode.tile import Tile, first_part
+from splatline.host.encode.tile import HEM, Tile, first_part
 from splatline.host.visibility.splats import SPLAT, Splats
 from splatline.host.visibility.view import View
 from splatline.sim import golden
@@ -48,7 +48,8 @@ def keys(bare, columns, lines):
 @pytest.mark.parametrize("quality", ["exact", "fast", "paper"])
 def test_each_word_with_a_pixel_in_a_tile_is_in_its_frame(quality, tile):
     bare, columns, lines, first, last = found(quality)
-    left, top = tile.origin_x + tile.guard[0], tile.origin_y + tile.guard[1]
+    # What the frame draws whole begins a hem before the tile's own pixels, and ends with the frame.
+    left, top = (max(place.start - HEM, 0) for place in tile.place[::-1])
     rows = lines[:, np.newaxis] - 4 + np.arange(8)
     across = (columns[:, np.newaxis] + last >= left) & (columns[:, np.newaxis] + first < tile.right)
     touches = (first <= last) & across & (top <= rows) & (rows < tile.bottom)
@@ -62,7 +63,7 @@ def test_each_word_with_a_pixel_in_a_tile_is_in_its_frame(quality, tile):
     assert keys(bare[wanted], columns[wanted], lines[wanted]) <= here
     assert here <= keys(bare, columns, lines)
     assert (own[1] < tile.right).all()
-    # No word is sent whose block does not touch the tile.
+    # No word is sent whose block does not touch it.
     assert (own[1] >= left - 7).all()
     assert ((own[2] >= top - 3) & (own[2] < tile.bottom + 4)).all()
 

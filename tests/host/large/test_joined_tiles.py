@@ -35,14 +35,13 @@ def assembled(picture, sample):
     for row in picture.map_rows(list):
         band = []
         for tile in row:
-            columns, above = tile.tile.guard
             frame = tile.frames[sample]
             if frame is None:
                 width, height = tile.tile.size
                 raster = Raster.background(width, height, picture.config)
             else:
                 raster = golden.render(frame)
-            band.append(raster.without(columns, above))
+            band.append(raster.part(*tile.tile.own))
         lines.append(band)
     depth = np.block([[raster.depth for raster in band] for band in lines])
     colour = np.concatenate(
@@ -52,9 +51,10 @@ def assembled(picture, sample):
 
 
 @pytest.mark.parametrize("samples", [1, 4])
-def test_tiles_of_parts_are_the_picture_of_one_wide_engine(settled, samples, monkeypatch):
+@pytest.mark.parametrize("close", [False, True], ids=["", "closed"])
+def test_tiles_of_parts_are_the_picture_of_one_wide_engine(settled, samples, close, monkeypatch):
     """Of one engine, whose tiles are as small as another's."""
-    drawing = Drawing(config=WIDE, samples=samples)
+    drawing = Drawing(config=WIDE, samples=samples, close_specks=close)
     whole = frames_of(settled, drawing, draw_parts(settled, drawing))
     monkeypatch.setattr(Drawing, "in_tiles", lambda self, plan: True)
     monkeypatch.setattr("splatline.host.picture_tiles.grid.MOST_LINES", 200)
@@ -66,6 +66,9 @@ def test_tiles_of_parts_are_the_picture_of_one_wide_engine(settled, samples, mon
     assert picture.counts["points"] == 40_000
     assert picture.counts["words_twice"] > 0
     assert picture.counts["elements"] == whole[0].counts["elements"]
+    if close:
+        closed = sum(frame.counts["specks"] for frame in whole)
+        assert picture.counts["specks"] == closed > 0
 
 
 def test_parts_of_tiles_may_be_joined_in_any_order(settled):

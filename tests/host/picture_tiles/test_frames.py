@@ -42,14 +42,12 @@ def drawn_in_tiles(picture):
         for each in row:
             if rasters is None:
                 rasters = [Raster.background(grid.width, grid.height, config) for _ in each.frames]
-            columns, lines = each.tile.guard
-            part = (slice(each.tile.origin_y + lines, each.tile.bottom),
-                    slice(each.tile.origin_x + columns, each.tile.right))  # fmt: skip
+            place = each.tile.place
             for raster, frame in zip(rasters, each.frames, strict=True):
                 if frame is not None:
                     frames += 1
-                    own = golden.render(frame).without(columns, lines)
-                    raster.depth[part], raster.colour[part] = own.depth, own.colour
+                    own = golden.render(frame).part(*each.tile.own)
+                    raster.depth[place], raster.colour[place] = own.depth, own.colour
     return rasters, frames
 
 
@@ -66,6 +64,7 @@ def assert_same(cloud, view, config, wide=None, samples=1, frame_size=(64, 40), 
         assert np.array_equal(raster.colour, wanted.colour)
     counts, of_whole = picture.counts, total_counts(whole)
     assert counts["depth_range"] == of_whole["depth_range"]
+    assert counts.get("specks") == of_whole.get("specks")
     if "hidden" not in options.get("skips", ()):
         assert counts["elements"] == of_whole["elements"]
         assert counts["culled"] == of_whole["culled"]
@@ -90,9 +89,10 @@ SKIPS = (
     st.sampled_from([0.02, 0.3, 3.0]),
     st.sampled_from(SKIPS),
     st.sampled_from([None, (0.0, 3000.0), (2.0, 2.2)]),
+    st.booleans(),
 )
 def test_tiles_draw_the_picture_of_one_engine(
-    seed, quality, samples, zoom, largest, skips, depth_range
+    seed, quality, samples, zoom, largest, skips, depth_range, close
 ):
     config = {"plane": PLANE, "swift-plane": SWIFT_PLANE}.get(quality, RGB24)
     quality = "exact" if config.plane else quality
@@ -101,8 +101,19 @@ def test_tiles_draw_the_picture_of_one_engine(
     radii = radii_of(seed, len(cloud), largest)
     assert_same(
         cloud, view, config, samples=samples, radii=radii, quality=quality, skips=skips,
-        depth_range=depth_range,
+        depth_range=depth_range, close_specks=close,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("preset", [RGB24, PLANE], ids=lambda config: config.name)
+def test_specks_are_closed_across_the_borders_of_tiles(preset, seed):
+    """Small tiles, so that many specks lie at a border, and some touch across it."""
+    cloud = sheet(seed, count=4000)
+    view = fit_view(cloud, size=(330, 170), orbit=(50 * seed, 20))
+    options = {"radii": np.full(len(cloud), 0.025), "close_specks": True}
+    counts, _ = assert_same(cloud, view, preset, frame_size=(32, 20), **options)
+    assert counts["specks"] > 500
 
 
 @pytest.mark.parametrize("quality", ["exact", "fast", "paper", "plane"])

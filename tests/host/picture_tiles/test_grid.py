@@ -29,8 +29,9 @@ def test_each_pixel_is_in_one_tile_and_frames_begin_at_whole_periods(width, heig
             assert tile.origin_x % PERIOD == 0
             assert tile.size[0] <= across
             assert tile.size[1] <= down
-            columns, lines = tile.guard
-            seen[tile.origin_y + lines : tile.bottom, tile.origin_x + columns : tile.right] += 1
+            seen[tile.place] += 1
+            frame = np.zeros(tile.size[::-1])
+            assert seen[tile.place].shape == frame[tile.own].shape
     assert (seen == 1).all()
 
 
