@@ -88,34 +88,46 @@ def _close(
     depth: npt.NDArray[np.int32], owner: npt.NDArray[np.int32], background: int
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Close the specks of an image in its own arrays; return their lines and columns."""
-    height, width = depth.shape
-    nearest = np.full(depth.shape, -1, np.int32)
-    _find(depth, background, nearest)
-    y, x = np.nonzero(nearest >= 0)
-    closed = y * width + x
-    _take(depth, owner, closed, nearest[y, x])
+    first = _round(depth, owner, background, _candidates(depth, background))
     # What is left has a closed pixel in its neighbourhood.
-    around = [(y + down) * width + x + right for down in (-1, 0, 1) for right in (-1, 0, 1)]
-    inside = [
-        (y + down >= 0) & (y + down < height) & (x + right >= 0) & (x + right < width)
-        for down in (-1, 0, 1)
-        for right in (-1, 0, 1)
-    ]
-    again = np.unique(np.concatenate(around)[np.concatenate(inside)])
-    sources = _find_again(depth, background, again)
-    _take(depth, owner, again[sources >= 0], sources[sources >= 0])
-    return np.divmod(np.union1d(closed, again[sources >= 0]), width)
+    closed = np.zeros(depth.shape, np.bool_)
+    closed.ravel()[first] = True
+    near = np.flatnonzero(_extreme(closed, np.maximum, False))
+    second = _round(depth, owner, background, near)
+    return np.divmod(np.union1d(first, second), depth.shape[1])
 
 
-def _take(
+def _candidates(depth: npt.NDArray[np.int32], background: int) -> npt.NDArray[np.int64]:
+    """Return the pixels that may be specks, counted line by line.
+
+    Most pixels lie close to the nearest in their neighbourhood.
+    """
+    behind = depth - _extreme(depth, np.minimum, background)
+    is_far = 2 * behind * STEP[1] > 2 * STEP[0] * (background - 1)
+    return np.flatnonzero(np.where(depth == background, behind > 0, is_far))
+
+
+def _extreme(image: npt.NDArray[Any], of: np.ufunc, outside: Any) -> npt.NDArray[Any]:
+    """Return the least or the largest value of each pixel's 3 x 3 neighbourhood."""
+    padded = np.pad(image, 1, constant_values=outside)
+    lines = of(of(padded[:-2], padded[1:-1]), padded[2:])
+    found: npt.NDArray[Any] = of(of(lines[:, :-2], lines[:, 1:-1]), lines[:, 2:])
+    return found
+
+
+def _round(
     depth: npt.NDArray[np.int32],
     owner: npt.NDArray[np.int32],
-    to: npt.NDArray[np.int64],
-    source: npt.NDArray[np.int32],
-) -> None:
-    """Copy depths and owners from pixels to others; both are counted line by line."""
+    background: int,
+    candidates: npt.NDArray[np.int64],
+) -> npt.NDArray[np.int64]:
+    """Close those of some pixels that are specks; return them, counted line by line."""
+    sources = np.empty(len(candidates), np.int64)
+    _find(depth, background, candidates, sources)
+    specks, sources = candidates[sources >= 0], sources[sources >= 0]
     for image in (depth, owner):
-        image.ravel()[to] = image.ravel()[source]
+        image.ravel()[specks] = image.ravel()[sources]
+    return specks
 
 
 def _one_pixel(
@@ -148,9 +160,9 @@ def _one_pixel(
     return np.stack([made, z << np.uint64(Z_FRACTION + config.z.lsb - LOW_BITS)], axis=1)
 
 
-@cached_njit(parallel=True)
-def _find(depth: Any, background: int, nearest: Any) -> None:
-    """Find the specks, and the neighbour that each takes its depth from.
+@cached_njit()
+def _find(depth: Any, background: int, pixels: Any, sources: Any) -> None:
+    """Find the neighbour that each speck takes its depth from.
 
     Parameters
     ----------
@@ -158,78 +170,44 @@ def _find(depth: Any, background: int, nearest: Any) -> None:
         Shape (height, width), int32.
     background
         Depth of pixels that nothing was drawn into.
-    nearest
-        Set where there is a speck to the number of the neighbour, counted line by line: shape of
-        ``depth``, int32.
+    pixels
+        Those that may be specks, counted line by line: shape (n,), int64.
+    sources
+        Set to the number of the neighbour, -1 if a pixel is no speck: shape (n,), int64.
     """
     height, width = depth.shape
-    for y in nb.prange(height):
-        ranked = np.empty(8, np.int64)
-        for x in range(width):
-            source = _source(depth, y, x, background, ranked)
-            if source >= 0:
-                nearest[y, x] = source
-
-
-@cached_njit()
-def _find_again(depth: Any, background: int, pixels: Any) -> Any:
-    """Return for each of some pixels what :func:`_find` would set, -1 if it is no speck."""
     ranked = np.empty(8, np.int64)
-    sources = np.empty(len(pixels), np.int32)
     for number, pixel in enumerate(pixels):
-        y, x = pixel // depth.shape[1], pixel % depth.shape[1]
-        sources[number] = _source(depth, y, x, background, ranked)
-    return sources
+        y, x = pixel // width, pixel % width
+        own, found = np.int64(depth[y, x]), 0
+        for line in range(max(y - 1, 0), min(y + 2, height)):
+            for column in range(max(x - 1, 0), min(x + 2, width)):
+                near = np.int64(depth[line, column])
+                if near != background and (line != y or column != x):
+                    # Depths in ascending order, each with the number of its pixel.
+                    value = near << NUMBER_BITS | line * width + column
+                    at = found
+                    while at > 0 and ranked[at - 1] > value:
+                        ranked[at] = ranked[at - 1]
+                        at -= 1
+                    ranked[at] = value
+                    found += 1
+        sources[number] = -1
+        if found and _is_speck(own, background, ranked, found):
+            sources[number] = ranked[(found - 1) // 2] & (1 << NUMBER_BITS) - 1
 
 
 @nb.njit(inline="always")
-def _source(depth: Any, y: int, x: int, background: int, ranked: Any) -> int:
-    """Return the neighbour that a speck takes its depth from, -1 if a pixel is no speck.
-
-    ``ranked`` is overwritten: shape (8,), int64.
-    """
-    height, width = depth.shape
-    top, bottom, left, right = max(y - 1, 0), min(y + 2, height), max(x - 1, 0), min(x + 2, width)
-    # Most pixels lie close to the nearest in their neighbourhood.
-    own = np.int64(depth[y, x])
-    least = own
-    for line in range(top, bottom):
-        for column in range(left, right):
-            least = min(least, np.int64(depth[line, column]))
-    is_close = not _is_far(2 * (own - least), background)
-    if least == own or (is_close and own != background):
-        return -1
-    found = 0
-    for line in range(top, bottom):
-        for column in range(left, right):
-            near = np.int64(depth[line, column])
-            if near != background and (line != y or column != x):
-                # Depths in ascending order, each with the number of its pixel.
-                value = near << NUMBER_BITS | line * width + column
-                at = found
-                while at > 0 and ranked[at - 1] > value:
-                    ranked[at] = ranked[at - 1]
-                    at -= 1
-                ranked[at] = value
-                found += 1
+def _is_speck(own: int, background: int, ranked: Any, found: int) -> bool:
+    """Return whether a pixel is a speck, by its own depth and those of its drawn neighbours."""
     if own == background:
-        is_speck = found >= ENCLOSED
-    else:
-        # The median of an even number of depths is the mean of two. Those below it are neighbours'
-        # if the own depth is above.
-        low = ranked[found // 2] >> NUMBER_BITS
-        high = low
-        if found % 2:
-            high = own
-            if found > 1:
-                high = min(ranked[found // 2 + 1] >> NUMBER_BITS, own)
-        is_speck = _is_far(2 * own - low - high, background)
-    if not is_speck:
-        return -1
-    return ranked[(found - 1) // 2] & (1 << NUMBER_BITS) - 1
-
-
-@nb.njit(inline="always")
-def _is_far(twice: Any, background: int) -> Any:
-    """Return whether half of a difference of depths is more than ``STEP``."""
-    return twice * STEP[1] > 2 * STEP[0] * (background - 1)
+        return found >= ENCLOSED
+    # The median of an even number of depths is the mean of two. Those below it are neighbours' if
+    # the own depth is above.
+    low = ranked[found // 2] >> NUMBER_BITS
+    high = low
+    if found % 2:
+        high = own
+        if found > 1:
+            high = min(ranked[found // 2 + 1] >> NUMBER_BITS, own)
+    return (2 * own - low - high) * STEP[1] > 2 * STEP[0] * (background - 1)
