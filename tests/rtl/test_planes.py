@@ -26,6 +26,11 @@ from tests.support.codewords import random_tables
 from tests.support.engines import engine
 from tests.support.planted import plant, play_with
 
+ENGINES = [
+    pytest.param(config, marks=[pytest.mark.thorough] if config is pw.DEEP else [])
+    for config in pw.CONFIGS
+]
+
 FAULTS = {
     "no slope of the lower half": (Tiler, "_plane", r"lower \+ past", "past"),
     "the wrong group of lines": (Tiler, "_plane", r"past\[i\]", "past[0]"),
@@ -90,7 +95,7 @@ def faulty_jobs():
     ]
 
 
-@pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
+@pytest.mark.parametrize("config", ENGINES, ids=lambda config: config.name)
 def test_random_words_are_drawn_as_golden_draws_them(config):
     played = jobs(config, range(6))
     assert mismatches(played, frames.play(played, built=engine(config))) == [0] * 6
@@ -106,7 +111,7 @@ def test_a_frame_starts_from_a_raster_and_another_follows():
         assert raster.mismatches(golden.render(frame)) == 0
 
 
-@pytest.mark.parametrize("config", pw.CONFIGS, ids=lambda config: config.name)
+@pytest.mark.parametrize("config", ENGINES, ids=lambda config: config.name)
 def test_every_extreme_of_slopes_scale_and_depth_at_every_place(config):
     played = [frames.Job(frame=frame) for frame in pw.extreme_frames(config)]
     assert mismatches(played, frames.play(played, built=engine(config))) == [0] * len(played)
@@ -140,6 +145,7 @@ def test_a_wide_engine_draws_beyond_column_2048():
     assert not drawn[:, :2048].any()  # the scene
 
 
+@pytest.mark.thorough
 def test_a_chain_of_two_draws_the_parts_over_each_other():
     """``tests/rtl/chain`` has chains of blocks, without planes."""
     frame, other = (job.frame for job in jobs(pw.FLAT, (9, 10)))

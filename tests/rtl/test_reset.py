@@ -58,7 +58,7 @@ def wrong_pixels(draw, config, edges):
 @in_icarus
 @pytest.mark.parametrize(
     "config, edges",
-    [(PAPER, 1), (PAPER, 4), (PLANE, 1), (PLANES, 1)],
+    [(PAPER, 1), (PAPER, 4), (PLANE, 1), pytest.param(PLANES, 1, marks=pytest.mark.thorough)],
     ids=["paper-1", "paper-4", "plane-1", "planes-1"],
 )
 def test_the_first_frame_after_a_short_reset_is_right(config, edges):
@@ -77,7 +77,9 @@ def test_the_first_frame_on_axi_in_every_edition_of_verilog(edition, edges):
 
 
 @in_icarus
-@pytest.mark.parametrize("config", [BLOCKS, PLANE], ids=["blocks", "plane"])
+@pytest.mark.parametrize(
+    "config", [pytest.param(BLOCKS, marks=pytest.mark.thorough), PLANE], ids=["blocks", "plane"]
+)
 def test_the_first_frame_of_other_engines_on_axi(config):
     frame = clean(config, 3, 20)
     with SimulatedDevice(config, built=build_axi(config, "icarus"), reset_edges=1) as device:

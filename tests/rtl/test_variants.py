@@ -22,7 +22,7 @@ from tests.support.random_frames import frame_of, nonsense, random_raster, shape
 
 FULL = test_presets.FULL
 PLAYED = [
-    config
+    pytest.param(config, marks=[] if config.name == "largest" else pytest.mark.thorough)
     for config in VARIANTS
     if os.environ.get("SPLATLINE_TEST_VARIANTS") == "all" or config.name in ("largest", "depth16")
 ]

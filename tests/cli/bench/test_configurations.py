@@ -30,6 +30,7 @@ def tools(monkeypatch):
     monkeypatch.setattr(bench_configurations, "tool_versions", lambda kind: {kind: "1.0"})
 
 
+@pytest.mark.thorough
 def test_every_point_has_its_cycles_its_resources_and_its_clock(run, folder, tools):
     result = run("bench", "configurations", *SHORT, "--splats", "auto", "--clock", "--out-dir", "o")
     assert result.exit_code == 0, result.output

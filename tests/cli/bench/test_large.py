@@ -25,6 +25,7 @@ def test_a_scan_covers_the_terrain_evenly_in_map_coordinates(tmp_path):
     assert (tmp_path / "a.laz").read_bytes() == (tmp_path / "b.laz").read_bytes()
 
 
+@pytest.mark.thorough
 def test_every_way_is_measured(tmp_path):
     pytest.importorskip("distributed", reason="needs the extra dask")
     arguments = ["--points=30000", "--size=64x64", "--preset=rgb24", "--memory=501M"]

@@ -80,6 +80,7 @@ def test_rows_are_those_of_one_machine_and_are_made_as_they_are_taken(settled, a
     assert 0 < picture.traffic.bytes < 3 * 4 * np.prod(SIZE) * 8
 
 
+@pytest.mark.thorough
 def test_a_worker_lost_among_the_rows_changes_nothing(settled, alone):
     with open_cluster("local") as client:
         workers = client.run(os.getpid)

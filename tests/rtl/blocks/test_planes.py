@@ -101,7 +101,11 @@ def unkind():
         return wrap(collide(edit(generate(SWIFT_PLANE)[0])), SWIFT_PLANE)
 
 
-@pytest.mark.parametrize("config", [DEEP, FLAT], ids=lambda config: config.name)
+@pytest.mark.parametrize(
+    "config",
+    [pytest.param(DEEP, marks=pytest.mark.thorough), FLAT],
+    ids=lambda config: config.name,
+)
 def test_random_words_are_drawn_as_golden_draws_them(config):
     played = jobs(config, range(6))
     assert mismatches(played, frames.play(played)) == [0] * 6

@@ -149,9 +149,10 @@ def test_plane_words_of_any_bits_are_golden_s(plane_device):
     ("config", "beat_bytes", "words"),
     [
         # The driver knows no preset like the first, which has 6 bits a channel.
-        (
+        pytest.param(
             PAPER.replace(channel_bits=6, pixels_per_word=8, coefficient_bits=12, colour_shift=12),
             *(32, 3),
+            marks=pytest.mark.thorough,
         ),
         (RGB24, 32, 2),
     ],

@@ -242,7 +242,7 @@ def test_the_verilog_has_each_part_once_and_a_port_for_each_engine():
     assert description["latency"]["codeword_to_memory_cycles"] == 4
 
 
-@pytest.mark.parametrize("link", LINKS)
+@pytest.mark.parametrize("link", [pytest.param("merge", marks=pytest.mark.thorough), "load"])
 def test_engines_whose_beats_have_two_words(link):
     """Joined as others are, and loaded as a whole."""
     rng = np.random.default_rng(12)

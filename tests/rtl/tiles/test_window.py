@@ -260,7 +260,7 @@ def test_window_draws_every_frame(config):
 
 @pytest.mark.parametrize(
     ("config", "edit"),
-    [(PAPER, collide), (PAIRED, collide_pairs)],
+    [(PAPER, collide), pytest.param(PAIRED, collide_pairs, marks=pytest.mark.thorough)],
     ids=["paper", "paired"],
 )
 def test_no_pixel_counts_that_two_ports_have_at_once(config, edit):

@@ -147,6 +147,7 @@ def test_loader_offers_words_as_their_lines_enter(block_simulator, config):
     run_bench(config, Loader, __file__, simulator_name=block_simulator)
 
 
+@pytest.mark.thorough
 def test_a_simulator_that_is_compiled_in_parts_runs_the_same(monkeypatch):
     """As those of large engines are, outside the tests."""
     monkeypatch.setattr(simulator, "MANY_CHARACTERS", 0)

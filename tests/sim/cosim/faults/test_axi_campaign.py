@@ -5,6 +5,8 @@ from splatline.rtl.bus.codeword_check import CodeWordCheck
 from splatline.rtl.bus.stream_guard import StreamGuard
 from tests.sim.cosim.faults.planted_campaign import PlantedCampaign
 
+pytestmark = pytest.mark.thorough  # of what `make faults` does
+
 FAULTS = {
     "no end is put in": (StreamGuard, "elaborate", r"\(word\.last \| cut\)", "cut"),
     "partial words are drawn": (

@@ -16,6 +16,8 @@ OPEN = [
 ]
 """Table writes within a frame, a frame before its tables."""
 
+pytestmark = pytest.mark.thorough  # of what `make faults` does
+
 FAULTS = {
     "table writes are taken within a frame": OPEN[0],
     "a frame opens before its tables": OPEN[1],

@@ -52,6 +52,7 @@ def test_the_bench_passes(bench, preset):
     assert re.search(r"^PASS: \d\d\d beats", done.stdout, re.MULTILINE)
 
 
+@pytest.mark.thorough
 @needs_icarus
 @pytest.mark.parametrize("preset", ["plane"])
 def test_the_bench_of_the_axi_top_passes(tmp_path, preset):
