@@ -40,6 +40,14 @@ def limited_memory():
 
 def fault_of(path: Path) -> tuple[str, str]:
     """Read a file; return whether it is a cloud or refused, and what is wrong with that."""
+    outcome, fault, taken = _read(path)
+    if taken > LONGEST:  # Python may have collected all its garbage meanwhile
+        taken = min(taken, _read(path)[2])
+    return outcome, fault or (f"took {taken:.2f} s" if taken > LONGEST else "")
+
+
+def _read(path: Path) -> tuple[str, str, float]:
+    """Read a file; return the outcome, what is wrong with it, and the time that it took."""
     start = time.process_time()
     fault = ""
     with warnings.catch_warnings():
@@ -56,8 +64,7 @@ def fault_of(path: Path) -> tuple[str, str]:
                 fault = f"the message is {text[:600]!r}"
         except BaseException:
             outcome, fault = "failed", traceback.format_exc()
-    taken = time.process_time() - start
-    return outcome, fault or (f"took {taken:.2f} s" if taken > LONGEST else "")
+    return outcome, fault, time.process_time() - start
 
 
 def load_readers(samples: list[Sample], folder: Path) -> None:
