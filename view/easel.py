@@ -135,7 +135,7 @@ class Easel:
     def _draw_quickly(self, sight: Sight, resting: bool) -> list[Output]:
         """Draw a picture of one sample a pixel, as coarse as it must be to be in time.
 
-        It has its specks: to close them takes half of the time of a picture.
+        It has its specks: to close them takes most of a frame's time again.
         """
         divisor = self._pace.divisor
         width, height = (max(round(side / divisor), 1) for side in sight.size)

@@ -134,7 +134,7 @@ def _draw(low: Any, high: Any, lines: Any, bands: Any, layout: Any, depth: Any, 
                 line = lines[i] - ROWS + row
                 if top <= line < bottom:
                     for c in range(block[row, 0], min(block[row, 1], width - 1 - x) + 1):
-                        # Nothing behind the background is drawn: it was there before.
+                        # Nothing is drawn at the depth of the background, or behind it.
                         z = max(start + a * c + b * row >> SUM_FRACTION, 0)
                         if z < depth[line, x + c]:
                             depth[line, x + c] = z
