@@ -178,12 +178,16 @@ class BlockFlushScan(wiring.Component):
     def _look(self, m, frame_overlap, line, written, clean, left):
         """Look at a line a cycle ahead, while the line above it is still there."""
         config = self.config
-        here, empty = Signal(), Signal()  # ``line`` is retired, and dirty or clean
-        known, goes = Signal(), Signal()
-        leaving, jumps = Signal(), Signal()
+        here = Signal()  # ``line`` is retired and dirty
+        empty = Signal()  # ``line`` is retired and clean
+        known = Signal()
+        goes = Signal()
+        leaving = Signal()
+        jumps = Signal()
         free = Signal()  # nothing keeps the window from the line at ``top``
         looked_at = Signal.like(line)  # ``line``, or the next one once ``line`` is known
-        complete, loaded = Signal(), Signal()  # the line that is looked at
+        complete = Signal()  # of the line that is looked at, as is ``loaded``
+        loaded = Signal()
         m.d.comb += [
             known.eq(here | empty),
             goes.eq(left | empty),
@@ -243,7 +247,8 @@ class BlockFlushScan(wiring.Component):
         beats, first, behind = (
             Signal(1 << mark_bits(config), name=name) for name in ("beats", "first", "behind")
         )
-        asked_stretch, oldest = Signal.like(stretch), Signal.like(line)
+        asked_stretch = Signal.like(stretch)
+        oldest = Signal.like(line)
         turns = Signal()
         m.d.comb += [
             first.eq(beats & (~beats + 1)),
@@ -290,9 +295,11 @@ class BlockFlushScan(wiring.Component):
         config = self.config
         now, before = (Signal(1 << stretch_bits(config), name=name) for name in ("now", "before"))
         reach = Signal.like(now)
-        turn, turned = Signal(), Signal()
+        turn = Signal()
+        turned = Signal()
         low = 1 + mark_bits(config)  # of a word's number, within its stretch
-        own, beyond = Signal.like(now), Signal()
+        own = Signal.like(now)
+        beyond = Signal()
         loaded = 1 << self.load_word[low:]
         m.d.comb += [
             turned.eq(line[config.slot_bits] != turn),

@@ -124,7 +124,8 @@ class PlaneLaneRow(LaneRow):
         caught, words = stages.caught, written.shape()
         hidden, again = (Signal(words, name=name, reset_less=True) for name in ("hidden", "again"))
         count = self.config.pixels_per_word
-        forwards, behind = Signal(count, reset_less=True), Signal(count)
+        forwards = Signal(count, reset_less=True)
+        behind = Signal(count)
         m.d.comb += behind.eq(
             Cat(new >= last for new, last in zip(stages.before, stages.depth, strict=True))
         )

@@ -122,7 +122,10 @@ class BlockTiler(wiring.Component):
         element = self.i.payload
         # Four stages: the element's rows; the rows rotated to the columns of lanes; the pixels in
         # their lanes; the block with ``touch`` and ``rows``.
-        shaped, there, laid, offered = Signal(), Signal(), Signal(), Signal()
+        shaped = Signal()
+        there = Signal()
+        laid = Signal()
+        offered = Signal()
         # They move on together and keep gaps between elements, because ``o.ready`` is late.
         steps = Signal()
         m.d.comb += [
@@ -162,7 +165,8 @@ class BlockTiler(wiring.Component):
         # ``near``: the lines of the last stage's element are in the window. It is a register,
         # because all stages before stall for it. While an element waits, the next one is not
         # compared: when it comes, its lines count as missing.
-        near, waiting = Signal(), Signal()
+        near = Signal()
+        waiting = Signal()
         wanted, mode = Mux(waiting, top, lanes.top), waiting & last.mode
         behind = Signal(signed(len(top) + 1))
         left = Signal(self.config.slot_bits)  # lines from ``wanted`` to the slot that is cleared
@@ -320,7 +324,8 @@ class BlockTiler(wiring.Component):
         next group.
         """
         top, left = turned.top, turned.groups
-        here, past = Signal(BLOCK), Signal(BLOCK)
+        here = Signal(BLOCK)
+        past = Signal(BLOCK)
         for q in range(BLOCK):
             low = self.last_line[:3] >= q
             m.d.comb += [

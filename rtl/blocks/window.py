@@ -166,7 +166,8 @@ class BlockWindow(wiring.Component):
         with m.If(sweeping):
             m.d.sync += [sweep.eq(sweep + 1), sweeping.eq(~sweep.all())]
         # Two cycles longer: the last pixels are still to be written.
-        swept, just_swept = Signal(init=1), Signal(init=1)
+        swept = Signal(init=1)
+        just_swept = Signal(init=1)
         m.d.sync += [just_swept.eq(sweeping), swept.eq(sweeping | just_swept)]
         return Clearing(sweeping, sweep, swept)
 
@@ -214,11 +215,17 @@ class BlockWindow(wiring.Component):
         row_served = Signal(BLOCK)  # its row of lanes
         m.d.comb += row_served.eq(1 << service.line[:bits])
 
-        offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
+        offered = Signal()
+        going = Signal()
+        loading = Signal()
+        flushing = Signal()
         wanted = Signal(BLOCK)  # rows of lanes that the block draws into
-        meeting, marking = Signal(), Signal()  # one of them is the flush's, the dirty bits'
+        meeting = Signal()  # one of ``wanted`` is the flush's
+        marking = Signal()  # one of ``wanted`` is the dirty bits'
         leaves = Signal()  # a flush is requested, and there is room for it
-        lagging, first, marks_first = Signal(), Signal(), Signal()
+        lagging = Signal()
+        first = Signal()
+        marks_first = Signal()
         pressing = Signal()  # a load goes, and no block
         refused = Signal()  # a load was refused in the cycle before
         busy = Signal(BLOCK)
@@ -281,7 +288,8 @@ class BlockWindow(wiring.Component):
         Loads of the lines six and seven below ``top``, modulo 8, go beside the elements, in the
         same two rows. Loads of other lines have priority.
         """
-        above, distance = Signal(3), Signal(3)
+        above = Signal(3)
+        distance = Signal(3)
         m.d.comb += [
             above.eq(self.i.payload.top[:3] - flush_scan.oldest[:3]),
             distance.eq(load.line[:3] - self.i.payload.top[:3]),

@@ -66,7 +66,8 @@ class Fifo(wiring.Component):
             ]
             return m
         held = Signal(width, reset_less=True)
-        valid, takes = Signal(), Signal()
+        valid = Signal()
+        takes = Signal()
         m.d.comb += [
             takes.eq(~valid | self.o.ready),
             self.o.payload.eq(held),

@@ -187,7 +187,8 @@ class TileFlushScan(wiring.Component):
         first = Signal.like(pairs)
         second_word = Signal()
         stretch = Signal.like(next_stretch, name="stretch")
-        asking, asked = Signal(), Signal()
+        asking = Signal()
+        asked = Signal()
         moves = Signal()
         pair = Signal(mark_bits(config) + len(stretch))
         m.d.comb += [
@@ -232,7 +233,8 @@ class TileFlushScan(wiring.Component):
         config = self.config
         now, before = (Signal(stretches(config), name=name) for name in ("now", "before"))
         reach = Signal.like(now)
-        turn, turned = Signal(), Signal()
+        turn = Signal()
+        turned = Signal()
         m.d.comb += turned.eq(self.oldest[config.slot_bits] != turn)
         own = [1 << word[1 + mark_bits(config) :] for word in self.words]
         loaded = 1 << self.load_word[1 + mark_bits(config) :]

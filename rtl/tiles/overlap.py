@@ -17,13 +17,16 @@ def overlap(m, tile, before):
     tile, before
         The tiles, views of :class:`TileLayout` or :class:`PlaneTileLayout`.
     """
-    same, after, ahead = Signal(), Signal(), Signal()
+    same = Signal()
+    after = Signal()
+    ahead = Signal()
     m.d.comb += [
         same.eq(tile.words[0] == before.words[0]),
         after.eq(tile.words[1] == before.words[0]),
         ahead.eq(tile.words[0] == before.words[1]),
     ]
-    lines, columns = Signal(len(tile.group)), Signal(len(tile.next))
+    lines = Signal(len(tile.group))
+    columns = Signal(len(tile.next))
     for i in range(len(lines)):
         m.d.comb += lines[i].eq(tile.group[i] == before.group[i])
     for j in range(len(columns)):

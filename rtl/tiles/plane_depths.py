@@ -53,7 +53,9 @@ class PlaneDepths(wiring.Component):
     def elaborate(self, platform):
         """Build the circuit."""
         m = Module()
-        tile, valid, step = self.i.payload, Signal(), Signal()
+        tile = self.i.payload
+        valid = Signal()
+        step = Signal()
         given = Signal(TileLayout(self.config), reset_less=True)
         top = Signal(tile.top.shape(), name="given_top", init=-len(tile.group))
         shaded = Signal(self.config.colour_bits, reset_less=True)

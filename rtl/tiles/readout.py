@@ -79,7 +79,8 @@ class TileReadout(wiring.Component):
         emit_valid = Signal()
         emit = Signal(RasterLayout(config), reset_less=True)
         dropped = Signal()
-        take, over = Signal(), Signal()
+        take = Signal()
+        over = Signal()
         visible = Signal(config.pixels_per_word)
         leaves, word = flushed, place.word
         if self.pairs:

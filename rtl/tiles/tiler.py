@@ -122,7 +122,8 @@ class Tiler(wiring.Component):
         shape, raised, shifted = self._shape(m, element)
         # First column of the tile, from the left edge of the word that X lies in, and its first
         # line modulo 4. Lower tiles may lie a line higher or a column further right.
-        place, turn = Signal(self.config.pixel_bits + 1), Signal(2)
+        place = Signal(self.config.pixel_bits + 1)
+        turn = Signal(2)
         m.d.comb += [
             place.eq(held["x"][: self.config.pixel_bits] + (lower & shifted)),
             turn.eq(held["top"][:2] - (lower & raised)),

@@ -209,13 +209,19 @@ class TileWindow(wiring.Component):
         tile, running = self.i.payload, readout.running
         asks, serving, place, line = service
         sweeping, _, swept = clearing
-        offered, going, loading, flushing = Signal(), Signal(), Signal(), Signal()
+        offered = Signal()
+        going = Signal()
+        loading = Signal()
+        flushing = Signal()
         wanted = Signal(SIDE)  # rows of lanes that the tile draws into
-        first, meeting, lagging = Signal(), Signal(), Signal()
+        first = Signal()
+        meeting = Signal()
+        lagging = Signal()
         pressing = Signal()  # a load goes, and no tile
         drawn = Signal()  # a tile went in the cycle before
         refused = Signal()  # a load was refused in the cycle before
-        conflict, stopped = Signal(), Signal()
+        conflict = Signal()
+        stopped = Signal()
         busy = Signal(SIDE)
         taking = flush_scan.taking
         if self.config.flush_words == 2:

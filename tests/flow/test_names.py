@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from splatline.contract.presets import LANES8, PAPER, SWIFT
+from splatline.contract.presets import LANES8, PAPER, PLANE, SWIFT
 from splatline.contract.variants import SHAPED
 from splatline.flow.area.synth import NAME
 from splatline.flow.chain_verilog import generate_chain
@@ -23,7 +23,7 @@ NARROW = PAPER.replace(name="narrow", pixels_per_word=2, window_lines=8)
 TEXTS = [
     *((PAPER, top) for top in TOPS),
     # Their other tops bring no other name.
-    *((config, "engine") for config in (SHAPED[0], SWIFT, LANES8)),
+    *((config, "engine") for config in (SHAPED[0], SWIFT, LANES8, PLANE)),
     (NARROW, "merge"),
     (NARROW, "load"),
 ]
@@ -51,6 +51,8 @@ def test_modules_ports_and_instances_have_plain_names(config, top):
     assert len(ports) > 20 < len(pins)
     for name in (*names, *ports, *pins, *(name for _, name in instances)):
         assert is_identifier(name), name
+    # Amaranth names a signal so if it finds no variable, as in ``a, b = Signal(), Signal()``.
+    assert not re.search(r"\bsignal(_\d+)?\b", text)
 
 
 @pytest.mark.parametrize("name", ["module", "2nd", "a-b", "a$b", "", "\\a", "größe", "logic"])
