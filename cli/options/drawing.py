@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -165,13 +164,12 @@ def draw(
             "run": f"Simulating the Verilog{which}",
         }
         with Stages().stages(steps) as tell:
-            share = functools.partial(tell, "run")
             if engines is not None:
-                run = _simulate_chain(each, link, stall, seed, share)
+                run = _simulate_chain(each, link, stall, seed, tell)
             elif engine == "axi":
-                run = _simulate_on_buses(each[0], stall, seed, share)
+                run = _simulate_on_buses(each[0], stall, seed, tell)
             else:
-                run = _simulate(each[0], stall, seed, share)
+                run = _simulate(each[0], stall, seed, tell)
         runs.append(run)
     for run in runs:
         for name, value in run.seconds.items():
@@ -181,21 +179,21 @@ def draw(
 
 
 def _simulate_chain(
-    parts: list[Frame], link: str, stall: float, seed: int, share: Callable[[float], None]
+    parts: list[Frame], link: str, stall: float, seed: int, tell: Callable[[str, float], None]
 ) -> Outcome:
     """Simulate the Verilog of a chain."""
     with _simulation_errors():
         from splatline.sim.cosim.player.chains import simulate_parts
 
-        return simulate_parts(parts, link=link, stall=stall, seed=seed, progress=share)
+        return simulate_parts(parts, link=link, stall=stall, seed=seed, progress=tell)
 
 
-def _simulate(frame: Frame, stall: float, seed: int, share: Callable[[float], None]) -> Outcome:
+def _simulate(frame: Frame, stall: float, seed: int, tell: Callable[[str, float], None]) -> Outcome:
     """Simulate the Verilog of an engine."""
     with _simulation_errors():
         from splatline.sim.cosim.player.frames import simulate_frame
 
-        return simulate_frame(frame, stall=stall, seed=seed, progress=share)
+        return simulate_frame(frame, stall=stall, seed=seed, progress=tell)
 
 
 def simulate_all(frames: Sequence[Frame], stall: float, seed: int) -> list[Outcome]:
@@ -209,13 +207,13 @@ def simulate_all(frames: Sequence[Frame], stall: float, seed: int) -> list[Outco
 
 
 def _simulate_on_buses(
-    frame: Frame, stall: float, seed: int, share: Callable[[float], None]
+    frame: Frame, stall: float, seed: int, tell: Callable[[str, float], None]
 ) -> Outcome:
     """Simulate the Verilog of an engine on AXI."""
     with _simulation_errors():
         from splatline.sim.cosim.axi.axi_frames import simulate_on_buses
 
-        return simulate_on_buses(frame, stall=stall, seed=seed, progress=share)
+        return simulate_on_buses(frame, stall=stall, seed=seed, progress=tell)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tempfile
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from amaranth.lib import wiring
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
 from splatline.flow.timing.logic_levels import longest_path
+from splatline.flow.tool_progress import part_of
 from splatline.flow.tools import ToolError, run_yosys
 from splatline.flow.tops import TOPS
 from splatline.flow.verilog import convert
@@ -69,7 +71,12 @@ LUT_MEMORIES = {
 MEMORY_CELLS = ("RAM16X", "RAM32X", "RAM64X", "RAM128X")
 
 
-def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
+def synthesise(
+    config: EngineConfig = PAPER,
+    *,
+    top: str = "engine",
+    progress: Callable[[float], None] | None = None,
+) -> dict:
     """Return an engine's resources in the XC2V250, as Yosys counts them.
 
     The engine is synthesised flat. A second run with the hierarchy counts the modules. Their sum
@@ -81,6 +88,8 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
         The engine's configuration.
     top
         The top module: one of :data:`splatline.flow.tops.TOPS`.
+    progress
+        Called with the share of both runs of Yosys that is done.
 
     Returns
     -------
@@ -102,8 +111,8 @@ def synthesise(config: EngineConfig = PAPER, *, top: str = "engine") -> dict:
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "engine.v").write_text(text)
-        parts = _yosys(folder, NAME, "")
-        cells = _yosys(folder, NAME, " -flatten")[NAME]
+        parts = _yosys(folder, NAME, "", part_of(progress, 0.0, 0.5))
+        cells = _yosys(folder, NAME, " -flatten", part_of(progress, 0.5, 1.0))[NAME]
         netlist = json.loads((folder / "netlist.json").read_text())
     counts = _count(cells)
     modules = {_instance(module, NAME): _count(found) for module, found in sorted(parts.items())}
@@ -186,13 +195,15 @@ def _difference(counts: dict[str, int]) -> dict[str, dict[str, float]]:
     }
 
 
-def _yosys(folder: Path, top: str, option: str) -> dict[str, dict[str, int]]:
+def _yosys(
+    folder: Path, top: str, option: str, progress: Callable[[float], None] | None = None
+) -> dict[str, dict[str, int]]:
     """Return the cells of each module after synthesis; leave the netlist in ``netlist.json``."""
     script = (
         f"read_verilog engine.v; {COMMAND}{option} -top {top}; "
         "tee -o stat.json stat -tech xilinx -json; write_json netlist.json"
     )
-    run_yosys(script, folder)
+    run_yosys(script, folder, progress)
     modules = json.loads((folder / "stat.json").read_text())["modules"]
     return {
         module.lstrip("\\"): {

@@ -16,6 +16,7 @@ from splatline.contract.presets import PAPER
 from splatline.flow.narrow_verilog import generate_pins
 from splatline.flow.netlist import pin_netlist
 from splatline.flow.scanned_verilog import generate_scanned_axi, generate_scanned_framebuffer
+from splatline.flow.tool_progress import part_of
 from splatline.flow.tools import ToolError, run_ecppack, run_nextpnr, run_yosys
 
 from .ecp5 import Device, choose
@@ -106,7 +107,7 @@ def place_and_route(
     script
         File for the floorplan as a Yosys script; None: none.
     progress
-        Called with the share of the tools' runs that are done, after each.
+        Called with the share of the tools' runs that is done.
 
     Returns
     -------
@@ -133,15 +134,19 @@ def place_and_route(
         limits += f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
         synthesis = synthesis_options(config)
-        run_yosys("; ".join(synthesis_script(config, synthesis, name, folder)), folder)
+        step = 1.0 / (tries + 1)
+        run_yosys(
+            "; ".join(synthesis_script(config, synthesis, name, folder)),
+            folder,
+            part_of(progress, 0.0, step),
+        )
         chosen, sites = _floorplan(config, folder / "top.json", name, device)
         options = [chosen.option, *OPTIONS, *placer(config)]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {}
         for done, number in enumerate(range(seed, seed + tries), 1):
-            if progress is not None:
-                progress(done / (tries + 1))
-            reports[number] = _route(folder, [*route, str(number)], number)
+            share = part_of(progress, done * step, (done + 1) * step)
+            reports[number] = _route(folder, [*route, str(number)], number, share)
         best = max(reports, key=lambda n: reports[n]["fmax_mhz"])
         if script is not None:
             atomic_write(script, floorplan_script(sites, chosen).encode())
@@ -225,11 +230,13 @@ def synthesis_script(
     ]
 
 
-def _route(folder: Path, route: list[str], seed: int) -> dict:
+def _route(
+    folder: Path, route: list[str], seed: int, progress: Callable[[float], None] | None
+) -> dict:
     """Place and route with a seed; return the report."""
     files = ["--textcfg", f"{seed}.config", "--report", "report.json"]
     # A missed target is a result, not a failure.
-    run_nextpnr([*route, *files, "--timing-allow-fail"], folder)
+    run_nextpnr([*route, *files, "--timing-allow-fail"], folder, progress)
     return read_report(json.loads((folder / "report.json").read_text()))
 
 

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -20,6 +20,7 @@ from typing import Any
 
 from splatline.contract.errors import InputError, install_hint
 from splatline.sim.cosim import without_pytest
+from splatline.sim.cosim.watch import watched
 from splatline.sim.cosim.without_pytest import REWRITTEN
 
 __all__ = ["SIMULATORS", "Build", "SimulationError", "available", "build", "run"]
@@ -41,6 +42,9 @@ _BUILD_ARGS = {
 MANY_CHARACTERS = 1_200_000
 """Length of Verilog from which on its C++ is split into parts. Two compilers in parallel then gain
 more time than the precompiled headers cost."""
+
+LIBRARY_FILES = 5
+"""Files of Verilator's run-time library, and of cocotb's, that are compiled with a design."""
 
 _IN_PARTS = ["--output-split", "20000"]
 
@@ -136,6 +140,7 @@ def build(
     parameters: Mapping[str, int] | None = None,
     visible: Sequence[tuple[str, str]] = (),
     options: Sequence[str] = (),
+    progress: Callable[[float], None] | None = None,
 ) -> Build:
     """Build a simulator from Verilog, or return the cached build of the same Verilog.
 
@@ -154,6 +159,8 @@ def build(
         Further signals that cocotb may read, as pairs of module and signal name.
     options
         Further arguments of the simulator, such as ``-g2001`` of Icarus.
+    progress
+        Called now and then with the share of Verilator's build that is done, from another thread.
 
     Raises
     ------
@@ -205,7 +212,10 @@ def build(
         paths = _write_sources(work, sources, top, simulator, visible)
         log = Path(scratch) / "build.log"
         try:
-            with _tools_on_path(_make_flags(parts=parts)):
+            with (
+                _tools_on_path(_make_flags(parts=parts)),
+                watched(lambda: _share(work, parts=parts), progress),
+            ):
                 _runner(simulator).build(
                     sources=paths,
                     hdl_toplevel=top,
@@ -221,6 +231,14 @@ def build(
         with contextlib.suppress(OSError):  # another process finished the same build first
             work.rename(folder)
     return Build(folder, top, simulator, reused=False)
+
+
+def _share(folder: Path, *, parts: bool) -> float:
+    """Return the share of Verilator's build in a folder that is done: one of its files a step."""
+    if not any(folder.glob("*.mk")):
+        return 0.0  # Verilator still reads the Verilog
+    own = len(list(folder.glob("Vtop*.cpp"))) if parts else 1
+    return (1 + len(list(folder.glob("*.o")))) / (1 + LIBRARY_FILES + own)
 
 
 def _is_whole(folder: Path, top: str) -> bool:

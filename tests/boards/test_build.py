@@ -52,7 +52,7 @@ def tools(monkeypatch):
     """Put tools in place that take no time; the router reports what the returned dict has."""
     reported = {}
 
-    def route(arguments, folder):
+    def route(arguments, folder, progress):
         rows = {cell: {"used": 1, "available": 2} for cell in RESOURCES}
         report = {"fmax": reported, "utilization": rows}
         (folder / "report.json").write_text(json.dumps(report))
@@ -61,7 +61,7 @@ def tools(monkeypatch):
         (folder / "top.bit").write_bytes(b"bits")
 
     monkeypatch.setattr(build, "system_files", lambda soc: {"board.v": ""})
-    monkeypatch.setattr(build, "run_yosys", lambda script, folder: None)
+    monkeypatch.setattr(build, "run_yosys", lambda script, folder, progress: None)
     monkeypatch.setattr(build, "run_nextpnr", route)
     monkeypatch.setattr(build, "run_ecppack", pack)
     return reported

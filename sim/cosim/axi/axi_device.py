@@ -41,10 +41,12 @@ def build_axi(
     *,
     edit: Callable[[str], str] = lambda text: text,
     options: Sequence[str] = (),
+    progress: Callable[[float], None] | None = None,
 ) -> Build:
     """Build the simulator of an AXI top, or return its cached build.
 
     ``edit`` changes the Verilog, such as to plant a fault. ``options`` are the simulator's.
+    ``progress`` is called now and then with the share of the build that is done.
     """
     return simulator.build(
         {"splatline.v": edit(_verilog(config))},
@@ -52,6 +54,7 @@ def build_axi(
         simulator=simulator_name,
         visible=VISIBLE,
         options=options,
+        progress=progress,
     )
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 from splatline.contract.frame import Frame
 from splatline.contract.raster_beats import from_beats
 from splatline.host.device.driver import Engine, EngineError
 from splatline.sim.cosim.player.jobs import Outcome
 from splatline.sim.cosim.simulator import SimulationError
+from splatline.sim.cosim.watch import Progress, share_of
 
 from .axi_device import SimulatedDevice, build_axi
 
@@ -24,7 +24,7 @@ def simulate_on_buses(
     *,
     stall: float = 0.0,
     seed: int = 1,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Outcome:
     """Draw one frame with the Verilog of the AXI top, through the driver.
 
@@ -37,7 +37,7 @@ def simulate_on_buses(
     seed
         Seed of the random stalls.
     progress
-        Called with 0 once the simulator is built.
+        Called with ``build`` and the share of it that is done, and with ``run`` once it begins.
 
     Raises
     ------
@@ -51,10 +51,10 @@ def simulate_on_buses(
     if not 0.0 <= stall < 1.0:
         raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
     begin = time.perf_counter()
-    built = build_axi(frame.config)
+    built = build_axi(frame.config, progress=share_of(progress, "build"))
     seconds = {"build": time.perf_counter() - begin}
     if progress is not None:
-        progress(0.0)
+        progress("run", 0.0)
     begin = time.perf_counter()
     most = CYCLES_A_WORD * (len(frame.codewords) + frame.width * frame.height)
     limit = int(most / (1.0 - stall) ** 2)

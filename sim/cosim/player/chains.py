@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from splatline.contract.config import EngineConfig
@@ -10,9 +10,10 @@ from splatline.contract.frame import Frame
 from splatline.host.encode.partition import partition
 from splatline.host.encode.partition_methods import DEFAULT_METHOD
 from splatline.sim.cosim.simulator import Build
+from splatline.sim.cosim.watch import Progress
 
 from .jobs import STREAMS, Outcome, Playing
-from .play import Progress, play_jobs
+from .play import play_jobs
 from .player import wrap
 
 __all__ = ["ChainJob", "build_chain", "play_chain", "simulate_parts"]
@@ -51,13 +52,17 @@ def build_chain(
     *,
     queue: int | None = None,
     simulator_name: str = "verilator",
+    progress: Callable[[float], None] | None = None,
 ) -> Build:
-    """Build the player around a chain's Verilog, or return its cached build."""
+    """Build the player around a chain's Verilog, or return its cached build.
+
+    ``progress`` is called now and then with the share that is done.
+    """
     from splatline.flow.chain_verilog import generate_chain
     from splatline.rtl.chain.chain import QUEUE
 
     text, _ = generate_chain(config, engines, link, queue=QUEUE if queue is None else queue)
-    return wrap(text, config, engines, simulator_name=simulator_name)
+    return wrap(text, config, engines, simulator_name=simulator_name, progress=progress)
 
 
 def play_chain(
@@ -91,9 +96,9 @@ def play_chain(
         See :func:`.play.play_jobs`.
     """
 
-    def build(config: EngineConfig, engines: int) -> Build:
+    def build(config: EngineConfig, engines: int, tell: Callable[[float], None] | None) -> Build:
         return built or build_chain(
-            config, engines, link, queue=queue, simulator_name=simulator_name
+            config, engines, link, queue=queue, simulator_name=simulator_name, progress=tell
         )
 
     return play_jobs(jobs, build, progress)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
 from splatline.contract.raster import Raster
 from splatline.sim.cosim.simulator import Build
+from splatline.sim.cosim.watch import Progress
 
 from .jobs import STREAMS, Outcome, Playing
-from .play import Progress, play_jobs
+from .play import play_jobs
 from .player import wrap
 
 __all__ = ["Job", "build_engine", "play", "simulate_frame", "simulate_frames"]
@@ -65,7 +66,7 @@ def simulate_frame(
     seed
         Seed of the random stalls.
     progress
-        Called now and then with the share that is drawn; see :func:`.play.play_jobs`.
+        Called now and then with ``build`` or ``run``, and the share of it that is done.
 
     Raises
     ------
@@ -82,11 +83,19 @@ def simulate_frames(frames: Sequence[Frame], *, stall: float = 0.0, seed: int = 
     return play([Job(frame=frame, rates=rates, seed=seed) for frame in frames])
 
 
-def build_engine(config: EngineConfig, simulator_name: str = "verilator") -> Build:
-    """Build the player around an engine's Verilog, or return its cached build."""
+def build_engine(
+    config: EngineConfig,
+    simulator_name: str = "verilator",
+    progress: Callable[[float], None] | None = None,
+) -> Build:
+    """Build the player around an engine's Verilog, or return its cached build.
+
+    ``progress`` is called now and then with the share that is done.
+    """
     from splatline.flow.verilog import generate
 
-    return wrap(generate(config)[0], config, simulator_name=simulator_name)
+    text, _ = generate(config)
+    return wrap(text, config, simulator_name=simulator_name, progress=progress)
 
 
 def play(
@@ -115,6 +124,8 @@ def play(
     SimulationError, ValueError
         See :func:`.play.play_jobs`.
     """
-    return play_jobs(
-        jobs, lambda config, _: built or build_engine(config, simulator_name), progress
-    )
+
+    def build(config: EngineConfig, _: int, tell: Callable[[float], None] | None) -> Build:
+        return built or build_engine(config, simulator_name, tell)
+
+    return play_jobs(jobs, build, progress)

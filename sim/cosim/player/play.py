@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import tempfile
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,21 +18,17 @@ from splatline.contract.raster import Raster
 from splatline.contract.raster_beats import from_beats, to_beats
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.simulator import Build, SimulationError
+from splatline.sim.cosim.watch import Progress, share_of, watched
 
 from .hex_words import read_hex, write_hex
 from .jobs import Outcome, Playing, Times
 
-__all__ = ["Progress", "play_jobs"]
-
-Progress = Callable[[float], None]
-
-LOOK = 0.2
-"""Seconds between two looks at how far the simulator is."""
+__all__ = ["play_jobs"]
 
 
 def play_jobs(
     jobs: Sequence[Playing],
-    build: Callable[[EngineConfig, int], Build],
+    build: Callable[[EngineConfig, int, Callable[[float], None] | None], Build],
     progress: Progress | None = None,
 ) -> list[Outcome]:
     """Play jobs one after the other, in one run of the simulator.
@@ -44,10 +38,11 @@ def play_jobs(
     jobs
         At least one; all of one configuration and number of engines.
     build
-        Function that returns the player's build for a configuration and a number of engines.
+        Function that returns the player's build for a configuration and a number of engines. It
+        tells its third argument the share that is done.
     progress
-        Called with 0 once the simulator is built, and then with the share of the code words that
-        were taken, from another thread.
+        Called with ``build`` and with ``run``, and the share of it that is done: of a run, the
+        share of the code words that were taken.
 
     Raises
     ------
@@ -61,16 +56,17 @@ def play_jobs(
         raise ValueError("the jobs of one run share a configuration and a number of engines")
     config, engines = shapes.pop()
     begin = time.perf_counter()
-    built = build(config, engines)
+    built = build(config, engines, share_of(progress, "build"))
     seconds = {"build": time.perf_counter() - begin}
-    if progress is not None:
-        progress(0.0)
+    tell = share_of(progress, "run")
+    if tell is not None:
+        tell(0.0)
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         described = [_write(folder, index, job, config) for index, job in enumerate(jobs)]
         (folder / "jobs.json").write_text(json.dumps(described))
         begin = time.perf_counter()
-        with _watched(folder / "taken", jobs, progress):
+        with watched(_share(folder / "taken", jobs), tell):
             simulator.run(
                 built,
                 f"{__package__}.frame_bench",
@@ -87,28 +83,11 @@ def play_jobs(
         ]
 
 
-@contextlib.contextmanager
-def _watched(taken: Path, jobs: Sequence[Playing], progress: Progress | None) -> Iterator[None]:
-    """Tell the share of the code words of some jobs that were taken, by a file's number."""
-    if progress is None:
-        yield
-        return
+def _share(taken: Path, jobs: Sequence[Playing]) -> Callable[[], float]:
+    """Return a function for the share of some jobs' code words that were taken, by a file."""
     # The player counts cycles in which any engine takes a word.
     total = sum(max(len(part.codewords) for part in parts) for job in jobs for parts in job.parts)
-    ended = threading.Event()
-
-    def look() -> None:
-        while not ended.wait(LOOK):
-            with contextlib.suppress(OSError, ValueError):  # not there yet, or just being written
-                progress(min(1.0, int(taken.read_text()) / total))
-
-    watcher = threading.Thread(target=look, daemon=True)
-    watcher.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        watcher.join()
+    return lambda: int(taken.read_text()) / total
 
 
 def _write(folder: Path, index: int, job: Playing, config: EngineConfig) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import resources
 
 from splatline.contract.config import EngineConfig
@@ -19,6 +20,7 @@ def wrap(
     engines: int | None = None,
     *,
     simulator_name: str = "verilator",
+    progress: Callable[[float], None] | None = None,
 ) -> Build:
     """Build the player around Verilog, or return its cached build.
 
@@ -32,6 +34,8 @@ def wrap(
         Number of engines of a chain; None: a single engine.
     simulator_name
         One of ``simulator.SIMULATORS``.
+    progress
+        Called now and then with the share of the build that is done.
     """
     names = ["codewords"] if engines is None else [f"codewords_{n}" for n in range(engines)]
     sources = {
@@ -45,7 +49,13 @@ def wrap(
         "TABLE_BITS": config.table_address.end,
         "RASTER_BITS": config.raster_end.end,
     }
-    return simulator.build(sources, "frame_player", simulator=simulator_name, parameters=parameters)
+    return simulator.build(
+        sources,
+        "frame_player",
+        simulator=simulator_name,
+        parameters=parameters,
+        progress=progress,
+    )
 
 
 def _without_tools(text: str) -> str:
