@@ -12,14 +12,30 @@ from splatline.contract.config import BLOCK, ROWS
 from .shape_table import EMPTY_SCANS
 from .write_words import ONE_PIXEL, corner, put_block, write_fraction
 
-__all__ = ["encode_half_pixel"]
+__all__ = ["encode_half_pixel", "fits_block"]
+
+LARGEST_EXTENT = 8.25
+"""Columns and lines, in pixels, that a larger ellipse may take to be drawn in a block of 8 x 8
+pixels. The pixels beyond the block are left out. A larger value saves words and costs accuracy
+(decision 0027)."""
+
+
+@nb.njit(inline="always")
+def fits_block(square: float, form: Any) -> bool:
+    """Return whether an ellipse takes at most :data:`LARGEST_EXTENT` columns and lines.
+
+    Its bounding box has sides of 2 sqrt(C square / D) and 2 sqrt(A square / D), where A, B, C is
+    its form and D the determinant.
+    """
+    most = 0.25 * LARGEST_EXTENT * LARGEST_EXTENT * form[3]
+    return bool(max(form[0], form[2]) * square <= most)
 
 
 @nb.njit(error_model="numpy")
 def encode_half_pixel(
     column: float, line: float, square: float, form: Any, common: int, at: int, to: Any
 ) -> int:
-    """Write an ellipse of up to 8 x 8 pixels, of its true size and shape, as one symmetric word.
+    """Write an ellipse of its true size and shape, within 8 x 8 pixels, as one symmetric word.
 
     The middle is the corner of half pixels nearest to the ellipse's centre, so the rows are their
     own half rotation. If the rows leave no room to mark that middle, the nearest whole line or

@@ -19,9 +19,9 @@ __all__ = [
 
 QUALITIES = {
     "paper": "every splat is a symmetric shape at a whole-pixel position, of a whole diameter",
-    "fast": "a splat of up to 8 pixels is one word: a fraction at the true position if it fits, "
-    "else a symmetric shape of the true size at the nearest half pixel; a larger splat is drawn as "
-    "in exact, but fractions stay whole",
+    "fast": "a splat of up to 8 x 8 pixels is one word: a fraction at the true position if it "
+    "fits, else a symmetric shape of the true size at the nearest half pixel; a larger splat is "
+    "drawn as in exact, but fractions stay whole",
     "exact": "a splat is fractions at the true position and of the true size; each has its own "
     "depth, and steep ones are halved",
 }

@@ -24,7 +24,7 @@ from splatline.host.visibility.view import LARGEST
 
 from .compact_words import encode_compact
 from .ellipse import in_perspective, one_fraction
-from .half_pixel import encode_half_pixel
+from .half_pixel import encode_half_pixel, fits_block
 from .large_splats import STEEP, covers_some, encode_fractions, fraction_size
 from .paper_shapes import encode_symmetric
 from .quality import AS_PAPER, EXACT, FAST
@@ -406,7 +406,7 @@ def _encode_other(
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to.z_lsb, to.largest
     depth = (distance - fixed.low) * fixed.inverse_span
-    if found and quality == FAST and diameter <= BLOCK:
+    if found and quality == FAST and (diameter <= BLOCK or fits_block(ellipse[2], form)):
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_half_pixel(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
     if found:

@@ -177,6 +177,36 @@ def test_fast_is_one_word_for_all_that_fits_a_block():
     assert (fields["mode"] == 0).any()
 
 
+def test_a_larger_fast_splat_is_one_word_if_its_box_hardly_exceeds_a_block():
+    """Of its true ellipse about a half pixel it lacks pixels at the block's border alone."""
+    rng = np.random.default_rng(10)
+    fit = 0
+    for _ in range(300):
+        diameter, column, line = rng.uniform(8.01, 13.0), *rng.uniform(20, 60, 2)
+        slope = rng.normal(size=2) * rng.choice([0.05, 3.0])
+        splats = splats_of(column, line, diameter, 0, slope)
+        one = len(words_of(splats, 80, 80, quality="fast")) == 1
+        # The box of d'(I + n n')d <= r^2 has half sides r sqrt of the inverse's diagonal.
+        box = diameter * np.sqrt(np.diag(np.linalg.inv(np.eye(2) + np.outer(slope, slope))))
+        lines = true_ellipse(column, line, diameter, slope, 80, 80)[0].any(axis=1).sum()
+        if abs(box.max() - 8.25) < 1e-3 or lines <= 4:
+            continue
+        assert one == (box.max() < 8.25), (diameter, slope)
+        if not one:
+            continue
+        fit += 1
+        found = drawn(splats, 80, 80, quality="fast")
+        fits = False
+        for x in (*half_pixels_by(column), np.round(column)):
+            for y in (*half_pixels_by(line), np.round(line)):
+                whole, near = true_ellipse(x, y, diameter, slope, 80, 80)
+                v, u = np.mgrid[:80, :80] + 0.5
+                border = np.maximum(abs(u - x), abs(v - y)) > 3.4
+                fits |= ((found == whole) | near | (whole & border)).all()
+        assert fits, (column, line, diameter, slope)
+    assert fit > 30
+
+
 def test_a_fast_splat_of_more_than_four_lines_lies_at_the_nearest_half_pixel():
     """Its true ellipse about there, wherever one word can say so, and else about one next to it."""
     rng = np.random.default_rng(11)
