@@ -1,4 +1,4 @@
-"""The pass over a cloud's cells: one search of neighbours gives normals and closing radii."""
+"""Passes over a cloud's cells: a search of neighbours gives normals and closing radii."""
 
 from __future__ import annotations
 
