@@ -1,13 +1,20 @@
 """Measure what closing specks does to the error against the true surface, and to time.
 
-Run as ``.venv/bin/python docs/measure_closing.py [SCAN ...]``. The scenes of ``splatline bench
-surface``, sampled at random, are drawn with their specks and closed. Of each scan the times of a
-frame from its index are printed, of golden's picture of it, and of closing.
+Run as ``.venv/bin/python docs/measure_closing.py [SCAN ...] [--pictures FOLDER]``. The scenes of
+``splatline bench surface``, sampled at random, are drawn with their specks and closed.
+
+Of each scan, a dense and a noisy sample of it the enclosed areas of background are counted that
+have at most 40 pixels: those whose pixels touch at their sides, and, in brackets, those that do not
+touch other background at a corner either. Of each scan the times of a frame from its index are
+printed, of golden's picture of it, and of closing.
 """
 
 import argparse
 import time
 from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import label
 
 from splatline.cli.bench.machine import described
 from splatline.cli.bench.surface import measure
@@ -17,6 +24,7 @@ from splatline.host.cloud.spacing import measure_discs, splat_radii
 from splatline.host.encode.close_specks import close_specks
 from splatline.host.pipeline import make_frame
 from splatline.host.stages import Stopwatch, indexed
+from splatline.plots.figure import png_bytes
 from splatline.sim import golden
 from splatline.sim.reference import metrics
 from splatline.sim.reference.wholeness import behind_truth, wholeness
@@ -24,6 +32,7 @@ from splatline.sim.reference.wholeness import behind_truth, wholeness
 SIZE = 256, 256
 DENSITY = 4.0
 REPEATS = 15
+MOST_PIXELS = 40
 MEASURES = "psnr_db", "silhouette_iou", "hole_fraction", "pinholes", "see_through", "behind"
 
 
@@ -54,6 +63,32 @@ def tell_errors():
                 print(f"| {kind} | {' | '.join(cells)} |", flush=True)
 
 
+def areas_of(raster):
+    """Return the cell of a picture: small areas of background, and the pixels of the largest."""
+    found = []
+    for structure in (None, np.ones((3, 3))):
+        numbers, count = label(~raster.drawn, structure)
+        sizes = np.bincount(numbers.ravel(), minlength=count + 1)[1:]
+        found.append(sizes[sizes <= MOST_PIXELS])
+    return f"{len(found[0])} ({len(found[1])}), {max(found[0], default=0)}"
+
+
+def tell_areas(scans, pictures):
+    """Print a row for each scan and sample, and write its closed picture."""
+    print(f"\n| cloud | areas of at most {MOST_PIXELS} pixels, pixels of the largest |\n|---|---:|")
+    for path in scans:
+        scan = read_cloud(path)
+        view = fit_view(scan)
+        for number, (name, cloud) in enumerate(measure.samples_of(scan)):
+            radii, thin = measure_discs(cloud)
+            frame = make_frame(cloud, view, radii=radii, thin=thin, config=DEFAULT)
+            rasters = [golden.render(each) for each in (frame, close_specks(frame))]
+            print(f"| {name} | {' -> '.join(map(areas_of, rasters))} |", flush=True)
+            if pictures:
+                picture = np.uint8(255.0 * rasters[1].to_rgb((1.0, 1.0, 1.0)) + 0.5)
+                (pictures / f"{path.stem}_{number}.png").write_bytes(png_bytes(picture))
+
+
 def tell_times(scans):
     """Print a row of times for each scan."""
     print("\n| scan | code words | specks | frame, ms | golden, ms | closing, ms |")
@@ -79,12 +114,14 @@ def tell_times(scans):
 
 
 def main():
-    """Print both tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser()
     parser.add_argument("scans", nargs="*", type=Path)
+    parser.add_argument("--pictures", type=Path)
     options = parser.parse_args()
     print(f"{described()}; {SIZE[0]} x {SIZE[1]} pixels, {DENSITY:g} points a pixel, at random\n")
     tell_errors()
+    tell_areas(options.scans, options.pictures)
     tell_times(options.scans)
 
 

@@ -11,7 +11,7 @@ from .cells import CELL_POINTS
 from .neighbourhood import CANDIDATES, gather_candidates
 from .thinnest import thinnest
 
-__all__ = ["Workspace", "estimate_in_cell", "new_workspace", "take_around"]
+__all__ = ["GROWTHS", "NOISY", "Workspace", "estimate_in_cell", "new_workspace", "take_around"]
 
 NEIGHBOURS = 16
 """Points of a neighbourhood with the point itself, where the surface is smooth."""
@@ -106,8 +106,10 @@ def estimate_in_cell(
     depth: int,
     needed: Any,
     count: int,
+    growths: int,
     space: Workspace,
     normals: Any,
+    shares: Any,
 ) -> None:
     """Set the normals of a cell's points that are needed.
 
@@ -123,10 +125,15 @@ def estimate_in_cell(
         Points whose normals are set: shape (m,), bool.
     count
         Candidates of the cell's neighbourhood.
+    growths
+        Times that a neighbourhood grows at most; see ``GROWTHS``.
     space
         Has the candidates and their positions. All of it is overwritten.
     normals
         Set: shape (m, 3), float32, of unit length; the sign means nothing.
+    shares
+        Set: what share of each neighbourhood's extent is off the plane, as variances: shape (m,),
+        float32.
     """
     keys, levels, table, table_levels, _, _ = search
     found, around, squares, moments, vector, thin, flat, todo = space
@@ -148,7 +155,7 @@ def estimate_in_cell(
         thin[at] = least / middle if middle > 0.0 else 0.0
         todo[at] = flat[at] or thin[at] > NOISY
         left += todo[at]
-    for wider in range(GROWTHS):
+    for wider in range(growths):
         if left == 0 or wider > depth:
             break
         if wider > 0:
@@ -157,6 +164,9 @@ def estimate_in_cell(
             )
             take_around(positions, found, count, start, scale, around)
         left = _grow(positions, count, start, stop, scale, REACH * 4.0**wider, space, normals)
+    for i in range(start, stop):
+        if needed[i]:
+            shares[i] = thin[i - start]
 
 
 @nb.njit(error_model="numpy")

@@ -30,7 +30,9 @@ def estimate_normals(
     (Hoppe et al., "Surface reconstruction from unorganized points", 1992, section 3.2). Its sign
     means nothing. If the neighbours lie on a line or at one position, or scattered about the plane,
     more of them are taken. If they still lie on a line, the result is some unit vector across it.
-    Points in one smallest cube of the octree count once (:mod:`splatline.host.cloud.cells`).
+    Normals of a cloud that is noisy all over are then smoothed
+    (:mod:`splatline.host.cloud.smooth_normals`). Points in one smallest cube of the octree count
+    once (:mod:`splatline.host.cloud.cells`).
 
     Parameters
     ----------

@@ -1,9 +1,10 @@
-"""Closes specks: single pixels at which a picture shows through a surface.
+"""Closes specks: pixels at which a picture shows through a surface.
 
 Discs leave gaps by chance. A pinhole shows the background, and a pixel that is seen through shows a
-layer behind. Both are found in the drawn image, as Rosenthal and Linsen do in *Image-space point
-cloud rendering* (CGI 2008), and drawn as one more element of one pixel. So the engine needs nothing
-new, and the Verilog draws the closed picture as well.
+layer behind. Gaps of several pixels are small areas of background (:mod:`.areas`). All are found in
+the drawn image, as Rosenthal and Linsen do in *Image-space point cloud rendering* (CGI 2008), and
+drawn as one more element for each pixel. So the engine needs nothing new, and the Verilog draws the
+closed picture as well.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from splatline.contract.frame import Frame
 from splatline.contract.plane import LOW_BITS, Z_FRACTION
 from splatline.host.compiled_cache import cached_njit
 
+from .areas import find_areas
 from .owners import as_encoded, elements_of, find_owners
 from .sort_by_line import sort_by_line
 from .write_words import ONE_PIXEL
@@ -38,10 +40,11 @@ NUMBER_BITS = 32
 
 
 def close_specks(frame: Frame, own: tuple[slice, slice] | None = None) -> Frame:
-    """Return a frame that also draws its pinholes, and the pixels that are seen through.
+    """Return a frame that also draws its pinholes, its small areas, and what is seen through.
 
-    Such a pixel gets the depth and the look of a neighbour: the one whose depth is the median of
-    the drawn neighbours'. The second of two rounds closes what is left where specks touch.
+    A pinhole, or a pixel that is seen through, gets the depth and the look of a neighbour: the one
+    whose depth is the median of the drawn neighbours'. The second of two rounds closes what is left
+    where specks touch. Then a pixel of a small area gets those of the nearest pixel about the area.
 
     Parameters
     ----------
@@ -65,7 +68,7 @@ def close_specks(frame: Frame, own: tuple[slice, slice] | None = None) -> Frame:
     config, size = frame.config, (frame.width, frame.height)
     words, lines = elements_of([frame], config)
     depth, owner = find_owners(words, lines, size, config)
-    y, x = _close(depth, owner, config.background_depth)
+    y, x = _close(depth, owner, words, config)
     if own is not None:
         inside = np.zeros(depth.shape, np.bool_)
         inside[own] = True
@@ -85,16 +88,33 @@ def close_specks(frame: Frame, own: tuple[slice, slice] | None = None) -> Frame:
 
 
 def _close(
-    depth: npt.NDArray[np.int32], owner: npt.NDArray[np.int32], background: int
+    depth: npt.NDArray[np.int32],
+    owner: npt.NDArray[np.int32],
+    words: npt.NDArray[np.uint64],
+    config: EngineConfig,
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Close the specks of an image in its own arrays; return their lines and columns."""
+    background = config.background_depth
     first = _round(depth, owner, background, _candidates(depth, background))
     # What is left has a closed pixel in its neighbourhood.
-    closed = np.zeros(depth.shape, np.bool_)
-    closed.ravel()[first] = True
-    near = np.flatnonzero(_extreme(closed, np.maximum, False))
+    done = np.zeros(depth.shape, np.bool_)
+    done.ravel()[first] = True
+    near = np.flatnonzero(_extreme(done, np.maximum, False))
     second = _round(depth, owner, background, near)
-    return np.divmod(np.union1d(first, second), depth.shape[1])
+    pixels, sources = find_areas(depth, owner, words, config)
+    _copy(depth, owner, pixels, sources)
+    return np.divmod(np.unique(np.concatenate([first, second, pixels])), depth.shape[1])
+
+
+def _copy(
+    depth: npt.NDArray[np.int32],
+    owner: npt.NDArray[np.int32],
+    pixels: npt.NDArray[np.int64],
+    sources: npt.NDArray[np.int64],
+) -> None:
+    """Give pixels the depth and the look of others; both are counted line by line."""
+    for image in (depth, owner):
+        image.ravel()[pixels] = image.ravel()[sources]
 
 
 def _candidates(depth: npt.NDArray[np.int32], background: int) -> npt.NDArray[np.int64]:
@@ -125,8 +145,7 @@ def _round(
     sources = np.empty(len(candidates), np.int64)
     _find(depth, background, candidates, sources)
     specks, sources = candidates[sources >= 0], sources[sources >= 0]
-    for image in (depth, owner):
-        image.ravel()[specks] = image.ravel()[sources]
+    _copy(depth, owner, specks, sources)
     return specks
 
 

@@ -20,6 +20,8 @@ import numba as nb
 
 from splatline.contract.config import BLOCK, ROWS
 
+from .areas import REACH
+
 __all__ = [
     "GUARD_COLUMNS",
     "GUARD_LINES",
@@ -33,13 +35,14 @@ __all__ = [
     "whole_image",
 ]
 
-GUARD_COLUMNS, GUARD_LINES = 2 * BLOCK, BLOCK
-"""Columns and lines that the frames of two neighbouring tiles share. A word reaches at most seven
-columns and three lines into a tile. The frame begins at a multiple of ``sort_by_line.PERIOD``
-columns, which is as many as two frames share."""
+HEM = 2 + REACH
+"""Pixels beside a tile's own that its frame draws as the whole image has them: those that decide
+about a small area (``areas.REACH``), and one for each round of specks before."""
 
-HEM = 2
-"""Pixels beside a tile's own that its frame draws as the whole image has them."""
+GUARD_COLUMNS, GUARD_LINES = 4 * BLOCK, 3 * BLOCK
+"""Columns and lines that the frames of two neighbouring tiles share. A word reaches at most seven
+columns and three lines into a tile, and each of two hems has ``HEM``. The frame begins at a
+multiple of ``sort_by_line.PERIOD`` columns, so that many are shared."""
 
 
 class Tile(NamedTuple):

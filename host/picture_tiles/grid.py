@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.errors import InputError
+from splatline.host.encode.sort_by_line import PERIOD
 from splatline.host.encode.tile import GUARD_COLUMNS, GUARD_LINES, HEM, Tile
 
 __all__ = ["MOST_LINES", "MOST_SIDE", "Grid"]
@@ -43,8 +44,9 @@ class Grid(NamedTuple):
         Parameters
         ----------
         frame_size
-            Most columns and lines of a tile's frame; columns must be a multiple of the guard
-            band's. None: all columns that the engine has, and up to ``MOST_LINES`` lines.
+            Most columns and lines of a tile's frame; columns must be a multiple of
+            ``sort_by_line.PERIOD``. None: all columns that the engine has, and up to ``MOST_LINES``
+            lines.
 
         Raises
         ------
@@ -58,7 +60,7 @@ class Grid(NamedTuple):
         across, down = frame_size or (config.max_width, min(config.max_height, MOST_LINES))
         if across > config.max_width or down > config.max_height:
             raise InputError(f"a tile of {across}x{down} pixels does not fit {config.name}")
-        narrow = across % GUARD_COLUMNS or across <= GUARD_COLUMNS
+        narrow = across % PERIOD or across <= GUARD_COLUMNS
         if (width > across and narrow) or (height > down and down <= GUARD_LINES):
             raise InputError(f"tiles of {across}x{down} pixels have no room for a guard band")
         return cls(width, height, across, down)

@@ -75,7 +75,7 @@ def test_verilog_is_compared_and_its_cycles_added(run, folder, cloud, verilog_of
     assert runs == [(2, 0.25, 7), (2, 0.25, 7)]  # a run for a row of tiles
     assert numbers["cycles"] == 4000
     assert numbers["mismatched_pixels"] == 0
-    spoilt += [(10, 200), (10, 3)]  # the second is in the guard band of two tiles
+    spoilt += [(20, 200), (20, 3)]  # the second is in the guard band of two tiles
     result = run("render", cloud, *options, "--stats", "a.json")
     assert result.exit_code == 1
     assert "6 pixels of the Verilog's picture differ" in result.stderr

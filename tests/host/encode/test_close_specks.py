@@ -68,11 +68,11 @@ def test_a_picture_has_fewer_specks_and_is_else_the_same(config, quality):
     found = specks(before)
     assert found.sum() > 30
     changed = before.differs(after)
-    # Some specks are found where others were closed; no one further away.
+    # Some specks are found where others were closed; what is further away is of a small area.
     assert changed[found].all()
     assert found.sum() <= changed.sum() <= 1.5 * found.sum()
     near = sum(np.roll(found, (y, x), (0, 1)) for y in (-1, 0, 1) for x in (-1, 0, 1)) > 0
-    assert not changed[~near].any()
+    assert not (changed & before.drawn)[~near].any()
     assert closed.counts["specks"] == changed.sum()
     assert sum(wholeness(after).values()) < 0.25 * sum(wholeness(before).values())
     assert (after.depth[changed] < before.depth[changed]).all()
@@ -85,8 +85,8 @@ def test_a_closed_pixel_has_depth_and_colour_of_a_neighbour(config, quality):
     lines, columns = np.nonzero(before.differs(after))
     assert len(lines) > 30
     for y, x in zip(lines, columns, strict=True):
-        # Of the second round a neighbour's neighbour may be the source.
-        around = before.part(slice(max(y - 2, 0), y + 3), slice(max(x - 2, 0), x + 3))
+        # Of the second round a neighbour's neighbour may be the source, and of an area a speck's.
+        around = before.part(slice(max(y - 4, 0), y + 5), slice(max(x - 4, 0), x + 5))
         same = (around.colour == after.colour[y, x]).all(axis=2)
         assert (same & (around.depth == after.depth[y, x])).any()
 

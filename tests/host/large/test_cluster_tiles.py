@@ -76,7 +76,7 @@ def test_rows_are_those_of_one_machine_and_are_made_as_they_are_taken(settled, a
     assert picture.counts == alone[1]
     assert picture.parts.points == 40_000
     # A task reads each part; for each row one cuts each part, three join and one draws.
-    assert picture.traffic.tasks == 10 + 6 * (10 + 3 + 1)
+    assert picture.traffic.tasks == 10 + 7 * (10 + 3 + 1)
     assert 0 < picture.traffic.bytes < 3 * 4 * np.prod(SIZE) * 8
 
 

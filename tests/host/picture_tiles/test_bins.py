@@ -78,7 +78,7 @@ def test_a_small_splat_away_from_borders_is_in_one_tile_alone(diameter):
     view = View(np.zeros(3), np.eye(3), 300.0, WIDTH, HEIGHT, 0.01)
     grid = Grid.of(WIDTH, HEIGHT, PAPER, (64, 48))
     splats = random_splats(1, 300.0, 1.0)
-    splats.data["column"], splats.data["line"] = 40.0, 24.0
+    splats.data["column"], splats.data["line"] = 24.0, 12.0
     splats.data["diameter"] = diameter
     counts = [len(own.splats) for number in range(grid.rows)
               for own in bins_of_row(splats, view, grid, number)]  # fmt: skip

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import label
 
 from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER, PLANE, RGB24, SWIFT_PLANE
 from splatline.contract.raster import Raster
 from splatline.contract.variants import CONFIGS
 from splatline.host.picture_tiles.frames import tile_picture
-from splatline.host.pipeline import make_frames, total_counts
+from splatline.host.pipeline import make_frame, make_frames, total_counts
 from splatline.host.shading.materials import find_materials
 from splatline.host.visibility.view import fit_view
 from splatline.sim import golden
@@ -112,8 +113,27 @@ def test_specks_are_closed_across_the_borders_of_tiles(preset, seed):
     cloud = sheet(seed, count=4000)
     view = fit_view(cloud, size=(330, 170), orbit=(50 * seed, 20))
     options = {"radii": np.full(len(cloud), 0.025), "close_specks": True}
-    counts, _ = assert_same(cloud, view, preset, frame_size=(32, 20), **options)
+    counts, _ = assert_same(cloud, view, preset, frame_size=(48, 32), **options)
     assert counts["specks"] > 500
+
+
+@pytest.mark.parametrize("quality", ["exact", "fast"])
+def test_small_areas_are_closed_across_the_borders_of_tiles(quality):
+    """A flat sheet of discs with gaps, seen aslant."""
+    rng = np.random.default_rng(2)
+    positions = rng.uniform(-1, 1, (9000, 3)) * (1.0, 1.0, 0.0)
+    cloud = cloud_of(positions, np.tile([0.0, 0.0, 1.0], (9000, 1)), two_sided=True)
+    view = fit_view(cloud, size=(330, 170), orbit=(20, 15))
+    options = {"radii": np.full(9000, 0.019), "quality": quality}
+    before, after = (
+        golden.render(make_frame(cloud, view, **options, close_specks=close)).drawn
+        for close in (False, True)
+    )
+    areas, _ = label(~before)
+    sizes = np.bincount(areas.ravel())[areas]
+    # About as many columns are beside a border as are not.
+    assert np.count_nonzero(after & ~before & (sizes > 2)) > 100
+    assert_same(cloud, view, RGB24, frame_size=(48, 32), close_specks=True, **options)
 
 
 @pytest.mark.parametrize("quality", ["exact", "fast", "paper", "plane"])

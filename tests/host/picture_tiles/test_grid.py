@@ -9,14 +9,14 @@ from splatline.contract.errors import InputError
 from splatline.contract.presets import PAPER
 from splatline.contract.variants import CONFIGS
 from splatline.host.encode.sort_by_line import PERIOD
-from splatline.host.encode.tile import GUARD_COLUMNS, GUARD_LINES, whole_image
+from splatline.host.encode.tile import GUARD_COLUMNS, GUARD_LINES, HEM, whole_image
 from splatline.host.picture_tiles.grid import MOST_SIDE, Grid
 
 
 @given(
     st.integers(1, 400),
     st.integers(1, 300),
-    st.sampled_from([32, 48, 64, 512]),
+    st.sampled_from([48, 64, 80, 512]),
     st.integers(GUARD_LINES + 1, 90),
 )
 def test_each_pixel_is_in_one_tile_and_frames_begin_at_whole_periods(width, height, across, down):
@@ -36,9 +36,10 @@ def test_each_pixel_is_in_one_tile_and_frames_begin_at_whole_periods(width, heig
 
 
 def test_a_guard_band_holds_what_begins_beside_a_tile():
-    assert GUARD_COLUMNS >= 9  # a word whose middle lies half a column further right
+    """A word reaches seven columns and three lines further. Both tiles have a hem there."""
+    assert GUARD_COLUMNS >= 2 * HEM + 7
     assert GUARD_COLUMNS % PERIOD == 0
-    assert GUARD_LINES >= 7
+    assert GUARD_LINES >= 2 * HEM + 3
 
 
 @pytest.mark.parametrize("name", ["paper", "wide2048", "plane-4096"])
@@ -60,8 +61,8 @@ def test_a_picture_that_fits_is_one_tile_without_a_guard_band():
         ((MOST_SIDE + 1, 5), None, "at most 65536 pixels"),
         ((600, 600), (1024, 512), "does not fit paper"),
         ((600, 600), (40, 512), "no room for a guard band"),
-        ((600, 600), (16, 512), "no room for a guard band"),
-        ((600, 600), (512, 8), "no room for a guard band"),
+        ((600, 600), (32, 512), "no room for a guard band"),
+        ((600, 600), (512, 24), "no room for a guard band"),
     ],
 )
 def test_grids_that_cannot_be_are_refused(size, frame_size, message):
