@@ -175,8 +175,7 @@ def _floorplan(
     cells = design["modules"][name]["cells"]
     block_rams = [label for label, cell in cells.items() if cell["type"] == "DP16KD"]
     chosen = choose(len(block_rams), device)
-    # The blocks engine has lanes all over the chip.
-    sites = {} if config.draws_blocks else floorplan(block_rams, chosen)
+    sites = floorplan(block_rams, chosen)
     for label, site in sites.items():
         cells[label]["attributes"]["BEL"] = site
     netlist.write_text(json.dumps(design))
