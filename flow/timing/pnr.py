@@ -46,9 +46,8 @@ length. A tenth faster if a block RAM and its comparison are two thirds of the c
 (decision 0055)."""
 
 SHORT = ("--placer", "static")
-"""A placer that keeps all wires short. It gives a higher rate for the blocks engine only, whose
-block RAMs are all over the chip. Routing then takes some minutes; after the other placer it did not
-end in forty (decision 0056)."""
+"""A placer that keeps all wires short, for the blocks engine where its block RAMs have no places.
+After the other placer routing did not end in forty minutes (decision 0056)."""
 
 SYNTHESIS = "synth_ecp5 -cmp2softlogic"
 """Comparisons with constants in LUTs: entry and exit of a carry chain take longer."""
@@ -135,7 +134,7 @@ def place_and_route(
         synthesis = synthesis_options(config)
         run_yosys("; ".join(synthesis_script(config, synthesis, name, folder)), folder)
         chosen, sites = _floorplan(config, folder / "top.json", name, device)
-        options = [chosen.option, *OPTIONS, *placer(config)]
+        options = [chosen.option, *OPTIONS, *(TIMED if sites else placer(config))]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {}
         for done, number in enumerate(range(seed, seed + tries), 1):
@@ -183,7 +182,7 @@ def _floorplan(
 
 
 def placer(config: EngineConfig) -> tuple[str, ...]:
-    """Return nextpnr's options of the placer for an engine."""
+    """Return nextpnr's options of the placer for an engine whose block RAMs have no places."""
     return SHORT if config.draws_blocks else TIMED
 
 

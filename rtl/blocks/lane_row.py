@@ -123,9 +123,9 @@ class LaneRow(wiring.Component):
 
     The row never stalls: the requester of a clear must have room for the word.
 
-    **Latency**: 2 cycles to ``leaving``, 3 to the memory. A line may be drawn into or loaded three
-    cycles after a clear in it. A pixel may be cleared three cycles after a draw or a load, and
-    drawn three cycles after a load. **Throughput**: one request a cycle.
+    **Latency**: 2 cycles to ``leaving``, 3 to the memory. A line may be drawn into three cycles
+    after a clear in it, and loaded in the next. A pixel may be cleared three cycles after a draw or
+    a load, and drawn three cycles after a load. **Throughput**: one request a cycle.
 
     Members
     -------

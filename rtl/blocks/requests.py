@@ -19,11 +19,11 @@ def request_pixels(m, window, requests, grants, again, behind, sweeping):
     block = window.i.payload
     served = grants.loading | grants.flushing
     for q, request in enumerate(requests):
-        loads = grants.loading & grants.row_served[q]
         m.d.sync += [
+            # As a load goes, other rows neither draw nor store.
             request.draw.eq(grants.going),
-            request.mask.eq(Mux(loads, -1, block.mask[q])),
-            request.odd.eq(Mux(loads, -1, block.odd[q])),
+            request.mask.eq(Mux(grants.loading, -1, block.mask[q])),
+            request.odd.eq(Mux(grants.loading, -1, block.odd[q])),
             request.again.eq(again),
             request.line.eq(block.lines[q]) if window.config.plane else request.behind.eq(behind),
             request.store.eq((served & grants.row_served[q]) | sweeping),
@@ -73,14 +73,17 @@ def register_columns(m, window, new, load, odd):
             depth, colour = pixels.depth[pixel], pixels.colour[pixel]
             m.d.sync += [
                 word.depth[column].eq(Mux(load.valid, depth, 0)),
-                word.colour[column].eq(Mux(load.valid & ~depth.all(), colour, 0)),
+                word.colour[column].eq(Mux(load.valid, colour, 0)),
             ]
     for column, pixel in enumerate(columns):
         depth = Mux(is_odd, beat.odd.depth[column], beat.even.depth[column])
         colour = Mux(is_odd, beat.odd.colour[column], beat.even.colour[column])
+        joined = Signal(config.depth_bits, name=f"joined_{column}")
+        m.d.comb += joined.eq(depth if config.plane else depth | new.depth)
         m.d.sync += [
-            pixel.depth.eq(depth if config.plane else depth | new.depth),
-            pixel.colour.eq(colour | new.colour),
+            pixel.depth.eq(joined),
+            # A block of this depth is not drawn.
+            pixel.colour.eq(Mux(joined.all(), 0, colour | new.colour)),
         ]
     return columns
 

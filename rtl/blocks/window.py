@@ -205,9 +205,9 @@ class BlockWindow(wiring.Component):
             self.empties.eq(flush_scan.empties & readout.room),
         ]
         m.d.sync += closable.eq(loader.finished & ~flush_scan.closing & ~close)
-        # ``front`` is a cycle late, because a beat that was flushed a cycle ago is still to be
-        # cleared. A load waits for that on any line; a block only on its own lines. The window of
-        # the next frame is known a cycle after ``close``: until then it has no lines.
+        # The window of the next frame is known a cycle after ``close``: until then it has no lines
+        # for the loader. A block waits for what is still to be cleared on its own lines, and a
+        # load need not wait: it is written after the clear.
         with m.If(close):
             m.d.sync += front.eq(-2 * config.window_lines)
         with m.Else():

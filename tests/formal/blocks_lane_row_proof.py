@@ -123,9 +123,10 @@ class LaneRowProperties(Properties):
         draws, loads, clears = self._draws(request), self._loads(request), self._clears(request)
         for n, before in enumerate((caught, tested)):
             loaded, drawn = self._loads(before), self._draws(before)
-            touched = drawn | self._clears(before)
-            # The odd word may be loaded twice: with the even one, and by itself.
-            self.given(m, f"waits_{n}", ~((clears | loads) & touched) & ~(clears & loaded))
+            # A word may be loaded after a clear, and the odd one twice: with the even one, and by
+            # itself.
+            cleared = clears & (drawn | loaded | self._clears(before))
+            self.given(m, f"waits_{n}", ~cleared & ~(loads & drawn))
             line = before.clear & (self._group(before) == self._group(request))
             self.given(m, f"waits_too_{n}", ~(draws & (loaded | line)))
 
@@ -260,7 +261,7 @@ PROOFS = [
             Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
             Fault("hidden by another line", LaneRow, r" & \(then == last\)", "", "_meet"),
             Fault("hidden by what is behind", LaneRow, r" & caught\.behind\[0\]", "", "_meet"),
-            Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
+            Fault("as it was read", LaneRow, r"Mux\(meets,", "Mux(0,", "_meet"),
             Fault("as of another line", LaneRow, r" & \(now == last\)", "", "_meet"),
             Fault(
                 "whatever was nearer",

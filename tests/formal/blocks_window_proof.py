@@ -220,7 +220,7 @@ PROOFS = [
         15,
         Fault("no depth test", LaneRow, r"difference\[-1\] & ", "", "_test"),
         Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
-        Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
+        Fault("as it was read", LaneRow, r"Mux\(meets,", "Mux(0,", "_meet"),
         Fault(
             "drawn over what is nearer",
             BlockWindow,
@@ -324,13 +324,6 @@ PROOFS = [
             BlockWindow,
             r"-2 \* config\.window_lines",
             "flush_scan.front",
-            "_connect_frame",
-        ),
-        Fault(
-            "loaded while one is cleared",
-            BlockWindow,
-            r"self, loader, front",
-            "self, loader, flush_scan.front",
             "_connect_frame",
         ),
         Fault(

@@ -122,7 +122,7 @@ REWRITTEN = {
     "over what is nearer": (LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
     "hidden by what is behind": (LaneRow, r" & caught\.behind\[0\]", "", FOLLOWS, "_meet"),
     "hidden by another line": (LaneRow, r" & \(then == last\)", "", FOLLOWS, "_meet"),
-    "as it was two cycles before": (LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", FOLLOWS, "_meet"),
+    "as it was two cycles before": (LaneRow, r"Mux\(meets,", "Mux(0,", FOLLOWS, "_meet"),
     "as of another line": (LaneRow, r" & \(now == last\)", "", FOLLOWS, "_meet"),
     "over what was nearer": (
         LaneRow,

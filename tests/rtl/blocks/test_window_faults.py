@@ -87,12 +87,6 @@ IN_THE_WINDOW = {
         OVER,
         "_follow",
     ),
-    "no wait for what is cleared": (
-        r"(?<=self, loader, )front",
-        "flush_scan.front",
-        OVER,
-        "_connect_frame",
-    ),
     "where the frame before was": (
         r"-2 \* config\.window_lines",
         "flush_scan.front",
