@@ -12,7 +12,11 @@ from .ecp5 import Device
 
 __all__ = ["floorplan", "floorplan_script"]
 
-_LANE = re.compile(r"\blane_(\d+)_(\d+)\.ram\.(.+)$")
+_LANE = re.compile(
+    r"\b(lane_(?P<line>\d+)_(?P<column>\d+)\.ram\.(?P<memory>.+)"
+    r"|row_(?P<row>\d+)\.(?P<half>(even|odd)_(?P<place>\d+)\..+))$"
+)
+"""The end of a block RAM's name, of tiles and of blocks."""
 
 
 def floorplan(cells: Iterable[str], device: Device) -> dict[str, str]:
@@ -20,7 +24,8 @@ def floorplan(cells: Iterable[str], device: Device) -> dict[str, str]:
 
     Lanes of one column are neighbours, as a flushed word takes a pixel of one of them. Columns
     follow each other from the left, in as few rows of block RAMs as hold them, each with as many
-    lanes.
+    lanes. Of an engine with blocks, whose columns have as many lanes as there are lines, all lanes
+    of a column are in one row.
 
     Parameters
     ----------
@@ -35,12 +40,22 @@ def floorplan(cells: Iterable[str], device: Device) -> dict[str, str]:
         Site by name of the cell, in the format of nextpnr's attribute ``BEL``.
     """
     found = [(_LANE.search(cell), cell) for cell in cells]
-    lanes = sorted((int(m[2]), int(m[1]), m[3], cell) for m, cell in found if m)
+    lanes = sorted((*_place(m), cell) for m, cell in found if m)
     if not lanes:
         return {}
     rows = -(-len(lanes) // device.row_length)
     each = -(-len(lanes) // rows)
+    if any(m and m["row"] for m, _ in found):
+        size = sum(column == 0 for column, *_ in lanes)
+        each = device.row_length // size * size
     return {cell: device.site(*divmod(n, each)) for n, (*_, cell) in enumerate(lanes)}
+
+
+def _place(match: re.Match[str]) -> tuple[int, int, str]:
+    """Return column and line of a block RAM's lane, and which of the lane's it is."""
+    if match["row"]:
+        return int(match["place"]), int(match["row"]), match["half"]
+    return int(match["column"]), int(match["line"]), match["memory"]
 
 
 def floorplan_script(sites: Mapping[str, str], device: Device) -> str:
@@ -52,6 +67,7 @@ def floorplan_script(sites: Mapping[str, str], device: Device) -> str:
         f"# Block RAMs of Splatline's lanes on an {device.name[:9]}: run this after synth_ecp5."
     ]
     for cell, site in sites.items():
-        end = cell[cell.rindex("lane_") :]
+        match = _LANE.search(cell)
+        end = match[0] if match else cell
         lines.append(f'setattr -set BEL "{site}" c:*{end}')
     return "\n".join([*lines, ""])

@@ -47,9 +47,8 @@ length. A tenth faster if a block RAM and its comparison are two thirds of the c
 (decision 0055)."""
 
 SHORT = ("--placer", "static")
-"""A placer that keeps all wires short. It gives a higher rate for the blocks engine only, whose
-block RAMs are all over the chip. Routing then takes some minutes; after the other placer it did not
-end in forty (decision 0056)."""
+"""A placer that keeps all wires short, for the blocks engine where its block RAMs have no places.
+After the other placer routing did not end in forty minutes (decision 0056)."""
 
 SYNTHESIS = "synth_ecp5 -cmp2softlogic"
 """Comparisons with constants in LUTs: entry and exit of a carry chain take longer."""
@@ -141,7 +140,7 @@ def place_and_route(
             part_of(progress, 0.0, step),
         )
         chosen, sites = _floorplan(config, folder / "top.json", name, device)
-        options = [chosen.option, *OPTIONS, *placer(config)]
+        options = [chosen.option, *OPTIONS, *(TIMED if sites else placer(config))]
         route = [*options, "--json", "top.json", "--lpf", "top.lpf", "--seed"]
         reports = {}
         for done, number in enumerate(range(seed, seed + tries), 1):
@@ -180,8 +179,7 @@ def _floorplan(
     cells = design["modules"][name]["cells"]
     block_rams = [label for label, cell in cells.items() if cell["type"] == "DP16KD"]
     chosen = choose(len(block_rams), device)
-    # The blocks engine has lanes all over the chip.
-    sites = {} if config.draws_blocks else floorplan(block_rams, chosen)
+    sites = floorplan(block_rams, chosen)
     for label, site in sites.items():
         cells[label]["attributes"]["BEL"] = site
     netlist.write_text(json.dumps(design))
@@ -189,7 +187,7 @@ def _floorplan(
 
 
 def placer(config: EngineConfig) -> tuple[str, ...]:
-    """Return nextpnr's options of the placer for an engine."""
+    """Return nextpnr's options of the placer for an engine whose block RAMs have no places."""
     return SHORT if config.draws_blocks else TIMED
 
 

@@ -30,10 +30,11 @@ class BeatWordsLayout(data.StructLayout):
 class RowRequestLayout(data.StructLayout):
     """A request to a row of lanes, at most one of three operations.
 
-    ``draw``: depth-test the pixels of ``mask``; those in ``odd`` lie in the odd word. ``clear``:
-    read both words and leave background there. ``load``: write a beat there without a depth test.
-    A ``draw`` with an empty mask may come with another operation. ``again`` of the next draws then
-    means nothing.
+    ``draw``: depth-test the pixels of ``mask``; those in ``odd`` lie in the odd word. ``store`` and
+    ``clear``: read both words and leave background there. ``store`` alone is a load: write a pixel
+    of each column into the odd word, or with ``both`` into both words, without a depth test;
+    ``mask`` and ``odd`` are all ones. A ``draw`` with an empty mask may come with a clear.
+    ``again`` of the next draws then means nothing.
 
     ``addresses``: addresses of the even and the odd word. ``again``: the block drawn one cycle
     before, and two cycles before, has the same even or odd word; the group of the line is not
@@ -47,8 +48,9 @@ class RowRequestLayout(data.StructLayout):
         super().__init__(
             {
                 "draw": 1,
+                "store": 1,
                 "clear": 1,
-                "load": 1,
+                "both": 1,
                 "mask": config.pixels_per_word,
                 "odd": config.pixels_per_word,
                 "addresses": data.StructLayout(dict.fromkeys(HALVES, address)),
@@ -75,13 +77,12 @@ class Stages(NamedTuple):
         Test: pixels not in the even word.
     odd
         Test: pixels in the odd word.
-    before
-        Test: the depth that is compared; 0 for a clear. With planes Catch: the depth to draw in
-        each column.
+    new
+        Catch: the depth to draw in each column.
     depth
-        Test: the depth that is written in each column.
+        Test: the depth that is compared and written in each column.
     colour
-        Test: the colour that is written.
+        Test: the colour that is written in each column.
     """
 
     caught: Value
@@ -90,9 +91,9 @@ class Stages(NamedTuple):
     draws: Value
     not_even: Value
     odd: Value
-    before: Value
+    new: list[Value]
     depth: list[Value]
-    colour: Value
+    colour: list[Value]
 
 
 class LaneRow(wiring.Component):
@@ -105,7 +106,7 @@ class LaneRow(wiring.Component):
 
     The pipeline has three stages. *Read*: the memory reads, in the cycle of the request. *Catch*:
     the pixel is registered. *Test*: depths are compared, and the pixel is written at the end of the
-    cycle.
+    cycle. A clear and a load pass the comparison, whatever was read.
 
     Read-after-write hazards: a pixel is read before the request of the cycle before has written
     it, and while the request of two cycles before writes it, so its value may be undefined. No
@@ -118,23 +119,21 @@ class LaneRow(wiring.Component):
     A pixel that is read for a clear goes to a register, which is background otherwise. The readout
     joins the registers of all rows without a multiplexer.
 
-    A load goes through the read port, which is otherwise unused in that cycle. It needs no
-    multiplexer. The other port may write at the same time, but not the same pixel.
+    One port of a memory reads and the other writes: only so is a block RAM of an ECP5 36 bits wide.
 
     The row never stalls: the requester of a clear must have room for the word.
 
-    **Latency**: 2 cycles to ``leaving``, 3 to the memory, 1 for a load. A line may be drawn into or
-    loaded three cycles after a clear in it, and a pixel may be cleared three cycles after a draw.
-    **Throughput**: one request a cycle.
+    **Latency**: 2 cycles to ``leaving``, 3 to the memory. A line may be drawn into three cycles
+    after a clear in it, and loaded in the next. A pixel may be cleared three cycles after a draw or
+    a load, and drawn three cycles after a load. **Throughput**: one request a cycle.
 
     Members
     -------
     request : In(RowRequestLayout)
         The request.
-    new : In(PixelLayout)
-        The pixel to draw, in the cycle after the request.
-    loaded : In(BeatWordsLayout)
-        The beat to load, in the cycle of the request.
+    new : In(pixels_per_word x PixelLayout)
+        The pixel to draw or to load in each column, in the cycle after the request. A draw has the
+        same depth in all columns.
     outside : In(2 x pixels_per_word)
         Pixels of the requested beat that leave as background, in the cycle of the request.
     leaving : Out(BeatWordsLayout)
@@ -146,16 +145,16 @@ class LaneRow(wiring.Component):
         super().__init__(
             {
                 "request": In(RowRequestLayout(config)),
-                **self._new(),
-                "loaded": In(BeatWordsLayout(config)),
+                **self._shares(),
+                "new": In(data.ArrayLayout(PixelLayout(config), config.pixels_per_word)),
                 "outside": In(data.StructLayout(dict.fromkeys(HALVES, config.pixels_per_word))),
                 "leaving": Out(BeatWordsLayout(config)),
             }
         )
 
-    def _new(self):
-        """Return the members that give what is drawn."""
-        return {"new": In(PixelLayout(self.config))}
+    def _shares(self):
+        """Return the members that depths come from, beside ``new``."""
+        return {}
 
     def elaborate(self, platform):
         """Build the circuit."""
@@ -176,7 +175,7 @@ class LaneRow(wiring.Component):
             for half in HALVES:
                 read, writes[half] = self._memory(m, half, column, stages)
                 self._leave(m, half, column, read.data, leaving, kept)
-                olds[half] = self._read(m, f"{half}_{column}", read.data, stages.caught)
+                olds[half] = self._read(m, f"{half}_{column}", read.data)
             self._test(m, column, stages, hazards, olds, writes, written)
         return m
 
@@ -184,38 +183,43 @@ class LaneRow(wiring.Component):
         """Return the registers of the catch and test stages.
 
         A clear draws background into both words, whatever is there. Registers without a reset: the
-        set and reset inputs of their flip-flops are used for the clear.
+        set and reset inputs of their flip-flops are used for the clear, and for a load.
         """
         config, request = self.config, self.request
+        columns = range(config.pixels_per_word)
         caught = Signal(RowRequestLayout(config))
-        mask = Signal(config.pixels_per_word, reset_less=True)  # of what is drawn
+        mask = Signal(config.pixels_per_word, reset_less=True)  # of what is drawn or loaded
         addresses = Signal.like(caught.addresses, name="addresses")
         draws = Signal(config.pixels_per_word, init=-1, reset_less=True)
         not_even = Signal(config.pixels_per_word, reset_less=True)
         odd = Signal(config.pixels_per_word, init=-1, reset_less=True)
         m.d.sync += [
             caught.eq(request),
-            mask.eq(Mux(request.draw, request.mask, 0)),
+            mask.eq(Mux(request.draw | request.store, request.mask, 0)),
             addresses.eq(caught.addresses),
-            not_even.eq(Mux(caught.clear, 0, caught.odd)),
+            not_even.eq(Mux(caught.clear | caught.both, 0, caught.odd)),
             odd.eq(Mux(caught.clear, -1, caught.odd)),
         ]
-        before, depth = self._depths(m, caught)
-        colour = Signal(config.colour_bits, reset_less=True)
-        m.d.sync += colour.eq(Mux(caught.clear, 0, self.new.colour))
-        return Stages(caught, mask, addresses, draws, not_even, odd, before, depth, colour)
-
-    def _depths(self, m, caught):
-        """Return the depth that is compared, and the one that is written in each column."""
-        config = self.config
         background = config.background_depth
-        before = Signal(config.depth_bits, reset_less=True)
-        depth = Signal(config.depth_bits, init=background, reset_less=True)
-        m.d.sync += [
-            before.eq(Mux(caught.clear, 0, self.new.depth)),
-            depth.eq(Mux(caught.clear, background, self.new.depth)),
+        new = self._depths(m)
+        depth = [
+            Signal(config.depth_bits, name=f"depth_{column}", init=background, reset_less=True)
+            for column in columns
         ]
-        return before, [depth] * config.pixels_per_word
+        colour = [
+            Signal(config.colour_bits, name=f"colour_{column}", reset_less=True)
+            for column in columns
+        ]
+        for column in columns:
+            m.d.sync += [
+                depth[column].eq(Mux(caught.clear, background, new[column])),
+                colour[column].eq(Mux(caught.clear, 0, self.new[column].colour)),
+            ]
+        return Stages(caught, mask, addresses, draws, not_even, odd, new, depth, colour)
+
+    def _depths(self, m):
+        """Return the depth to draw in each column, in the cycle after the request."""
+        return [pixel.depth for pixel in self.new]
 
     def _keep(self, m):
         """Return which pixels that are read are not flushed."""
@@ -240,17 +244,13 @@ class LaneRow(wiring.Component):
             attrs={"ram_style": "block", "no_rw_check": 1},
         )
         m.submodules[f"{half}_{column}"] = ram
-        read, load, write = ram.read_port(), ram.write_port(), ram.write_port()
-        address, loaded = getattr(self.request.addresses, half), getattr(self.loaded, half)
+        read = ram.read_port()
+        write = ram.write_port()
         m.d.comb += [
-            read.addr.eq(address),
-            load.addr.eq(address),  # of the same address: the two are one port of the block RAM
-            load.en.eq(self.request.load),
-            load.data.depth.eq(loaded.depth[column]),
-            load.data.colour.eq(loaded.colour[column]),
+            read.addr.eq(getattr(self.request.addresses, half)),
             write.addr.eq(getattr(stages.addresses, half)),
             write.data.depth.eq(stages.depth[column]),
-            write.data.colour.eq(stages.colour),
+            write.data.colour.eq(stages.colour[column]),
         ]
         return read, write
 
@@ -262,21 +262,20 @@ class LaneRow(wiring.Component):
             word.colour[column].eq(Mux(keep, 0, pixel.colour)),
         ]
 
-    def _read(self, m, name, pixel, caught):
-        """Return the depth that was read; it is background where the pixel is cleared."""
-        background = self.config.background_depth
-        old = Signal(self.config.depth_bits, name=f"old_{name}", init=background, reset_less=True)
-        m.d.sync += old.eq(Mux(caught.clear, background, pixel.depth))
+    def _read(self, m, name, pixel):
+        """Return the depth that was read; it means nothing where the pixel is cleared or loaded."""
+        old = Signal(self.config.depth_bits, name=f"old_{name}", reset_less=True)
+        m.d.sync += old.eq(pixel.depth)
         return old
 
     def _test(self, m, column, stages, hazards, olds, writes, written):
         """Compare depths, and write the pixel of a column; a clear writes it in both words.
 
         A subtraction and not ``<``: the LUTs of its carry chain also choose the word. The bit above
-        the depths is equal on both sides, unless the pixel was written two cycles before. Then it
-        alone decides.
+        the depths is equal on both sides, unless the pixel was written two cycles before, or is
+        cleared or loaded. Then it alone decides.
         """
-        caught, mask, _, draws, not_even, odd, before, *_ = stages
+        caught, mask, _, draws, not_even, odd, _, depth, _ = stages
         hidden, twice, behind = hazards
         meets = Mux(odd[column], twice.odd[column], twice.even[column])
         other = Mux(odd[column], olds["odd"], olds["even"])
@@ -284,7 +283,7 @@ class LaneRow(wiring.Component):
         passes = Signal(name=f"passes_{column}")
         m.d.sync += draws[column].eq(Mux(caught.clear, 1, mask[column]))
         m.d.comb += [
-            difference.eq(Cat(before, behind) - Cat(other, behind ^ meets)),
+            difference.eq(Cat(depth[column], behind) - Cat(other, behind ^ meets)),
             passes.eq(difference[-1] & draws[column]),
             written.even[column].eq(passes & ~not_even[column] & ~hidden.even[column]),
             written.odd[column].eq(passes & odd[column] & ~hidden.odd[column]),
@@ -296,22 +295,24 @@ class LaneRow(wiring.Component):
         """Find read-after-write hazards of the pixels in the test stage.
 
         ``hidden``: a nearer element wrote the pixel one cycle before. ``twice``: an element wrote
-        it two cycles before. ``behind``: the element of two cycles before is nearer, or as near.
+        it two cycles before, or it is cleared or loaded. ``behind``: the element of two cycles
+        before is nearer, or as near; nothing is, if the pixel is cleared or loaded.
         """
         caught, words = stages.caught, written.shape()
         hidden, again, twice = (
             Signal(words, name=name, reset_less=True) for name in ("hidden", "again", "twice")
         )
         behind = Signal(reset_less=True)
-        m.d.sync += [twice.eq(again), behind.eq(caught.behind[1])]
+        m.d.sync += behind.eq(~caught.store & caught.behind[1])
         for half in HALVES:
             now, then, last = self._groups(half, stages)
             hides = getattr(caught.again[0], half) & caught.behind[0] & (then == last)
             meets = getattr(self.request.again[1], half) & (now == last)
             there = getattr(written, half)
             m.d.sync += [
-                getattr(hidden, half).eq(Mux(hides & ~caught.clear, there, 0)),
-                getattr(again, half).eq(Mux(meets & ~self.request.clear, there, 0)),
+                getattr(hidden, half).eq(Mux(hides & ~caught.store, there, 0)),
+                getattr(again, half).eq(Mux(meets, there, 0)),
+                getattr(twice, half).eq(Mux(caught.store, -1, getattr(again, half))),
             ]
         return hidden, twice, behind
 

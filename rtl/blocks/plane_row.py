@@ -1,7 +1,6 @@
 """A row of lanes with planes: each lane sums, saturates and compares a depth of its own."""
 
 from amaranth.hdl import Cat, Mux, Signal, signed
-from amaranth.lib import data
 from amaranth.lib.wiring import In
 
 from splatline.contract.plane import SUM_FRACTION
@@ -30,38 +29,31 @@ class PlaneLaneRow(LaneRow):
 
     Members
     -------
-    new : In(colour)
-        Colour of the pixels to draw, in the cycle after the request.
+    new : In(pixels_per_word x PixelLayout)
+        The colour to draw in each column, or the pixel to load, in the cycle after the request. The
+        depth is 0 if the request is not a load.
     columns : In(ColumnsLayout)
         What each column adds to the ``line`` of the request, in its cycle.
     """
 
-    def _new(self):
-        """Return the members that give what is drawn."""
-        return {
-            "new": In(data.StructLayout({"colour": self.config.colour_bits})),
-            "columns": In(ColumnsLayout(self.config)),
-        }
+    def _shares(self):
+        """Return the members that depths come from, beside ``new``."""
+        return {"columns": In(ColumnsLayout(self.config))}
 
-    def _depths(self, m, caught):
-        """Return the depth to draw in each column, and the one that is written a cycle later."""
-        background = self.config.background_depth
-        saturated, written = [], []
+    def _depths(self, m):
+        """Return the depth to draw in each column, in the cycle after the request."""
+        saturated = []
         for column in range(self.config.pixels_per_word):
             total = Signal(signed(sum_bits(self.config)), name=f"sum_{column}")
-            depth = Signal(
-                self.config.depth_bits, name=f"depth_{column}", init=background, reset_less=True
-            )
             m.d.comb += total.eq(self.request.line + self.columns[column])
             saturated.append(self._saturate(m, column, total))
-            m.d.sync += depth.eq(Mux(caught.clear, background, saturated[column]))
-            written.append(depth)
-        return saturated, written
+        return saturated
 
     def _saturate(self, m, column, total):
         """Return a column's depth in the cycle after its sum.
 
-        A pixel at the background's depth or beyond has that one: it is nearer than nothing.
+        A pixel at the background's depth or beyond has that one: it is nearer than nothing. The sum
+        of a load counts as before depth 0, and its depth of ``new`` is joined by gates.
         """
         bits = self.config.depth_bits
         level = Signal(bits, name=f"level_{column}", reset_less=True)
@@ -71,20 +63,21 @@ class PlaneLaneRow(LaneRow):
         levels = total[SUM_FRACTION:]
         m.d.sync += [
             level.eq(levels[:bits]),
-            before.eq(levels[-1]),
+            before.eq(Mux(self.request.store, 1, levels[-1])),
             beyond.eq(levels[bits:-1].any()),
         ]
-        m.d.comb += saturated.eq(Mux(before, 0, Mux(beyond, self.config.background_depth, level)))
+        drawn = Mux(before, 0, Mux(beyond, self.config.background_depth, level))
+        m.d.comb += saturated.eq(drawn | self.new[column].depth)
         return saturated
 
-    def _read(self, m, name, pixel, caught):
+    def _read(self, m, name, pixel):
         """Return the depth that was read; ``_test`` registers the one of its two words."""
         return pixel.depth
 
     def _test(self, m, column, stages, hazards, olds, writes, written):
         """Compare depths, and write the pixel of a column; a clear writes it in both words.
 
-        The bit above the depths makes a clear pass, whatever was read.
+        The bit above the depths makes a clear or a load pass, whatever was read.
         """
         config, caught, depth = self.config, stages.caught, stages.depth[column]
         hidden, forwards = hazards
@@ -92,22 +85,21 @@ class PlaneLaneRow(LaneRow):
             Signal(config.depth_bits, name=f"{name}_{column}", reset_less=True)
             for name in ("old", "earlier", "forwarded")
         )
-        clears = Signal(name=f"clears_{column}", reset_less=True)
+        stores = Signal(name=f"stores_{column}", reset_less=True)
         difference = Signal(config.depth_bits + 2, name=f"difference_{column}")
         passes = Signal(name=f"passes_{column}")
         draws, odd = stages.draws[column], stages.odd[column]
         read = Mux(caught.odd[column], olds["odd"], olds["even"])
         other = Mux(forwards[column], forwarded, old)
         m.d.sync += [
-            # A memory that was not cleared yet is undefined.
-            old.eq(Mux(caught.clear, config.background_depth, read)),
+            old.eq(read),
             earlier.eq(depth),
             forwarded.eq(earlier),
-            clears.eq(caught.clear),
+            stores.eq(caught.store),
             draws.eq(Mux(caught.clear, 1, stages.mask[column])),
         ]
         m.d.comb += [
-            difference.eq(Cat(depth, 0) - Cat(other, clears)),
+            difference.eq(Cat(depth, 0) - Cat(other, stores)),
             passes.eq(difference[-1] & draws),
             written.even[column].eq(passes & ~stages.not_even[column] & ~hidden.even[column]),
             written.odd[column].eq(passes & odd & ~hidden.odd[column]),
@@ -127,7 +119,7 @@ class PlaneLaneRow(LaneRow):
         forwards = Signal(count, reset_less=True)
         behind = Signal(count)
         m.d.comb += behind.eq(
-            Cat(new >= last for new, last in zip(stages.before, stages.depth, strict=True))
+            Cat(new >= last for new, last in zip(stages.new, stages.depth, strict=True))
         )
         m.d.sync += forwards.eq(
             Cat(Mux(caught.odd[n], again.odd[n], again.even[n]) for n in range(count))
@@ -138,7 +130,7 @@ class PlaneLaneRow(LaneRow):
             meets = getattr(self.request.again[1], half) & (now == last)
             there = getattr(written, half)
             m.d.sync += [
-                getattr(hidden, half).eq(Mux(hides & ~caught.clear, there & behind, 0)),
-                getattr(again, half).eq(Mux(meets & ~self.request.clear, there, 0)),
+                getattr(hidden, half).eq(Mux(hides & ~caught.store, there & behind, 0)),
+                getattr(again, half).eq(Mux(meets, there, 0)),
             ]
         return hidden, forwards

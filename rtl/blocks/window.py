@@ -19,11 +19,11 @@ from splatline.rtl.window.service import (
 
 from .dirty_bits import residue_bits
 from .flush_scan import BlockFlushScan
-from .lane_row import HALVES, BeatWordsLayout, LaneRow, RowRequestLayout, row_address_bits
+from .lane_row import HALVES, LaneRow, RowRequestLayout, row_address_bits
 from .layouts import BlockLayout, ClearedLayout, ColumnsLayout
 from .plane_row import PlaneLaneRow
 from .readout import BlockReadout
-from .requests import register_load, request_addresses, request_pixels, word_of
+from .requests import register_columns, request_addresses, request_pixels, word_of
 
 __all__ = ["BlockWindow"]
 
@@ -36,7 +36,9 @@ class Grants(NamedTuple):
     going
         The offered block is drawn.
     loading
-        The offered beat of the initial raster is loaded.
+        A word of the offered beat of the initial raster is loaded.
+    odd
+        It is the odd word.
     flushing
         The requested beat is flushed.
     service
@@ -53,6 +55,7 @@ class Grants(NamedTuple):
 
     going: Value
     loading: Value
+    odd: Value
     flushing: Value
     service: Value
     row_served: Value
@@ -73,20 +76,26 @@ class BlockWindow(wiring.Component):
     memories read. *Catch*: the pixels are registered. *Test*: each lane compares depths and writes.
     A flushed beat goes to the FIFO of :class:`BlockReadout` instead.
 
-    Arbitration: one block and one service, a flush or a load, go in a cycle if they use different
-    rows of lanes. On a conflict the block has priority over a flush, except while ``lagging``; and
-    over a load, except while ``pressing``, when the load goes alone. While ``raster`` is not ready,
-    flushes stop once the FIFO is half full. Blocks go on as long as their lines are in the window.
+    A load goes through the same pipeline, as blocks of a line do: each column of lanes has a value
+    to write, the block's or its pixel of the word. It is written without a depth test.
+
+    Arbitration: one block and one flush go in a cycle if they use different rows of lanes. On a
+    conflict the block has priority, except while ``lagging``. A load goes alone, before all else:
+    the even word of its beat, then the odd one, then nothing for a cycle. While ``raster`` is not
+    ready, flushes stop once the FIFO is half full. Blocks go on as long as their lines are in the
+    window.
 
     Hazards: none stalls. Each block comes with a comparison to the two blocks before it
     (``_follow``), by which a lane decides about pixels that are still being written. With planes
-    lanes compare depths (:class:`PlaneLaneRow`).
+    lanes compare depths (:class:`PlaneLaneRow`). A block is drawn into a line, or a line flushed,
+    three cycles after the last load in it at the soonest: the beat after it is compared meanwhile.
 
     After reset the lanes are cleared, in as many cycles as one of their memories has pixels.
 
     **Latency**: 8 cycles from a retired line to its first beat. **Throughput**: a block a cycle,
-    less one cycle for each flush or load with priority. A load in two cycles. A dirty beat a cycle
-    on ``raster``, less the cycles of blocks with priority and of loads.
+    less one cycle for each flush with priority, and two for each beat that is loaded. A load in
+    three cycles. A dirty beat a cycle on ``raster``, less the cycles of blocks with priority and
+    of loads.
 
     Members
     -------
@@ -151,11 +160,11 @@ class BlockWindow(wiring.Component):
         clearing = self._clear(m)
         close = self._connect_frame(m, flush_scan, loader, readout)
         grants = self._arbitrate(m, flush_scan, loader, readout, clearing.swept, close)
-        new, again, behind = self._follow(m, grants.going)
-        requests, loaded = self._rows(m, flush_scan, readout, new)
+        new, again, behind = self._follow(m, grants)
+        columns = register_columns(m, self, new, loader.o, grants.odd)
+        requests = self._rows(m, flush_scan, readout, columns)
         request_pixels(m, self, requests, grants, again, behind, clearing.sweeping)
         request_addresses(m, self, requests, grants, clearing)
-        register_load(m, self, loaded, loader)
         self._mark(m, flush_scan, loader, grants, clearing)
         return m
 
@@ -196,9 +205,9 @@ class BlockWindow(wiring.Component):
             self.empties.eq(flush_scan.empties & readout.room),
         ]
         m.d.sync += closable.eq(loader.finished & ~flush_scan.closing & ~close)
-        # ``front`` is a cycle late, because a beat that was flushed a cycle ago is still to be
-        # cleared. A load waits for that on any line; a block only on its own lines. The window of
-        # the next frame is known a cycle after ``close``: until then it has no lines.
+        # The window of the next frame is known a cycle after ``close``: until then it has no lines
+        # for the loader. A block waits for what is still to be cleared on its own lines, and a
+        # load need not wait: it is written after the clear.
         with m.If(close):
             m.d.sync += front.eq(-2 * config.window_lines)
         with m.Else():
@@ -206,7 +215,7 @@ class BlockWindow(wiring.Component):
         return close
 
     def _arbitrate(self, m, flush_scan, loader, readout, swept, close):
-        """Grant a block, and a load or a flush, if they use different rows of lanes."""
+        """Grant a load; or a block and a flush, if they use different rows of lanes."""
         config = self.config
         block, load = self.i.payload, loader.o.payload
         bits = residue_bits(config)
@@ -226,12 +235,11 @@ class BlockWindow(wiring.Component):
         lagging = Signal()
         first = Signal()
         marks_first = Signal()
-        pressing = Signal()  # a load goes, and no block
-        refused = Signal()  # a load was refused in the cycle before
+        odd = Signal()  # of the load's beat the odd word goes
         busy = Signal(BLOCK)
         m.d.comb += [
             # Until all is cleared, the lanes' addresses are those of the clearing.
-            offered.eq(self.i.valid & ~block.end & ~pressing & ~swept),
+            offered.eq(self.i.valid & ~block.end & ~serving & ~swept),
             going.eq(offered & ~(first & meeting) & ~(marks_first & marking)),
             self.i.ready.eq(going | close),
             wanted.eq(block.rows),
@@ -242,10 +250,9 @@ class BlockWindow(wiring.Component):
             marks_first.eq(flush_scan.takes & lagging),
             # ``going`` is late, so the block's rows are reserved whether it goes or not.
             busy.eq(wanted & offered.replicate(BLOCK) & ~(row_served & first.replicate(BLOCK))),
-            # A load that was refused gives way to a flush, so the two alternate.
-            serving.eq(loader.o.valid & (pressing | ~(leaves & (refused | lagging)))),
-            loading.eq(serving & ~swept & ~(offered & wanted.bit_select(load.line[:bits], 1))),
-            loader.o.ready.eq(loading),
+            serving.eq(loader.o.valid),
+            loading.eq(serving & ~swept),
+            loader.o.ready.eq(loading & odd),
             flushing.eq(flush_scan.flush.valid & flush_scan.flush.ready),
             flush_scan.flush.ready.eq(readout.room & ~serving & (first | ~(offered & meeting))),
             readout.flush.eq(flushing),
@@ -255,49 +262,37 @@ class BlockWindow(wiring.Component):
             self.cleared.valid.eq(flushing),
             self.cleared.place.eq(flush_scan.flush.payload.line[: config.slot_bits]),
         ]
-        flush_first, load_first = self._priorities(m, flush_scan, load)
-        # Registers, because every stage before the window waits for a block to go.
         m.d.sync += [
-            lagging.eq(flush_first),
-            # Dirty bits with priority over a block are not taken while a load is offered, and the
-            # load may wait for the block's row. So the load has priority while lines lag, or none
-            # of the three would ever go.
-            pressing.eq(serving & ~loading & (load_first | lagging)),
-            refused.eq(serving & ~loading),
+            odd.eq(loading & ~odd),
+            # A register, because every stage before the window waits for a block to go.
+            lagging.eq(self._lags(m, flush_scan)),
         ]
         return Grants(
             going=going,
             loading=loading,
+            odd=odd,
             flushing=flushing,
             service=service,
             row_served=row_served,
             busy=busy,
-            # ``serving`` and not ``loading``, which is late.
             marks=~serving & (marks_first | ~(offered & marking)),
             lone=~(wanted & offered.replicate(BLOCK)),
         )
 
-    def _priorities(self, m, flush_scan, load):
-        """Return whether a flush has priority over a block, and whether a load has.
+    def _lags(self, m, flush_scan):
+        """Return whether a flush has priority over a block.
 
         Elements of up to four lines lie about the fifth line from ``top`` on. They leave the rows
         of the lines one and two above ``top`` free, and flushes of these lines go beside them.
         Flushes of lines further above have priority, so that the flush scan comes to those lines.
         With priority for all lines no flush would be left to go beside the elements.
-
-        Loads of the lines six and seven below ``top``, modulo 8, go beside the elements, in the
-        same two rows. Loads of other lines have priority.
         """
         above = Signal(3)
-        distance = Signal(3)
-        m.d.comb += [
-            above.eq(self.i.payload.top[:3] - flush_scan.oldest[:3]),
-            distance.eq(load.line[:3] - self.i.payload.top[:3]),
-        ]
-        return above >= 2, distance < 6
+        m.d.comb += above.eq(self.i.payload.top[:3] - flush_scan.oldest[:3])
+        return above >= 2
 
     def _rows(self, m, flush_scan, readout, new):
-        """Add the rows of lanes; return the registers of their requests and of the loaded beat.
+        """Add the rows of lanes; return the registers of their requests.
 
         The registers cut two long paths: the one to an address, and the one from there to the
         many lanes.
@@ -308,7 +303,6 @@ class BlockWindow(wiring.Component):
             Signal(RowRequestLayout(config), name=f"request_{q}", reset_less=True)
             for q in range(BLOCK)
         ]
-        loaded = Signal(BeatWordsLayout(config), reset_less=True)
         outside = self._outside(m, flush_scan.flush.payload.word)
         if config.plane:
             columns = Signal(ColumnsLayout(config), reset_less=True)
@@ -317,14 +311,13 @@ class BlockWindow(wiring.Component):
             m.submodules[f"row_{q}"] = row
             m.d.comb += [
                 row.request.eq(request),
-                row.new.colour.eq(new.colour) if config.plane else row.new.eq(new),
-                row.loaded.eq(loaded),
+                row.new.eq(new),
                 row.outside.eq(outside),
                 readout.rows[q].eq(row.leaving),
             ]
             if config.plane:
                 m.d.comb += row.columns.eq(columns)
-        return requests, loaded
+        return requests
 
     def _mark(self, m, flush_scan, loader, grants, clearing):
         """Tell the flush scan which words are written, and when it may take dirty bits."""
@@ -346,11 +339,11 @@ class BlockWindow(wiring.Component):
             flush_scan.lone.eq(grants.lone),
         ]
 
-    def _follow(self, m, going):
+    def _follow(self, m, grants):
         """Compare the block with the two before it; return the earlier pixel, and the results.
 
         The results are ``again`` and ``behind`` of :class:`RowRequestLayout`. The pixel is that of
-        two cycles before, which the rows draw in this cycle. With planes only its colour counts.
+        the cycle before, and zeros if that was a load's. With planes only its colour counts.
         """
         config, block = self.config, self.i.payload
         words = data.StructLayout(dict.fromkeys(HALVES, config.word_bits - 1))
@@ -361,13 +354,15 @@ class BlockWindow(wiring.Component):
         again = Signal(RowRequestLayout(config).members["again"])
         behind = Signal(2)
         m.d.comb += [
-            latest.drawn.eq(going),
+            latest.drawn.eq(grants.going),
             latest.new.depth.eq(block.z),
             latest.new.colour.eq(self.shade),
         ]
         for half, name in enumerate(HALVES):
             m.d.comb += getattr(latest.words, name).eq(word_of(block, half))
         m.d.sync += [before.eq(latest), before_that.eq(before)]
+        with m.If(grants.loading):
+            m.d.sync += before.new.eq(0)
         for n, other in enumerate((before, before_that)):
             # The depth of what was not offered may be undefined.
             known = self.i.valid & other.drawn
@@ -375,7 +370,7 @@ class BlockWindow(wiring.Component):
             for name in HALVES:
                 same = getattr(latest.words, name) == getattr(other.words, name)
                 m.d.comb += getattr(again[n], name).eq(other.drawn & same)
-        return before_that.new, again, behind
+        return before.new, again, behind
 
     def _outside(self, m, word):
         """Return which pixels of the requested beat lie outside the right border.

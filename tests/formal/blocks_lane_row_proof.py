@@ -14,7 +14,7 @@ class LaneRowProperties(Properties):
     """Any one pixel of any word, followed from the first time that it is cleared or loaded.
 
     It lies in any column and either half. A request has two more stages: its pixels were read, and
-    they are tested, and written. A load has none.
+    they are tested, and written.
     """
 
     row = LaneRow
@@ -28,8 +28,7 @@ class LaneRowProperties(Properties):
         self.address = any_constant(m, row_address_bits(config), "address")
         self.column = any_constant(m, config.pixel_bits, "column")
         self.half = any_constant(m, 1, "half")
-        # That its two writers keep apart is assumed of the pixel, and of no other one.
-        self.memories = OneWord(self.address, apart=False)
+        self.memories = OneWord(self.address)
         self.dut = dut = self.row(config)
         self.add(m, dut)
         self.free(m, dut)
@@ -37,7 +36,10 @@ class LaneRowProperties(Properties):
         # What was requested in the two cycles before; and what the last three were to draw, the
         # first of which is known now.
         caught, tested = (Signal(RowRequestLayout(config), name=n) for n in ("asked", "tested"))
-        news = [self._new(m), *(Signal(PixelLayout(config), name=f"new_{n}") for n in (1, 2))]
+        news = [
+            self._new(m, caught),
+            *(Signal(PixelLayout(config), name=f"new_{n}") for n in (1, 2)),
+        ]
         drew = Signal(2)  # what lay before what is caught was to be drawn
         # The registers without a reset have none of what they began with, stage by stage.
         begun = Signal(2)
@@ -45,15 +47,15 @@ class LaneRowProperties(Properties):
         m.d.sync += [news[1].eq(news[0]), news[2].eq(news[1])]
         m.d.sync += drew.eq(Cat(caught.draw, tested.draw))
         self._assume_draws(m, caught, tested, news, drew)
-        loads = self._assume_clears(m, caught, tested)
-        # What the row may write at first is cleared, and not yet loaded.
-        self.given(m, "begins", begun[1] | ~loads)
-        pixel, known = self._define(m, tested, news[1], loads)
+        self._assume_distances(m, caught, tested)
+        pixel, known = self._define(m, tested, news[1])
         self._assert_leaving(m, caught, pixel, known, begun)
 
-    def _new(self, m):
-        """Return the pixel that the request of the cycle before draws."""
-        return self.dut.new
+    def _new(self, m, caught):
+        """Return what the request of the cycle before draws or loads in the pixel's column."""
+        new = Signal(PixelLayout(self.config), name="new_0")
+        m.d.comb += new.eq(self.dut.new[self.column])
+        return new
 
     def _pick(self, m, words):
         """Return the chosen pixel of two words."""
@@ -75,6 +77,10 @@ class LaneRowProperties(Properties):
         mine = request.mask.bit_select(column, 1) & (request.odd.bit_select(column, 1) == half)
         return request.draw & mine & self._there(request)
 
+    def _loads(self, request):
+        """Return whether a request loads the pixel."""
+        return request.store & ~request.clear & (self.half | request.both) & self._there(request)
+
     def _clears(self, request):
         """Return whether a request clears the pixel."""
         return request.clear & self._there(request)
@@ -95,50 +101,52 @@ class LaneRowProperties(Properties):
         It says so of the pixel's half, and nothing of the group of lines.
         """
         request = self.dut.request
-        # A draw of nothing may come with another.
-        beside = request.draw & (request.mask == 0) & ~(request.clear & request.load)
-        wishes = Cat(request.draw, request.clear, request.load)
-        self.given(m, "one_of_three", ((wishes & (wishes - 1)) == 0) | beside)
+        # A draw of nothing may come with a clear.
+        beside = (request.mask == 0) & request.clear
+        self.given(m, "one_of_two", ~(request.draw & request.store) | beside)
+        self.given(m, "stored", request.store | ~request.clear)
+        load = request.store & ~request.clear
+        self.given(m, "whole_words", ~load | (request.mask.all() & request.odd.all()))
+        self.given(m, "both", load | ~request.both | (request.mask == 0))
         for n, before in enumerate((caught, tested)):
             again = Mux(self.half, request.again[n].odd, request.again[n].even)
             same = before.draw & (self._word(before) == self._word(request))
-            other = before.draw & (before.clear | before.load)  # the word is that one's
+            other = before.draw & before.clear  # the word is that one's
             self.given(m, f"again_{n}", ~request.draw | other | (again == same))
             if not self.config.plane:
-                told = caught.behind[n] == (self.dut.new.depth >= news[n + 1].depth)
+                told = caught.behind[n] == (news[0].depth >= news[n + 1].depth)
                 self.given(m, f"behind_{n}", ~(caught.draw & drew[n]) | told)
 
-    def _assume_clears(self, m, caught, tested):
-        """Assume that clears and loads keep their distance; return whether the pixel is loaded."""
+    def _assume_distances(self, m, caught, tested):
+        """Assume that what is cleared or loaded keeps its distance to what else is done there."""
         request = self.dut.request
-        loads, clears_now = Signal(), Signal()
-        m.d.comb += [
-            loads.eq(request.load & self._there(request)),
-            clears_now.eq(loads | self._clears(request)),
-        ]
+        draws, loads, clears = self._draws(request), self._loads(request), self._clears(request)
         for n, before in enumerate((caught, tested)):
-            cleared, drawn = self._clears(before), self._draws(before)
-            self.given(m, f"waits_{n}", ~(clears_now & (cleared | drawn)))
+            loaded, drawn = self._loads(before), self._draws(before)
+            # A word may be loaded after a clear, and the odd one twice: with the even one, and by
+            # itself.
+            cleared = clears & (drawn | loaded | self._clears(before))
+            self.given(m, f"waits_{n}", ~cleared & ~(loads & drawn))
             line = before.clear & (self._group(before) == self._group(request))
-            self.given(m, f"waits_too_{n}", ~(self._draws(request) & line))
-        return loads
+            self.given(m, f"waits_too_{n}", ~(draws & (loaded | line)))
 
     def _background(self):
         """Return a pixel that nothing was drawn into."""
         return Const({"depth": self.config.background_depth}, PixelLayout(self.config))
 
-    def _define(self, m, tested, new, loads):
+    def _define(self, m, tested, new):
         """Return what the pixel is by definition, and whether it is known."""
         known = Signal()
         pixel, after = Signal(PixelLayout(self.config)), Signal(PixelLayout(self.config))
         m.d.comb += after.eq(pixel)
         with m.If(self._draws(tested) & (new.depth < pixel.depth)):
             m.d.comb += after.eq(new)
-        with m.If(self._clears(tested)):
-            m.d.comb += after.eq(self._background())
-        m.d.sync += [pixel.eq(after), known.eq(known | self._clears(tested))]
+        loads, clears = self._loads(tested), self._clears(tested)
         with m.If(loads):
-            m.d.sync += [pixel.eq(self._pick(m, self.dut.loaded)), known.eq(1)]
+            m.d.comb += after.eq(new)
+        with m.If(clears):
+            m.d.comb += after.eq(self._background())
+        m.d.sync += [pixel.eq(after), known.eq(known | clears | loads)]
         return pixel, known
 
     def _assert_leaving(self, m, caught, pixel, known, begun):
@@ -186,51 +194,60 @@ PROOFS = [
             Fault(
                 "all columns",
                 LaneRow,
-                r"mask\.eq\(Mux\(request\.draw, request\.mask",
-                "mask.eq(Mux(request.draw, -1",
+                r"(request\.store), request\.mask",
+                r"\1, -1",
                 "_stages",
             ),
             Fault(
-                "drawn where it is loaded",
+                "drawn unasked",
                 LaneRow,
-                r"Mux\(request\.draw, request\.mask, 0\)",
-                "request.mask",
+                r"Mux\(request\.draw \| request\.store, (request\.mask), 0\)",
+                r"\1",
                 "_stages",
             ),
             Fault(
-                "loaded too late",
+                "loaded where it is nearer",
                 LaneRow,
-                r"load\.addr\.eq\(address\)",
-                "load.addr.eq(getattr(stages.caught.addresses, half))",
-                "_memory",
+                r"Mux\(caught\.store, -1",
+                "Mux(caught.clear, -1",
+                "_meet",
+            ),
+            Fault("loaded into both", LaneRow, r" \| caught\.both", " | caught.store", "_stages"),
+            Fault("not loaded", LaneRow, r" \| request\.store", "", "_stages"),
+            Fault(
+                "the column before",
+                LaneRow,
+                r"self\.new\[column\]",
+                "self.new[(column + 1) % len(columns)]",
+                "_stages",
             ),
             Fault("not cleared", LaneRow, r"Mux\(caught\.clear, 1, (mask.*)\)\)", r"\1)", "_test"),
             Fault(
                 "cleared to a depth",
                 LaneRow,
-                r"(depth\.eq\()Mux\([^,]*, background, (.*)\)\)",
-                r"\1\2)",
-                "_depths",
+                r"Mux\(caught\.clear, background, (new\[column\])\)",
+                r"\1",
+                "_stages",
             ),
             Fault(
                 "the colour not cleared",
                 LaneRow,
-                r"Mux\(caught\.clear, 0, (self\.new\.colour)\)",
+                r"Mux\(caught\.clear, 0, (self\.new\[column\]\.colour)\)",
                 r"\1",
                 "_stages",
             ),
             Fault(
                 "not cleared where it was drawn",
                 LaneRow,
-                r" & ~caught\.clear",
+                r" & ~caught\.store",
                 "",
                 "_meet",
             ),
             Fault(
-                "nor where it was so before",
+                "cleared where it is nearer",
                 LaneRow,
-                r" & ~self\.request\.clear",
-                "",
+                r"Mux\(caught\.store, -1, (.*)\)\)",
+                r"\1)",
                 "_meet",
             ),
             Fault(
@@ -244,20 +261,20 @@ PROOFS = [
             Fault("as it was a cycle before", LaneRow, r"Mux\(hides & [^,]+,", "Mux(0,", "_meet"),
             Fault("hidden by another line", LaneRow, r" & \(then == last\)", "", "_meet"),
             Fault("hidden by what is behind", LaneRow, r" & caught\.behind\[0\]", "", "_meet"),
-            Fault("as it was read", LaneRow, r"Mux\(meets & [^,]+,", "Mux(0,", "_meet"),
+            Fault("as it was read", LaneRow, r"Mux\(meets,", "Mux(0,", "_meet"),
             Fault("as of another line", LaneRow, r" & \(now == last\)", "", "_meet"),
             Fault(
                 "whatever was nearer",
                 LaneRow,
-                r"behind\.eq\(caught\.behind\[1\]\)",
+                r"behind\.eq\(.*\[1\]\)",
                 "behind.eq(0)",
                 "_meet",
             ),
             Fault(
                 "the stage before",
                 LaneRow,
-                r"behind\.eq\(caught\.behind\[1\]\)",
-                "behind.eq(self.request.behind[1])",
+                r"behind\.eq\(.*\[1\]\)",
+                "behind.eq(~caught.store & self.request.behind[1])",
                 "_meet",
             ),
         ),

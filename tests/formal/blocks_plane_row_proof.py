@@ -21,16 +21,24 @@ class PlaneRowProperties(LaneRowProperties):
 
     row = PlaneLaneRow
 
-    def _new(self, m):
-        """Return the pixel by the contract: its depth in the cycle after its two shares."""
+    def _new(self, m, caught):
+        """Return the pixel by the contract: its depth in the cycle after its two shares.
+
+        That of a load is given.
+        """
         config, dut = self.config, self.dut
         total = Signal(signed(sum_bits(config)))
         pixel = Signal(PixelLayout(config), name="new_0")
         level, depth = total >> SUM_FRACTION, Signal(config.depth_bits)
         furthest = config.background_depth
+        new = dut.new[self.column]
         m.d.comb += total.eq(dut.request.line + dut.columns[self.column])
         m.d.sync += depth.eq(Mux(level < 0, 0, Mux(level > furthest, furthest, level)))
-        m.d.comb += [pixel.colour.eq(dut.new.colour), pixel.depth.eq(depth)]
+        m.d.comb += [
+            pixel.colour.eq(new.colour),
+            pixel.depth.eq(Mux(caught.store & ~caught.clear, new.depth, depth)),
+        ]
+        self.given(m, "given_depth", (caught.store & ~caught.clear) | (new.depth == 0))
         return pixel
 
 
@@ -48,18 +56,31 @@ PROOFS = [
             Fault(
                 "cleared where it is nearer",
                 PlaneLaneRow,
-                r"clears\.eq\(caught\.clear\)",
-                "clears.eq(0)",
+                r"stores\.eq\(caught\.store\)",
+                "stores.eq(0)",
                 "_test",
             ),
             Fault(
                 "cleared to a depth",
-                PlaneLaneRow,
-                r"Mux\(caught\.clear, background, (.*)\)\)",
-                r"\1)",
-                "_depths",
+                LaneRow,
+                r"Mux\(caught\.clear, background, (new\[column\])\)",
+                r"\1",
+                "_stages",
             ),
-            Fault("nothing before 0", PlaneLaneRow, r"eq\(levels\[-1\]\)", "eq(0)", "_saturate"),
+            Fault(
+                "nothing before 0",
+                PlaneLaneRow,
+                r"(self\.request\.store), 1, levels\[-1\]",
+                r"\1, 1, 0",
+                "_saturate",
+            ),
+            Fault(
+                "loaded as the sum is",
+                PlaneLaneRow,
+                r"Mux\(self\.request\.store, 1, (.*)\)\)",
+                r"\1)",
+                "_saturate",
+            ),
             Fault(
                 "nothing beyond",
                 PlaneLaneRow,
@@ -76,7 +97,7 @@ PROOFS = [
             Fault("an equal one drawn over", PlaneLaneRow, r"new >= last", "new > last", "_meet"),
             Fault("hidden by another line", PlaneLaneRow, r" & \(then == last\)", "", "_meet"),
             Fault(
-                "not cleared where it was drawn", PlaneLaneRow, r" & ~caught\.clear", "", "_meet"
+                "not cleared where it was drawn", PlaneLaneRow, r" & ~caught\.store", "", "_meet"
             ),
             Fault(
                 "leaves where nothing is cleared",

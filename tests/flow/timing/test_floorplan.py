@@ -43,6 +43,18 @@ def test_an_engine_of_a_hundred_block_rams_fits_the_device_that_has_them():
     assert len(set(sites.values())) == 96
 
 
+def test_columns_of_blocks_stay_in_one_row():
+    names = [f"top.window.row_{i}.{half}_{j}.0.0" for half in ("even", "odd") for i in range(8)
+             for j in range(8)]  # fmt: skip
+    sites = floorplan(["top.window.readout.queue.fifo.storage.0.0", *names], DEVICES[2])
+    assert len(set(sites.values())) == len(sites) == 128
+    assert sites["top.window.row_0.even_0.0.0"] == "X4/Y46/EBR0"
+    assert sites["top.window.row_0.odd_0.0.0"] == "X6/Y46/EBR1"
+    for j in range(8):
+        (row,) = {sites[name].split("/")[1] for name in names if f"_{j}.0" in name}
+        assert row == f"Y{DEVICES[2].rows[j // 3]}"
+
+
 def test_without_lanes_there_is_nothing_to_place():
     assert floorplan(["table_.ram.0.0", "lane_row_3.ram.0.0"], SMALL) == {}
 

@@ -35,6 +35,7 @@ class Draw:
     """A pixel for some columns, {column: half}: of the even word (0) or of the odd one."""
 
     kind = "draw"
+    sets = ("draw",)
 
     def __init__(self, columns, pixel, places):
         self.columns, self.pixel, self.places = columns, pixel, places
@@ -51,6 +52,7 @@ class Clear:
     """Both words leave."""
 
     kind = "clear"
+    sets = ("store", "clear")
 
     def __init__(self, places):
         self.places = places
@@ -63,17 +65,19 @@ class Clear:
 
 
 class Load:
-    """Two words of pixels, {(half, column): pixel}, which are there at once."""
+    """A pixel of each column for the odd word, or for both."""
 
     kind = "load"
-    writes = frozenset()  # in the next cycle
+    sets = ("store",)
 
-    def __init__(self, pixels, places):
-        self.pixels, self.places = pixels, places
+    def __init__(self, both, pixels, places):
+        self.both, self.pixels, self.places = both, pixels, places
 
     @property
     def reads(self):
-        return {(half, self.places[half], column) for half, column in ALL}
+        return {(half, self.places[half], column) for half, column in ALL if half or self.both}
+
+    writes = reads
 
 
 class Operator:
@@ -86,12 +90,12 @@ class Operator:
         self.dut, self.random, self.bench = dut, random.Random(seed), StreamBench(dut, seed)
         self.pixels = {}
         self.latest = [None] * SETTLES  # requests whose pixels are still to be written
-        self.drawn = BACKGROUND  # what was requested to be drawn in the cycle before
+        self.new = [BACKGROUND] * COLUMNS  # what was requested to be written in the cycle before
         self.coming, self.leaving = None, None  # words that leave; before the reset unknown
 
     async def reset(self):
         dut = self.dut
-        dut.request.value = dut.new_.value = dut.loaded.value = dut.outside.value = 0
+        dut.request.value = dut.new_.value = dut.outside.value = 0
         await self.bench.reset()
         self.coming = self.leaving = None
         for place in range(PLACES):
@@ -137,33 +141,28 @@ class Operator:
         fields |= {"mask": rng.getrandbits(COLUMNS), "odd": rng.getrandbits(COLUMNS)}
         fields["again"] = [{name: rng.randrange(2) for name in HALVES} for _ in range(2)]
         fields["behind"] = rng.randrange(4)
+        fields["both"] = 0 if isinstance(request, Draw) else rng.randrange(2)
         outside = [rng.choice([0, rng.getrandbits(COLUMNS)]) for _ in HALVES]
-        new, loaded = self.drawn, {place: random_pixel(rng) for place in ALL}
-        self.drawn = random_pixel(rng)
+        new, self.new = self.new, [random_pixel(rng) for _ in range(COLUMNS)]
         if request:
-            fields[request.kind] = 1
+            fields |= dict.fromkeys(request.sets, 1)
         if isinstance(request, Draw):
-            self.drawn = request.pixel
+            self.new = [request.pixel] * COLUMNS
             fields |= self.after(request)
             fields["mask"] = sum(1 << column for column in request.columns)
             odd = sum(half << column for column, half in request.columns.items())
             fields["odd"] = odd | fields["odd"] & ~fields["mask"]
         if isinstance(request, Load):
-            loaded = request.pixels
+            self.new = request.pixels
+            fields["mask"] = fields["odd"] = (1 << COLUMNS) - 1
+            fields["both"] = request.both
 
         def drive():
             dut.request.value = pack(REQUEST, **fields)
             dut.outside.value = outside[0] | outside[1] << COLUMNS
-            dut.new_.value = pack(PIXEL, depth=new[0], colour=new[1])
-            dut.loaded.value = pack(
-                BEAT,
-                **{
-                    name: {
-                        kind: [loaded[half, column][part] for column in range(COLUMNS)]
-                        for part, kind in enumerate(("depth", "colour"))
-                    }
-                    for half, name in enumerate(HALVES)
-                },
+            dut.new_.value = sum(
+                pack(PIXEL, depth=depth, colour=colour) << column * PIXEL.size
+                for column, (depth, colour) in enumerate(new)
             )
 
         def observe():
@@ -186,7 +185,7 @@ class Operator:
         for half, place, column in request.reads:
             key = half, place, column
             if isinstance(request, Load):
-                self.pixels[key] = request.pixels[half, column]
+                self.pixels[key] = request.pixels[column]
             elif isinstance(request, Clear):
                 if not outside[half] >> column & 1:
                     self.coming = {**self.coming, (half, column): self.pixels[key]}
@@ -211,7 +210,7 @@ def random_request(rng, spread, step):
     if chance < 0.15:
         return Clear(places)
     if chance < 0.3:
-        return Load({place: random_pixel(rng, step) for place in ALL}, places)
+        return Load(rng.randrange(2), [random_pixel(rng, step) for _ in range(COLUMNS)], places)
     share = rng.choice([0.2, 0.5, 1.0])
     columns = {column: rng.randrange(2) for column in range(COLUMNS) if rng.random() < share}
     return Draw(columns, random_pixel(rng, step), places)
@@ -305,13 +304,19 @@ async def one_pixel_a_cycle(dut):
 
 @cocotb.test()
 async def what_is_loaded_is_there_whatever_was(dut):
-    """Behind or before the old pixel, or background; while the pixel before it is written."""
+    """Behind or before the old pixel, or background; in either word, next to what is drawn."""
     operator = Operator(dut, 11)
     await operator.reset()
     columns = dict.fromkeys(range(COLUMNS), 0)
     for pixel in ((100, 1), (200, 2), (50, 3), BACKGROUND):
-        await operator.cycle(Draw(columns, (300, 5), (12, 12)))
-        await operator.cycle(Load(dict.fromkeys(ALL, pixel), (13, 12)))
+        pixels = [pixel, *(random_pixel(operator.random) for _ in range(COLUMNS - 1))]
+        for places in ((13, 12), (12, 13)):
+            await operator.cycle(Draw(columns, (300, 5), places))
+        await operator.settle()
+        await operator.cycle(Load(1, pixels, (13, 12)))
+        for _ in range(SETTLES):
+            await operator.cycle(Draw(columns, (250, 4), (12, 12)))
+        await operator.cycle(Load(0, pixels[::-1], (13, 12)))
         await operator.cycle(Draw(columns, (150, 6), (13, 12)))
         await operator.settle()
         await operator.read((13, 12))

@@ -87,12 +87,6 @@ IN_THE_WINDOW = {
         OVER,
         "_follow",
     ),
-    "no wait for what is cleared": (
-        r"(?<=self, loader, )front",
-        "flush_scan.front",
-        OVER,
-        "_connect_frame",
-    ),
     "where the frame before was": (
         r"-2 \* config\.window_lines",
         "flush_scan.front",
@@ -129,19 +123,10 @@ IN_THE_WINDOW = {
         OVER,
         "_arbitrate",
     ),
-    "loaded in a block's row": (
-        r"~\(offered & wanted\.bit_select\(load\.line\[:bits\], 1\)\)",
-        "1",
-        OVER,
-        "_arbitrate",
-    ),
-    "a block goes beside a load that presses": (r"~pressing", "1", OVER, "_arbitrate"),
-    "loads go before all else": (
-        r"\(pressing \| ~\(leaves & \(refused \| lagging\)\)\)",
-        "1",
-        OVER,
-        "_arbitrate",
-    ),
+    "a block goes beside a load": (r"~serving(?= & ~swept)", "1", OVER, "_arbitrate"),
+    "a beat leaves beside a load": (r"(?<=room & )~serving", "1", OVER, "_arbitrate"),
+    "half a beat": (r"(?<=ready\.eq\(loading & )odd", "1", OVER, "_arbitrate"),
+    "the block before as a load is drawn": (r"(?<=If\()grants\.loading", "0", OVER, "_follow"),
     "marks taken in a row that is drawn into": (
         r"\(marks_first \| ~\(offered & marking\)\)",
         "1",
@@ -152,7 +137,7 @@ IN_THE_WINDOW = {
     "no wait for the sweep": (r"~swept(?=\),\n +going)", "1", behind_the_sweep, "_arbitrate"),
     "a waiting block in the sweep's way": (
         r"offered\.replicate\(BLOCK\)(?= & )",
-        "(self.i.valid & ~block.end & ~pressing).replicate(BLOCK)",
+        "(self.i.valid & ~block.end & ~serving).replicate(BLOCK)",
         behind_the_sweep,
         "_arbitrate",
     ),
@@ -160,15 +145,11 @@ IN_THE_WINDOW = {
 
 
 def collide(text):
-    """Make a pixel wrong that is read or written while it is written: as a block RAM may do."""
-    port = r"if \((\S+?) ?\)\s+{}\[({}[^]]*\])\] <= (\S+?) ?;(.*?)"
+    """Make a pixel wrong that is read while it is written: as a block RAM may do."""
     text, count = re.subn(
-        port.format(r"((?:even|odd)_\d)", "request")
-        + port.format(r"\2", "addresses")
-        + r"(_\d+_) <= \2\[\3\];",
-        r"if (\1 ) \2[\3] <= \6 && \3 == \7 ? ~\4 : \4 ;\5"
-        r"if (\6 ) \2[\7] <= \1 && \3 == \7 ? ~\8 : \8 ;\9"
-        r"\g<10> <= \6 && \3 == \7 ? ~\2[\3] : \2[\3];",
+        r"if \((\S+?) ?\)\s+((?:even|odd)_\d)\[(addresses[^]]*\])\] <= (\S+?) ?;(.*?)"
+        r"(_\d+_) <= \2\[(request[^]]*\])\];",
+        r"if (\1 ) \2[\3] <= \4 ;\5\6 <= \1 && \3 == \7 ? ~\2[\7] : \2[\7];",
         text,
         flags=re.DOTALL,
     )
