@@ -20,6 +20,7 @@ from splatline.sim.cosim.player import frames
 from splatline.sim.cosim.player.chains import ChainJob, build_chain, play_chain
 from splatline.sim.cosim.player.jobs import STREAMS
 from splatline.sim.cosim.player.player import wrap
+from tests.support import engines
 from tests.support import plane_words as pw
 from tests.support.clouds import sphere
 from tests.support.codewords import random_tables
@@ -68,13 +69,7 @@ def jobs(config, seeds, stalls=(0.0, 0.4), count=400):
 
 
 def mismatches(played, outcomes):
-    return [
-        sum(
-            raster.mismatches(golden.render(frame))
-            for frame, raster in zip((job.frame, *job.followed_by), outcome.rasters, strict=True)
-        )
-        for job, outcome in zip(played, outcomes, strict=True)
-    ]
+    return [engines.mismatches(*pair) for pair in zip(played, outcomes, strict=True)]
 
 
 def faulty_jobs():
