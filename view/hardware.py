@@ -29,7 +29,7 @@ def preset_facts() -> list[dict[str, Any]]:
     """Return name, title, area and routed clock of every preset.
 
     ``lut4``, ``ff``, ``bram`` and ``mult`` are those of ``splatline synth``; ``clock_mhz`` and
-    ``device`` those of ``splatline pnr``, None if the preset fits no ECP5.
+    ``device`` those of ``splatline pnr``, None if they are not known.
     """
     areas, clocks = read_budgets(), read_clocks()
     facts = []

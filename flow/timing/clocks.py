@@ -16,7 +16,8 @@ __all__ = ["CLOCKS", "read_clocks", "record"]
 
 CLOCKS = Path(__file__).with_name("clocks.json")
 """Of each preset ``device``, ``seeds``, ``median_mhz``, ``low_mhz``, ``high_mhz`` and ``command``;
-``device`` and clocks are null if the preset fits no ECP5."""
+``device`` is null if the preset is not known to fit an ECP5. Clocks are null if four seeds were not
+routed."""
 
 
 def read_clocks() -> dict[str, dict[str, Any]]:

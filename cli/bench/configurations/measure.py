@@ -85,8 +85,8 @@ def configurations(
 
     The cycle model counts the cycles of the built-in scenes without running the Verilog. Yosys
     counts the resources on the XC2V250, in half a minute to two for each engine. With --clock,
-    nextpnr finds the clock rate on a Lattice ECP5, in four to ten minutes for each engine. swift
-    fits no ECP5.
+    nextpnr finds the clock rate on a Lattice ECP5, in four to ten minutes for each engine; for
+    swift in an hour.
 
     \b
     Examples:
