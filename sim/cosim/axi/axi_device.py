@@ -67,6 +67,10 @@ def _verilog(config: EngineConfig) -> str:
     return convert(AxiTop(config), "splatline")
 
 
+AT_ONCE = 2048
+"""Cycles of one command that waits for a packet."""
+
+
 class SimulatedDevice(ServedSimulator):
     """A simulator of an AXI top; use it in a ``with``, or call :meth:`close`.
 
@@ -86,6 +90,8 @@ class SimulatedDevice(ServedSimulator):
         Clock edges of the reset before the first command.
     plusargs
         Arguments for the Verilog, such as ``+fault=1``.
+    waits
+        Called now and then with the cycles that :meth:`receive` has waited.
 
     Raises
     ------
@@ -105,6 +111,7 @@ class SimulatedDevice(ServedSimulator):
         built: Build | None = None,
         reset_edges: int = 4,
         plusargs: Sequence[str] = (),
+        waits: Callable[[int], None] = lambda cycles: None,
     ) -> None:
         if not 0.0 <= stall < 1.0:
             raise ValueError(f"stall must be in 0..1 without 1, not {stall}")
@@ -114,6 +121,7 @@ class SimulatedDevice(ServedSimulator):
             )
         self.config = config
         self.limit = limit
+        self.waits = waits
         built = build_axi(config) if built is None else built
         super().__init__(
             built,
@@ -151,7 +159,11 @@ class SimulatedDevice(ServedSimulator):
 
     def receive(self) -> npt.NDArray[np.uint64]:
         """Wait for a packet of the raster."""
-        data = self.command("receive", self.limit)
+        waited, data = 0, None
+        while data is None and waited < self.limit:
+            data = self.command("receive", min(AT_ONCE, self.limit - waited))
+            waited += AT_ONCE
+            self.waits(waited)
         broken = self.command("rules")
         if broken:
             raise SimulationError(f"the engine broke a rule of its buses: {broken[0]}")

@@ -10,6 +10,7 @@ from splatline.host.device.driver import Engine, EngineError
 from splatline.sim.cosim.player.jobs import Outcome
 from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cosim.watch import Progress, share_of
+from splatline.sim.cycles.cycles import count_cycles
 
 from .axi_device import SimulatedDevice, build_axi
 
@@ -37,7 +38,8 @@ def simulate_on_buses(
     seed
         Seed of the random stalls.
     progress
-        Called with ``build`` and the share of it that is done, and with ``run`` once it begins.
+        Called with ``build`` and with ``run``, and the share of it that is done: of a run, the
+        share of the cycles that the cycle model counts.
 
     Raises
     ------
@@ -58,7 +60,15 @@ def simulate_on_buses(
     begin = time.perf_counter()
     most = CYCLES_A_WORD * (len(frame.codewords) + frame.width * frame.height)
     limit = int(most / (1.0 - stall) ** 2)
-    with SimulatedDevice(frame.config, stall=stall, seed=seed, limit=limit, built=built) as device:
+    counted = count_cycles(frame) / (1.0 - stall) ** 2
+
+    def waits(cycles: int) -> None:
+        if progress is not None:
+            progress("run", min(1.0, cycles / counted))
+
+    with SimulatedDevice(
+        frame.config, stall=stall, seed=seed, limit=limit, built=built, waits=waits
+    ) as device:
         engine = Engine(device)
         try:
             engine.write_tables(frame.tables, frame.width, frame.height)

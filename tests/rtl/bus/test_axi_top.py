@@ -372,8 +372,14 @@ def test_interrupts(request, which):
 @pytest.mark.parametrize("config", [PAPER, PLANE], ids=lambda config: config.name)
 def test_a_frame_the_driver_s_way_as_render_has_it(config):
     frame = clean(config, 9, 40)
-    outcome = simulate_on_buses(frame, stall=0.2, seed=2)
+    told = []
+    outcome = simulate_on_buses(
+        frame, stall=0.2, seed=2, progress=lambda *stage: told.append(stage)
+    )
     assert outcome.raster.mismatches(golden.render(frame)) == 0
+    shares = [share for stage, share in told if stage == "run"]
+    assert shares == sorted(shares)
+    assert shares[0] == 0.0 < shares[-1] <= 1.0
     assert len(frame.codewords) < outcome.cycles < 20_000
     early = dataclasses.replace(frame, codewords=frame.codewords[:-1])
     with pytest.raises(SimulationError, match="FRAME_ENDED_EARLY"):
