@@ -60,7 +60,7 @@ def simulate_on_buses(
     begin = time.perf_counter()
     most = CYCLES_A_WORD * (len(frame.codewords) + frame.width * frame.height)
     limit = int(most / (1.0 - stall) ** 2)
-    counted = count_cycles(frame) / (1.0 - stall) ** 2
+    counted = 0.0 if progress is None else count_cycles(frame) / (1.0 - stall) ** 2
 
     def waits(cycles: int) -> None:
         if progress is not None:
