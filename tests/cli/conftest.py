@@ -59,10 +59,10 @@ def verilog(monkeypatch):
     spoilt: list[tuple[int, int]] = []
     calls = []
 
-    def simulate(frame, stall, seed, share=None):
+    def simulate(frame, stall, seed, tell=None):
         calls.append((stall, seed))
-        if share is not None:
-            share(0.0)
+        if tell is not None:
+            tell("run", 0.0)
         raster = golden.render(frame)
         for place in spoilt:
             raster.colour[place] ^= 1

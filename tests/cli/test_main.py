@@ -157,7 +157,7 @@ TOOL = "import os, sys, time; os.symlink(str(os.getpid()), sys.argv[1]); time.sl
 
 told = sys.argv[1]
 
-def synthesise(config, *, top):
+def synthesise(config, *, top, progress):
     with tempfile.TemporaryDirectory() as scratch:
         tools._run("Yosys", TOOL, [told], Path(scratch))
 

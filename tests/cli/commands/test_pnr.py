@@ -129,7 +129,7 @@ def test_a_tool_that_fails_shows_its_log(run, folder, routing, monkeypatch):
 
 def test_netlist_writes_edif(run, folder, routing, monkeypatch):
     module = types.ModuleType("splatline.flow.netlist")
-    module.pin_netlist = lambda config: ("(edif splatline)\n", {"cells": {"a": {}}})
+    module.pin_netlist = lambda config, progress: ("(edif splatline)\n", {"cells": {"a": {}}})
     monkeypatch.setitem(sys.modules, "splatline.flow.netlist", module)
     result = run("netlist")
     assert result.exit_code == 0, result.stderr

@@ -47,7 +47,7 @@ def synthesis(monkeypatch):
     report = dict(REPORT)
     asked = []
     module = types.ModuleType("splatline.flow.area.synth")
-    module.synthesise = lambda config, *, top: asked.append((config, top)) or report
+    module.synthesise = lambda config, *, top, progress: asked.append((config, top)) or report
     monkeypatch.setitem(sys.modules, "splatline.flow.area.synth", module)
     return report, asked
 
@@ -210,7 +210,7 @@ def test_synth_without_yosys_says_what_to_install(run, folder, synthesis, monkey
 
 
 def test_a_yosys_that_fails_shows_its_log_without_a_traceback(run, folder, synthesis, monkeypatch):
-    def fail(config, *, top):
+    def fail(config, *, top, progress):
         raise ToolError("Yosys failed:\nits log")
 
     monkeypatch.setattr(sys.modules["splatline.flow.area.synth"], "synthesise", fail)
