@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-__all__ = ["follow_nextpnr", "follow_yosys", "part_of"]
+from splatline.contract.progress import Share, part_of
 
-Share = Callable[[float], None]
-"""Called with the share of a run that is done, 0 to 1."""
+__all__ = ["follow_nextpnr", "follow_yosys", "part_of"]
 
 PASS = re.compile(r"[\d.]+ Executing ")
 """Begin of Yosys' line about a pass."""
@@ -27,13 +26,6 @@ ITERATIONS = 40
 
 ARCS = re.compile(r"Info: +\d+ \|(?: +\d+){2} \|(?: +\d+){2} \| *(\d+)\|")
 """nextpnr's line about its router, with the connections that are left."""
-
-
-def part_of(progress: Share | None, first: float, last: float) -> Share | None:
-    """Return what tells the share of a part of a task, from ``first`` to ``last`` of the whole."""
-    if progress is None:
-        return None
-    return lambda share: progress(first + (last - first) * share)
 
 
 def follow_yosys(progress: Share) -> Callable[[str], None]:

@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.contract.progress import part_of
 from splatline.host.compiled_cache import cached_njit
 
 from .cell_normals import GROWTHS, estimate_in_cell, new_workspace, take_around
@@ -62,8 +63,9 @@ def measure_cells(
         return
     rough, shares = np.zeros_like(normals), np.zeros(len(needed), np.float32)
     # Those that are not needed count in the means of others.
-    _pass(cells, rough, np.ones_like(needed), shares, progress=_half(progress, 0.0))
-    _pass(cells, normals, needed, trust_in(shares), rough, closing, progress=_half(progress, 0.5))
+    _pass(cells, rough, np.ones_like(needed), shares, progress=part_of(progress, 0.0, 0.5))
+    told = part_of(progress, 0.5, 1.0)
+    _pass(cells, normals, needed, trust_in(shares), rough, closing, progress=told)
 
 
 def _has_noise(cells: Cells) -> bool:
@@ -79,11 +81,6 @@ def _has_noise(cells: Cells) -> bool:
     shares = np.zeros(len(sampled), np.float32)
     _pass(cells, np.zeros((len(sampled), 3), np.float32), sampled, shares, growths=0)
     return is_noisy(shares[sampled])
-
-
-def _half(progress: Callable[[float], None] | None, begin: float) -> Callable[[float], None] | None:
-    """Return what is called with the shares of one half of the work."""
-    return progress and (lambda share: progress(begin + 0.5 * share))
 
 
 def _pass(

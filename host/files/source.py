@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splatline.contract.errors import InputError
+from splatline.contract.progress import part_of
 
 from .available_memory import available_memory
 from .wanted import USUAL, Wanted
@@ -174,23 +175,16 @@ def open_source(
             yield Source(stream, size, named, progress, wanted, None if is_input else path)
             return
         with tempfile.TemporaryFile() as unpacked:
-            packed = Source(stream, size, "", _part(progress, 0.0, UNPACKING))
+            packed = Source(stream, size, "", part_of(progress, 0.0, UNPACKING))
             fits = available_memory() if named in TEXTS else None
             _unpack(packed, cast(BinaryIO, unpacked), unpacked_limit(size), fits)
             size = unpacked.seek(0, 2)
             unpacked.seek(0)
             if not size:
                 raise InputError("the file is empty")
-            rest = _part(progress, UNPACKING, 1.0)
+            rest = part_of(progress, UNPACKING, 1.0)
             beside = None if is_input else path
             yield Source(cast(BinaryIO, unpacked), size, named, rest, wanted, beside)
-
-
-def _part(progress: Progress | None, first: float, last: float) -> Progress | None:
-    """Return what tells a part's share as one between two shares of the whole."""
-    if progress is None:
-        return None
-    return lambda share: progress(first + share * (last - first))
 
 
 def _unpack(packed: Source, to: BinaryIO, limit: int, fits: int | None) -> None:

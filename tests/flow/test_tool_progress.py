@@ -1,6 +1,6 @@
 """What Yosys and nextpnr print, and the shares that are told of it."""
 
-from splatline.flow.tool_progress import follow_nextpnr, follow_yosys, part_of
+from splatline.flow.tool_progress import follow_nextpnr, follow_yosys
 from splatline.flow.tools import run_yosys
 
 NEXTPNR = """\
@@ -24,15 +24,6 @@ def test_nextpnr_is_followed_from_its_placer_to_the_last_connection():
     for line in NEXTPNR.splitlines(keepends=True):
         hear(line)
     assert told == [0.0625, 0.25, 0.5, 0.875, 1.0]
-
-
-def test_the_share_of_a_part_lies_within_the_whole():
-    told = []
-    tell = part_of(told.append, 0.5, 0.75)
-    for share in (0.0, 0.5, 1.0):
-        tell(share)
-    assert told == [0.5, 0.625, 0.75]
-    assert part_of(None, 0.0, 1.0) is None
 
 
 def test_yosys_tells_its_passes(tmp_path):
