@@ -7,6 +7,7 @@ from amaranth.lib.wiring import In
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.contract.progress import Share
 from splatline.rtl.bus.axi_top import AxiTop
 
 from .register_texts import json_map
@@ -25,14 +26,16 @@ MEANINGS = {
 }
 
 
-def generate_axi(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+def generate_axi(
+    config: EngineConfig = PAPER, name: str = "splatline", progress: Share | None = None
+) -> tuple[str, dict]:
     """Return the Verilog and the description of an engine in the AXI top.
 
     Parameters and results are those of :func:`splatline.flow.verilog.generate`. The description
     also has the register map.
     """
     top = AxiTop(config)
-    return header(config) + convert(top, name), describe_axi(top, name, MEANINGS)
+    return header(config) + convert(top, name, progress), describe_axi(top, name, MEANINGS)
 
 
 def describe_axi(top: AxiTop, name: str, meanings: dict[str, str]) -> dict:

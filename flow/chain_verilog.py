@@ -10,6 +10,7 @@ from amaranth.lib.wiring import Out
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.contract.progress import Share
 from splatline.rtl.chain.chain import QUEUE, Chain
 
 from .verilog import MEANINGS, convert, describe, header
@@ -53,6 +54,7 @@ def generate_chain(
     name: str = "splatline",
     *,
     queue: int = QUEUE,
+    progress: Share | None = None,
     around: Callable[[str, wiring.Component], wiring.Component] = lambda kind, part: part,
 ) -> tuple[str, dict]:
     """Return the Verilog and the description of a chain.
@@ -67,6 +69,8 @@ def generate_chain(
     around
         A function of the kind of a part and its instance. It returns the component to use instead:
         a test may wrap the instance.
+    progress
+        Called now and then with the share that is done.
 
     Returns
     -------
@@ -82,7 +86,9 @@ def generate_chain(
 
     chain = Chain(config, engines, link, queue=queue, place=refer)
     text = header(config) + convert(chain, name)
-    text += "".join(convert(part, f"{name}_{kind}") for kind, part in parts.items())
+    for kind, part in parts.items():
+        # The other parts are small.
+        text += convert(part, f"{name}_{kind}", progress if kind == "engine" else None)
     meanings = MEANINGS | {
         f"codewords_{n}": f"code words of engine {n}'s part of the frame, sorted by line"
         for n in range(engines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.contract.progress import Share
 from splatline.rtl.framebuffer.top import FrameBufferTop
 
 from .axi_verilog import MEANINGS as AXI_MEANINGS
@@ -27,7 +28,11 @@ MEANINGS = {
 
 
 def generate_framebuffer(
-    config: EngineConfig = PAPER, name: str = "splatline", data_bits: int = 64
+    config: EngineConfig = PAPER,
+    name: str = "splatline",
+    progress: Share | None = None,
+    *,
+    data_bits: int = 64,
 ) -> tuple[str, dict]:
     """Return the Verilog and the description of an engine in the frame buffer top.
 
@@ -37,7 +42,7 @@ def generate_framebuffer(
     """
     top = FrameBufferTop(config, data_bits)
     writer = top.writer.writer
-    return header(config) + convert(top, name), {
+    return header(config) + convert(top, name, progress), {
         **describe_axi(top, name, MEANINGS),
         "framebuffer": {
             "data_bits": writer.data_bits,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.contract.progress import Share
 from splatline.rtl.bus.narrow_top import PinTop
 
 from .verilog import convert, describe, header
@@ -17,10 +18,12 @@ MEANINGS = {
 }
 
 
-def generate_pins(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+def generate_pins(
+    config: EngineConfig = PAPER, name: str = "splatline", progress: Share | None = None
+) -> tuple[str, dict]:
     """Return the Verilog and the description of an engine with its pins.
 
     Parameters and results are those of :func:`splatline.flow.verilog.generate`.
     """
     top = PinTop(config)
-    return header(config) + convert(top, name), describe(top, name, MEANINGS)
+    return header(config) + convert(top, name, progress), describe(top, name, MEANINGS)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from splatline.contract.config import EngineConfig
-
 from .axi_verilog import generate_axi
 from .framebuffer_verilog import generate_framebuffer
 from .narrow_verilog import generate_pins
@@ -13,7 +11,7 @@ from .verilog import generate
 
 __all__ = ["TOPS"]
 
-TOPS: dict[str, Callable[[EngineConfig, str], tuple[str, dict]]] = {
+TOPS: dict[str, Callable[..., tuple[str, dict]]] = {
     "engine": generate,
     "pins": generate_pins,
     "axi": generate_axi,
@@ -22,6 +20,6 @@ TOPS: dict[str, Callable[[EngineConfig, str], tuple[str, dict]]] = {
 """``engine``: the engine's own streams; ``pins``: the narrow top; ``axi``: the AXI top;
 ``framebuffer``: the AXI top that writes its pictures to memory.
 
-Each is a function of a configuration and a module's name. It returns the Verilog and its
-description.
+Each is a function with the parameters of :func:`splatline.flow.verilog.generate`. It returns the
+Verilog and its description.
 """

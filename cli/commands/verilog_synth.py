@@ -129,15 +129,15 @@ def verilog(
     check_folder(contents)
     if contents is not None and preset.shapes == "none":
         raise InputError(f"preset {preset.name} has no shape ROM whose contents could be written")
-    with Stages().stage("", f"Writing the Verilog of {preset.name}"):
+    with Stages().stage("", f"Writing the Verilog of {preset.name}") as share:
         if engines is not None:
             from splatline.flow.chain_verilog import generate_chain
 
-            text, description = generate_chain(preset, engines, link, name)
+            text, description = generate_chain(preset, engines, link, name, progress=share)
         else:
             from splatline.flow.tops import TOPS
 
-            text, description = TOPS[top](preset, name)
+            text, description = TOPS[top](preset, name, share)
     if contents is not None:
         from splatline.flow.memory_files import move_contents
 

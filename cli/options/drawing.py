@@ -160,7 +160,7 @@ def draw(
     for number, each in enumerate(parts, 1):
         which = f", sample {number} of {len(parts)}" if len(parts) > 1 else ""
         steps = {
-            "build": "Building the simulator with Verilator, if it is new",
+            "build": "Writing the Verilog and building its simulator, if they are new",
             "run": f"Simulating the Verilog{which}",
         }
         with Stages().stages(steps) as tell:

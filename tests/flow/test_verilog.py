@@ -60,3 +60,9 @@ def test_the_top_module_can_be_renamed():
     assert re.search(r"^module painter\(", text, re.MULTILINE)
     assert re.search(r"^module painter__window\(", text, re.MULTILINE)
     assert "module splatline" not in text
+
+
+def test_the_share_that_is_written_is_told():
+    told = []
+    assert generate(PAPER, progress=told.append)[0] == generate(PAPER)[0]
+    assert told == sorted(told) and len(told) >= 3 and told[-1] == 1.0

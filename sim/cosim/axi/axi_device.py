@@ -7,7 +7,6 @@ simulator, which sends back the result.
 
 from __future__ import annotations
 
-import functools
 import importlib.util
 from collections.abc import Callable, Sequence
 
@@ -20,6 +19,7 @@ from splatline.contract.errors import InputError, install_hint
 from splatline.contract.presets import DEFAULT
 from splatline.host.device.device import BusError, DeviceTimeoutError
 from splatline.sim.cosim import simulator
+from splatline.sim.cosim.kept_verilog import kept, parts_of_build
 from splatline.sim.cosim.served import ServedSimulator
 from splatline.sim.cosim.simulator import Build, SimulationError
 
@@ -48,23 +48,21 @@ def build_axi(
     ``edit`` changes the Verilog, such as to plant a fault. ``options`` are the simulator's.
     ``progress`` is called now and then with the share of the build that is done.
     """
+    writing, building = parts_of_build(progress)
+
+    def write() -> str:
+        from splatline.flow.axi_verilog import generate_axi
+
+        return generate_axi(config, progress=writing)[0]
+
     return simulator.build(
-        {"splatline.v": edit(_verilog(config))},
+        {"splatline.v": edit(kept("axi", config, write))},
         "splatline",
         simulator=simulator_name,
         visible=VISIBLE,
         options=options,
-        progress=progress,
+        progress=building,
     )
-
-
-@functools.cache
-def _verilog(config: EngineConfig) -> str:
-    """Return the Verilog of an AXI top, converted once in a process."""
-    from splatline.flow.verilog import convert
-    from splatline.rtl.bus.axi_top import AxiTop
-
-    return convert(AxiTop(config), "splatline")
 
 
 AT_ONCE = 2048

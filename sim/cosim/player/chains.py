@@ -9,6 +9,7 @@ from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
 from splatline.host.encode.partition import partition
 from splatline.host.encode.partition_methods import DEFAULT_METHOD
+from splatline.sim.cosim.kept_verilog import kept, parts_of_build
 from splatline.sim.cosim.simulator import Build
 from splatline.sim.cosim.watch import Progress
 
@@ -58,11 +59,17 @@ def build_chain(
 
     ``progress`` is called now and then with the share that is done.
     """
-    from splatline.flow.chain_verilog import generate_chain
-    from splatline.rtl.chain.chain import QUEUE
+    writing, building = parts_of_build(progress)
 
-    text, _ = generate_chain(config, engines, link, queue=QUEUE if queue is None else queue)
-    return wrap(text, config, engines, simulator_name=simulator_name, progress=progress)
+    def write() -> str:
+        from splatline.flow.chain_verilog import generate_chain
+        from splatline.rtl.chain.chain import QUEUE
+
+        length = QUEUE if queue is None else queue
+        return generate_chain(config, engines, link, queue=length, progress=writing)[0]
+
+    text = kept("chain", (config, engines, link, queue), write)
+    return wrap(text, config, engines, simulator_name=simulator_name, progress=building)
 
 
 def play_chain(

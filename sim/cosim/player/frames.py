@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from splatline.contract.config import EngineConfig
 from splatline.contract.frame import Frame
 from splatline.contract.raster import Raster
+from splatline.sim.cosim.kept_verilog import kept, parts_of_build
 from splatline.sim.cosim.simulator import Build
 from splatline.sim.cosim.watch import Progress
 
@@ -92,10 +93,15 @@ def build_engine(
 
     ``progress`` is called now and then with the share that is done.
     """
-    from splatline.flow.verilog import generate
+    writing, building = parts_of_build(progress)
 
-    text, _ = generate(config)
-    return wrap(text, config, simulator_name=simulator_name, progress=progress)
+    def write() -> str:
+        from splatline.flow.verilog import generate
+
+        return generate(config, progress=writing)[0]
+
+    text = kept("engine", config, write)
+    return wrap(text, config, simulator_name=simulator_name, progress=building)
 
 
 def play(

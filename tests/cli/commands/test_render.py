@@ -119,7 +119,7 @@ def test_verilog_that_agrees_with_golden_passes(run, folder, cloud, verilog):
     assert numbers["cycles_per_element"] == pytest.approx(4321 / numbers["elements"])
     assert (numbers["seconds"]["rtl_build"], numbers["seconds"]["rtl_run"]) == (1.0, 2.0)
     said = result.stderr.splitlines()
-    build = said.index("Building the simulator with Verilator, if it is new ...")
+    build = said.index("Writing the Verilog and building its simulator, if they are new ...")
     assert said[build + 1] == "Simulating the Verilog ..."
 
 
