@@ -60,16 +60,15 @@ class BlockDirtyBits(wiring.Component):
     lone : In(8)
         By residue of the line: ``words`` are not written. It comes earlier in the cycle than
         ``drawing``.
-    look : In(1)
-        A stretch may be taken. No line of its residue is written in this cycle.
+    look : In(8)
+        By residue of the line: a stretch may be taken. No line of the residue is written in this
+        cycle. High for one residue at most, but with ``wipe`` for all.
     take : In(1)
-        Clear the stretch; only with ``look``. It comes later in the cycle.
+        Clear the stretch, if ``look`` is high for its residue.
     line : In(slot_bits)
         Slot of the stretch's line.
     stretch : In(stretch_bits)
         Its number in the line.
-    wipe : In(1)
-        Clear the stretch for all residues, with ``take``.
     taken : Out(2 ** mark_bits)
         Its dirty bits, from left to right.
     """
@@ -86,11 +85,10 @@ class BlockDirtyBits(wiring.Component):
                 "load": In(residues),
                 "load_word": In(config.word_bits),
                 "lone": In(residues),
-                "look": In(1),
+                "look": In(residues),
                 "take": In(1),
                 "line": In(config.slot_bits),
                 "stretch": In(stretch_bits(config)),
-                "wipe": In(1),
                 "taken": Out(1 << mark_bits(config)),
             }
         )
@@ -106,21 +104,14 @@ class BlockDirtyBits(wiring.Component):
         # An odd first word has its neighbour in the next beat.
         apart = self.words[0][0]
         loaded = self.load_word[1:]
+        loaded_bit = Signal(1 << mark_bits(config))
+        m.d.comb += loaded_bit.eq(1 << loaded[: 1 + low_bits])
         # Beside the block: a stretch that is taken or wiped, or a beat that is loaded.
-        aside = Signal.like(self.stretch)
-        aside_bits = Signal(1 << mark_bits(config))
+        taken, served = (Signal(len(residues), name=name) for name in ("taken", "served"))
         m.d.comb += [
-            aside.eq(Mux(self.look, self.stretch, loaded[1 + low_bits :])),
-            aside_bits.eq(Mux(self.look, -1, 1 << loaded[: 1 + low_bits])),
+            taken.eq(self.look & self.take.replicate(len(residues))),
+            served.eq(taken | self.load),
         ]
-        served, seen, taken = (Signal(len(residues), name=n) for n in ("served", "seen", "taken"))
-        for residue in residues:
-            mine = self.wipe | (self.line[:own_bits] == residue)
-            m.d.comb += [
-                seen[residue].eq(self.look & mine),
-                taken[residue].eq(self.take & mine),
-                served[residue].eq(taken[residue] | self.load[residue]),
-            ]
 
         kept = [Signal(2 << low_bits, name=f"kept_{q}") for q in residues]
         for parity in range(2):
@@ -143,20 +134,23 @@ class BlockDirtyBits(wiring.Component):
                 m.submodules[f"marks_{residue}_{parity}"] = ram
                 read, write = ram.read_port(domain="comb"), ram.write_port(granularity=1)
                 odd, even = self.touch[residue][0], self.touch[residue][1]
+                look, lone = self.look[residue], self.lone[residue]
                 touched = Signal(name=f"touched_{residue}_{parity}")
-                address = Cat(
-                    Mux(self.lone[residue] | seen[residue], aside, beat[1 + low_bits :]),
-                    Mux(seen[residue], self.line[own_bits:], self.group[residue]),
-                )
+                written = Mux(lone, loaded[1 + low_bits :], beat[1 + low_bits :])
                 m.d.comb += [
                     touched.eq(Mux(own, odd | (even & ~apart), even & apart)),
                     read.addr.eq(Cat(self.stretch, self.line[own_bits:])),
-                    write.addr.eq(address),
-                    write.data.eq((~seen[residue]).replicate(1 << low_bits)),
+                    write.addr.eq(
+                        Cat(
+                            Mux(look, self.stretch, written),
+                            Mux(look, self.line[own_bits:], self.group[residue]),
+                        )
+                    ),
+                    write.data.eq((~look).replicate(1 << low_bits)),
                     write.en.eq(
                         Mux(
                             served[residue],
-                            Cat(aside_bits[parity::2]),
+                            Mux(look, -1, loaded_bit[parity::2]),
                             Mux(touched, bits, 0),
                         )
                     ),

@@ -72,8 +72,9 @@ class BlockFlushScan(wiring.Component):
         Lines above this one have received their initial raster.
     jump : In(1)
         The initial raster has ended. ``limit`` means nothing, and many lines may leave at a time.
-    enable : In(1)
-        Dirty bits may be taken: no line of the residue of ``line`` is written in this cycle.
+    enable : In(8)
+        By residue, if it is that of ``line``: dirty bits may be taken. None of the residue's lines
+        is written in this cycle.
     drawing : In(1)
         The words of ``touch`` are written in this cycle.
     touch : In(8 x 2)
@@ -100,9 +101,12 @@ class BlockFlushScan(wiring.Component):
         First line in the window, in lines of the frame that leaves.
     line : Out(line_bits + 1)
         The line whose dirty bits are taken next.
+    oldest_row, line_row : Out(8)
+        Residues of ``oldest`` and ``line`` modulo 8, one-hot. They are registers of their own, as
+        the path from them to the window's ``i.ready``, and to all stages before it, is long.
     takes : Out(1)
-        ``line`` has dirty bits to take. They are taken in this cycle if ``enable`` is high and the
-        beats of the stretch before have been requested.
+        ``line`` has dirty bits to take. They are taken in this cycle if its ``enable`` is high and
+        the beats of the stretch before have been requested.
     front : Out(signed(line_bits + 2))
         First line in the window, in lines of the frame that is drawn.
     closing : Out(1)
@@ -123,7 +127,8 @@ class BlockFlushScan(wiring.Component):
             {
                 "top": In(signed(config.line_bits + 2)),
                 "limit": In(signed(config.line_bits + 2)),
-                **dict.fromkeys(("close", "jump", "enable", "drawing"), In(1)),
+                **dict.fromkeys(("close", "jump", "drawing"), In(1)),
+                "enable": In(residues),
                 "touch": In(data.ArrayLayout(2, residues)),
                 "group": In(data.ArrayLayout(config.group_bits, residues)),
                 "words": In(data.ArrayLayout(config.word_bits, 2)),
@@ -136,6 +141,8 @@ class BlockFlushScan(wiring.Component):
                 "restart": In(1),
                 "oldest": Out(config.line_bits + 1),
                 "line": Out(config.line_bits + 1),
+                "oldest_row": Out(residues, init=1),
+                "line_row": Out(residues, init=1),
                 "takes": Out(1),
                 "front": Out(signed(config.line_bits + 2)),
                 "closing": Out(1),
@@ -156,24 +163,39 @@ class BlockFlushScan(wiring.Component):
         written = Signal(config.window_lines)  # dirty lines, by slot
         clean = Signal()
         left = Signal()  # the last dirty bits of ``line`` are taken
-        take = Signal()  # dirty bits are taken
-        m.d.comb += [self.line.eq(line), clean.eq(~written.any())]
+        asks = Signal()  # dirty bits are taken if they may be
+        may = Signal.like(self.line_row)  # ``line_row``, if they may be
+        take = Signal()  # they are
+        m.d.comb += [
+            self.line.eq(line),
+            clean.eq(~written.any()),
+            may.eq(self.line_row & self.enable),
+            take.eq(asks & may.any()),
+        ]
         leaving = self._look(m, frame_overlap, line, written, clean, left)
         stretch = self._stretches(m, line, clean, leaving.here, take, left)
-        beats = self._beats(m, dirty_bits.taken, leaving, line, stretch, take)
-        m.d.comb += dirty_bits.look.eq(self.enable | self.wipe)
-        connect_dirty_bits(m, self, dirty_bits, take, place, stretch)
+        beats = self._beats(m, dirty_bits.taken, leaving, line, stretch, asks, take)
+        # For each residue its own, as ``take`` is late.
+        m.d.comb += dirty_bits.look.eq(may | self.wipe.replicate(len(may)))
+        connect_dirty_bits(m, self, dirty_bits, asks, place, stretch)
         wraps = Cat(self._wraps(q, place) for q in range(config.tile_lines)).any()
         connect_frame_overlap(m, self, frame_overlap, line, leaving.goes, wraps, clean)
         m.d.comb += self.over.eq(frame_overlap.over & ~beats.any())
         mark_lines(m, self, written, left, place, self._written)
         with m.If(leaving.jumps):
-            m.d.sync += line.eq(self.top)
+            m.d.sync += [line.eq(self.top), self.line_row.eq(self._row_of(self.top))]
         with m.Elif(leaving.goes & ~frame_overlap.last):
-            m.d.sync += line.eq(leaving.looked_at)
+            m.d.sync += [
+                line.eq(leaving.looked_at),
+                self.line_row.eq(self._row_of(leaving.looked_at)),
+            ]
         with m.If(self.restart):
-            m.d.sync += line.eq(0)
+            m.d.sync += [line.eq(0), self.line_row.eq(1)]
         return m
+
+    def _row_of(self, line):
+        """Return the residue of a line, one-hot."""
+        return 1 << line[: residue_bits(self.config)]
 
     def _look(self, m, frame_overlap, line, written, clean, left):
         """Look at a line a cycle ahead, while the line above it is still there."""
@@ -193,7 +215,6 @@ class BlockFlushScan(wiring.Component):
             goes.eq(left | empty),
             free.eq(self.jump & clean & ~frame_overlap.closing),
             jumps.eq((empty | complete) & free),
-            looked_at.eq(line + known),
             complete.eq(looked_at < self.top),
             loaded.eq(looked_at < self.limit),
             leaving.eq(
@@ -203,11 +224,15 @@ class BlockFlushScan(wiring.Component):
                 & ~jumps
             ),
         ]
-        with m.If(self.restart):
-            m.d.sync += [here.eq(0), empty.eq(0)]
-        with m.Elif(~known | goes):
+        with m.If(~known | goes):
             is_written = written.bit_select(looked_at[: config.slot_bits], 1)
             m.d.sync += [here.eq(leaving & is_written), empty.eq(leaving & ~is_written)]
+            with m.If(leaving):
+                m.d.sync += looked_at.eq(looked_at + 1)
+        with m.If(jumps):
+            m.d.sync += looked_at.eq(self.top)
+        with m.If(self.restart):
+            m.d.sync += [here.eq(0), empty.eq(0), looked_at.eq(0)]
         return Leaving(here, goes, jumps, free, looked_at)
 
     def _stretches(self, m, line, clean, here, take, left):
@@ -238,7 +263,7 @@ class BlockFlushScan(wiring.Component):
             m.d.sync += ahead.eq(rest)
         return stretch
 
-    def _beats(self, m, taken, leaving, line, stretch, take):
+    def _beats(self, m, taken, leaving, line, stretch, asks, take):
         """Request the dirty beats of the stretch taken last; return those not flushed yet.
 
         The next dirty bits are taken while the last beat is flushed.
@@ -254,7 +279,7 @@ class BlockFlushScan(wiring.Component):
             first.eq(beats & (~beats + 1)),
             behind.eq(beats & ~first),
             turns.eq(~beats.any() | (self.flush.ready & ~behind.any())),
-            take.eq(leaving.here & turns & self.enable),
+            asks.eq(leaving.here & turns),
             self.takes.eq(leaving.here),
             self.flush.valid.eq(beats.any()),
             self.flush.payload.word.eq(
@@ -269,9 +294,13 @@ class BlockFlushScan(wiring.Component):
         with m.Elif(self.flush.ready):
             m.d.sync += beats.eq(behind)
         with m.If(self.restart):
-            m.d.sync += oldest.eq(0)
+            m.d.sync += [oldest.eq(0), self.oldest_row.eq(1)]
         with m.Elif(turns):
-            m.d.sync += [oldest.eq(Mux(leaving.jumps, self.top, line)), asked_stretch.eq(stretch)]
+            m.d.sync += [
+                oldest.eq(Mux(leaving.jumps, self.top, line)),
+                self.oldest_row.eq(Mux(leaving.jumps, self._row_of(self.top), self.line_row)),
+                asked_stretch.eq(stretch),
+            ]
         return beats
 
     def _wraps(self, residue, place):

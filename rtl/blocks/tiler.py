@@ -46,8 +46,7 @@ class ShapeLayout(data.StructLayout):
 class TurnedLayout(data.StructLayout):
     """The rows with their columns rotated to the lanes, and clipped to the image's words.
 
-    ``odd``: columns that lie in odd words, of the upper four rows and of the lower four. ``turn``:
-    the row of lanes of the first line, one-hot.
+    ``odd``: columns that lie in odd words, of the upper four rows and of the lower four.
     """
 
     def __init__(self, config: EngineConfig):
@@ -57,7 +56,6 @@ class TurnedLayout(data.StructLayout):
             {
                 **{name: shape[name] for name in names},
                 "odd": data.ArrayLayout(BLOCK, 2),
-                "turn": BLOCK,
             }
         )
 
@@ -267,7 +265,6 @@ class BlockTiler(wiring.Component):
         bits = self.config.pixel_bits
         kept = (*_kept(self.config), "groups")
         m.d.comb += [turned[name].eq(shape[name]) for name in kept]
-        m.d.comb += turned.turn.eq(_one_of(shape.top[:3]))
         # The lower rows may lie a column further right.
         for part, shift in enumerate((0, shape.shifted)):
             begin = Signal(bits + 1, name=f"begin_{part}")
@@ -287,19 +284,19 @@ class BlockTiler(wiring.Component):
         return turned
 
     def _lay(self, m, turned):
-        """Return the block: a multiplication by a power of two rotates the pixels of a column."""
+        """Return the block, with the pixels of its columns rotated to their lines.
+
+        A multiplication would take a multiplier, which lies far away.
+        """
         block = Signal(BlockLayout(self.config))
         bits = self.config.pixel_bits
         top = turned.top
         m.d.comb += [block[name].eq(turned[name]) for name in ("z", "mode", "top", "end")]
         m.d.comb += [block.words[n].eq(turned.x[bits:] + n) for n in range(2)]
-        here, past = self._lines(m, turned, block)
+        inside = self._lines(m, turned, block)
         for p in range(BLOCK):
-            product = Signal(2 * BLOCK, name=f"product_{p}")
-            m.d.comb += product.eq(Cat(row[p] for row in turned.rows) * turned.turn)
-            for q in range(BLOCK):
-                pixel = (product[q] & here[q]) | (product[BLOCK + q] & past[q])
-                m.d.comb += block.mask[q][p].eq(pixel)
+            column = _rotate(m, Cat(row[p] for row in turned.rows), top[:3], f"column_{p}")
+            m.d.comb += Cat(mask[p] for mask in block.mask).eq(column & inside)
         for q in range(BLOCK):
             row = Signal(3, name=f"row_of_{q}")
             m.d.comb += [
@@ -320,20 +317,24 @@ class BlockTiler(wiring.Component):
     def _lines(self, m, turned, block):
         """Set the slots of the block's lines; return the lines in the image, by residue.
 
-        ``here``: lines in the group of eight lines of the block's first row. ``past``: lines in the
-        next group.
+        A line lies in the group of eight lines of the block's first row, or in the next group.
         """
         top, left = turned.top, turned.groups
-        here = Signal(BLOCK)
-        past = Signal(BLOCK)
+        inside = Signal(BLOCK)
         for q in range(BLOCK):
             low = self.last_line[:3] >= q
+            is_next = top[:3] > q
             m.d.comb += [
                 block.group[q].eq(top[3 : self.config.slot_bits] + (top[:3] > q)),
-                here[q].eq(~top[-1] & (left[1] | (left[0] & low))),
-                past[q].eq(left[1] & (left[0] | low)),
+                inside[q].eq(
+                    Mux(
+                        is_next,
+                        left[1] & (left[0] | low),
+                        ~top[-1] & (left[1] | (left[0] & low)),
+                    )
+                ),
             ]
-        return here, past
+        return inside
 
 
 def _outside(lines, mode):
@@ -342,6 +343,15 @@ def _outside(lines, mode):
     ``lines``: slots from that of the block's first line, modulo the window's height.
     """
     return lines[3:].any() | (mode & lines[2])
+
+
+def _rotate(m, bits, places, name):
+    """Return bits rotated by a number of places towards the highest."""
+    for stage, by in enumerate(places):
+        rotated = Signal(len(bits), name=f"{name}_{stage}")
+        m.d.comb += rotated.eq(Mux(by, bits.rotate_left(1 << stage), bits))
+        bits = rotated
+    return bits
 
 
 def _one_of(number):

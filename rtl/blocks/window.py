@@ -48,7 +48,7 @@ class Grants(NamedTuple):
     busy
         Rows of lanes that take the block's addresses.
     marks
-        Dirty bits may be taken in the row of lanes of the flush scan's line.
+        By row of lanes, if it is that of the flush scan's line: dirty bits may be taken.
     lone
         Rows of lanes without a block.
     """
@@ -236,6 +236,7 @@ class BlockWindow(wiring.Component):
         first = Signal()
         marks_first = Signal()
         odd = Signal()  # of the load's beat the odd word goes
+        reserved = Signal(BLOCK)  # rows of lanes that an offered block draws into
         busy = Signal(BLOCK)
         m.d.comb += [
             # Until all is cleared, the lanes' addresses are those of the clearing.
@@ -243,13 +244,14 @@ class BlockWindow(wiring.Component):
             going.eq(offered & ~(first & meeting) & ~(marks_first & marking)),
             self.i.ready.eq(going | close),
             wanted.eq(block.rows),
-            meeting.eq(wanted.bit_select(flush_scan.flush.payload.line[:bits], 1)),
-            marking.eq(wanted.bit_select(flush_scan.line[:bits], 1)),
+            meeting.eq((wanted & flush_scan.oldest_row).any()),
+            marking.eq((wanted & flush_scan.line_row).any()),
             leaves.eq(flush_scan.flush.valid & readout.room),
             first.eq(leaves & lagging),
             marks_first.eq(flush_scan.takes & lagging),
             # ``going`` is late, so the block's rows are reserved whether it goes or not.
-            busy.eq(wanted & offered.replicate(BLOCK) & ~(row_served & first.replicate(BLOCK))),
+            reserved.eq(wanted & offered.replicate(BLOCK)),
+            busy.eq(reserved & ~(row_served & first.replicate(BLOCK))),
             serving.eq(loader.o.valid),
             loading.eq(serving & ~swept),
             loader.o.ready.eq(loading & odd),
@@ -275,8 +277,8 @@ class BlockWindow(wiring.Component):
             service=service,
             row_served=row_served,
             busy=busy,
-            marks=~serving & (marks_first | ~(offered & marking)),
-            lone=~(wanted & offered.replicate(BLOCK)),
+            marks=~serving.replicate(BLOCK) & (marks_first.replicate(BLOCK) | ~reserved),
+            lone=~reserved,
         )
 
     def _lags(self, m, flush_scan):

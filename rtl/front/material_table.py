@@ -18,10 +18,13 @@ class MaterialTable(wiring.Component):
     """Holds the coefficients of each material.
 
     A material of up to 36 bits, and any with simple memories, is written through one port and read
-    through the other. A wider one
-    is cut into halves, which lie in one block RAM at different addresses. Each port writes and
-    reads one half, so one block RAM is enough. A port has one address for both, so a write excludes
-    a read. Tables are written between frames, when no material is read.
+    through the other. A wider one is cut into halves, which lie in one block RAM at different
+    addresses. Each port writes and reads one half, so one block RAM is enough. A port has one
+    address for both, so a write excludes a read. Tables are written between frames, when no
+    material is read.
+
+    In the blocks engine the block RAM reads in every cycle, and a register holds what was read
+    while ``enable`` was high: ``enable`` comes late, and a block RAM lies far away.
 
     **Latency**: 1 cycle. **Throughput**: one material a cycle.
 
@@ -75,6 +78,7 @@ class MaterialTable(wiring.Component):
                 (Cat(shared, Const(part, 1)), Cat(shared, Const(part, 1)), enable)
                 for part in range(parts)
             ]
+        found = Signal.like(self.data) if self.config.draws_blocks else self.data
         for part, (write_address, read_address, enable) in enumerate(ports):
             write, read = ram.write_port(), ram.read_port()
             chosen = slice(part * width, (part + 1) * width)
@@ -82,8 +86,19 @@ class MaterialTable(wiring.Component):
                 write.en.eq(self.write.enable),
                 write.addr.eq(write_address),
                 write.data.eq(self.write.data[chosen]),
-                read.en.eq(enable),
+                read.en.eq(1 if self.config.draws_blocks else enable),
                 read.addr.eq(read_address),
-                self.data[chosen].eq(read.data),
+                found[chosen].eq(read.data),
             ]
+        if self.config.draws_blocks:
+            m.d.comb += self.data.eq(self._hold(m, found))
         return m
+
+    def _hold(self, m, found):
+        """Return the material that was read when ``enable`` was last high."""
+        is_new = Signal()
+        held = Signal.like(found)
+        m.d.sync += is_new.eq(self.enable)
+        with m.If(is_new):
+            m.d.sync += held.eq(found)
+        return Mux(is_new, found, held)

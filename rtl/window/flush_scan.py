@@ -12,9 +12,10 @@ def connect_dirty_bits(m, scan, dirty_bits, take, place, stretch):
     """Pass the written words to the dirty bits, and the slot and the stretch to take."""
     residue_bits = len(place) - scan.config.group_bits
     group = scan.wipe_row[len(stretch) :]
+    m.d.comb += dirty_bits.take.eq(take | scan.wipe)
+    if "wipe" in dirty_bits.signature.members:  # blocks look at all residues
+        m.d.comb += dirty_bits.wipe.eq(scan.wipe)
     m.d.comb += [
-        dirty_bits.take.eq(take | scan.wipe),
-        dirty_bits.wipe.eq(scan.wipe),
         dirty_bits.line.eq(Mux(scan.wipe, Cat(Const(0, residue_bits), group), place)),
         dirty_bits.stretch.eq(Mux(scan.wipe, scan.wipe_row[: len(stretch)], stretch)),
     ]

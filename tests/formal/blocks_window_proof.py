@@ -114,7 +114,7 @@ class BlockWindowProperties(TileWindowProperties):
         residue = flush_scan.line[: residue_bits(self.config)]
         touched = Cat(touch.any() for touch in flush_scan.touch).bit_select(residue, 1)
         busy = (flush_scan.drawing & touched) | flush_scan.load.any()
-        self.always(m, "markable", ~(flush_scan.enable & busy))
+        self.always(m, "markable", ~(flush_scan.enable.bit_select(residue, 1) & busy))
 
     def _tiles(self, m):
         """Assume of the blocks what they are; return whether one draws the pixel now.
@@ -246,8 +246,8 @@ PROOFS = [
         Fault(
             "dirty bits taken where a block is drawn",
             BlockWindow,
-            r"\(marks_first \| ~\(offered & marking\)\)",
-            "1",
+            r"\(marks_first\.replicate\(BLOCK\) \| ~reserved\)",
+            "0xFF",
             "_arbitrate",
         ),
         Fault("dirty bits taken over beats", BlockFlushScan, r" & ~behind\.any\(\)", "", "_beats"),

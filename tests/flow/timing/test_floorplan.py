@@ -43,16 +43,25 @@ def test_an_engine_of_a_hundred_block_rams_fits_the_device_that_has_them():
     assert len(set(sites.values())) == 96
 
 
-def test_columns_of_blocks_stay_in_one_row():
-    names = [f"top.window.row_{i}.{half}_{j}.0.0" for half in ("even", "odd") for i in range(8)
+def test_blocks_lie_about_what_all_their_lanes_send_to():
+    lanes = [f"top.window.row_{i}.{half}_{j}.0.0" for half in ("even", "odd") for i in range(8)
              for j in range(8)]  # fmt: skip
-    sites = floorplan(["top.window.readout.queue.fifo.storage.0.0", *names], DEVICES[2])
-    assert len(set(sites.values())) == len(sites) == 128
-    assert sites["top.window.row_0.even_0.0.0"] == "X4/Y46/EBR0"
-    assert sites["top.window.row_0.odd_0.0.0"] == "X6/Y46/EBR1"
-    for j in range(8):
-        (row,) = {sites[name].split("/")[1] for name in names if f"_{j}.0" in name}
-        assert row == f"Y{DEVICES[2].rows[j // 3]}"
+    fifo = [f"top.window.readout.queue.fifo.storage.0.{n}" for n in range(16)]
+    table = [f"top.colour.table_.ram.0.{n}" for n in range(2)]
+    sites = floorplan([*fifo, "top.words.fifo.storage.0.0", *lanes, *table], DEVICES[2])
+    assert len(set(sites.values())) == len(sites) == 128 + 18  # another fifo is left to the placer
+    middle, below, above, _ = (f"Y{row}" for row in DEVICES[2].rows)
+    rows = [
+        {sites[name].split("/")[1] for name in lanes if name.endswith(f"_{j}.0.0")}
+        for j in range(8)
+    ]
+    assert rows == [{above}] * 3 + [{middle}] * 2 + [{below}] * 3
+    x = {name: int(sites[name].split("/")[0][1:]) for name in sites}
+    own = [x[name] for name in (*fifo, *table)]
+    assert {sites[name].split("/")[1] for name in (*fifo, *table)} == {middle}
+    assert max(x[name] for name in lanes if name.endswith("_3.0.0")) < min(own)
+    assert min(x[name] for name in lanes if name.endswith("_4.0.0")) > max(own)
+    assert [x[name] for name in fifo] == sorted(x[name] for name in fifo)
 
 
 def test_without_lanes_there_is_nothing_to_place():
@@ -65,6 +74,8 @@ def test_the_script_finds_a_cell_by_the_end_of_its_name():
     assert about.startswith("# ")
     assert "LFE5U-25F" in about
     assert line == 'setattr -set BEL "X4/Y25/EBR0" c:*lane_0_1.ram.0.0'
+    script = floorplan_script({"mine.colour.table_.ram.0.1": "X4/Y25/EBR0"}, SMALL)
+    assert script.endswith(" c:*colour.table_.ram.0.1\n")
 
 
 def test_yosys_runs_the_script(tmp_path):

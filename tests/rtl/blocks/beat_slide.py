@@ -56,7 +56,10 @@ class BeatSlide(Slide):
         front = dut.front.value.to_signed()
         meets = touch.wants(line)
         waits = meets and enable == "first" and load is None
-        dut.enable.value = load is None and bool(enable) and (waits or not meets)
+        # Of the other residues nothing counts.
+        own = 1 << line % RESIDUES
+        may = load is None and bool(enable) and (waits or not meets)
+        dut.enable.value = -1 % (1 << RESIDUES) & ~own | may * own
         touch.drive(dut, drawing=not waits, load=load)
         dut.reaching.value = touch is not NOTHING
         closing = int(dut.closing.value)

@@ -91,14 +91,15 @@ async def look(dut, bench, line, stretch, touch=NOTHING, take=1, wipe=0, drawing
 
     def drive():
         touch.drive(dut, drawing=drawing)
-        dut.look.value, dut.take.value, dut.wipe.value = 1, take, wipe
+        dut.look.value = (1 << RESIDUES) - 1 if wipe else 1 << line % RESIDUES
+        dut.take.value = take
         dut.line.value, dut.stretch.value = line, stretch
 
     def observe():
         seen["taken"] = int(dut.taken.value)
 
     await bench.step(drive, observe)
-    dut.look.value = dut.take.value = dut.wipe.value = 0
+    dut.look.value = dut.take.value = 0
     return {(line, BEATS * stretch + n) for n in range(BEATS) if seen["taken"] >> n & 1}
 
 
@@ -106,7 +107,7 @@ async def start(dut, seed):
     """A bench whose marks have all been wiped, as after a reset."""
     rng, bench = random.Random(seed), StreamBench(dut, seed)
     inputs = ("drawing", "touch", "group", "words", "load", "load_word", "lone")
-    for name in (*inputs, "look", "take", "line", "stretch", "wipe"):
+    for name in (*inputs, "look", "take", "line", "stretch"):
         getattr(dut, name).value = 0
     await bench.reset()
     for line in range(0, LINES, RESIDUES):

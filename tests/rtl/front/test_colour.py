@@ -9,7 +9,7 @@ from amaranth.hdl import Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import Out, connect, flipped
 
-from splatline.contract.presets import PAPER
+from splatline.contract.presets import PAPER, SWIFT
 from splatline.rtl.front.colour import ColourUnit
 from splatline.rtl.layouts import ElementLayout, GeometryLayout
 from splatline.sim.cosim import blocks
@@ -179,3 +179,8 @@ def test_the_corners_of_every_preset(config):
 def test_a_table_that_is_written_and_read_through_both_ports():
     config = next(c for c in OTHERS if 6 * c.coefficient_bits > 36)
     run_bench(config, Painter, __file__, test="random_materials")
+
+
+def test_a_table_that_is_read_in_every_cycle():
+    """While the elements stall, a register holds what was read."""
+    run_bench(SWIFT, Painter, __file__, test="random_materials")
