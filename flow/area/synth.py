@@ -89,7 +89,7 @@ def synthesise(
     top
         The top module: one of :data:`splatline.flow.tops.TOPS`.
     progress
-        Called with the share of both runs of Yosys that is done.
+        Called with the share that is done: of the Verilog, and of both runs of Yosys.
 
     Returns
     -------
@@ -107,12 +107,12 @@ def synthesise(
     ToolError
         If Yosys fails, or gives a cell whose LUTs are not known.
     """
-    text, _ = TOPS[top](config, NAME)
+    text, _ = TOPS[top](config, NAME, part_of(progress, 0.0, 0.1))
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "engine.v").write_text(text)
-        parts = _yosys(folder, NAME, "", part_of(progress, 0.0, 0.5))
-        cells = _yosys(folder, NAME, " -flatten", part_of(progress, 0.5, 1.0))[NAME]
+        parts = _yosys(folder, NAME, "", part_of(progress, 0.1, 0.55))
+        cells = _yosys(folder, NAME, " -flatten", part_of(progress, 0.55, 1.0))[NAME]
         netlist = json.loads((folder / "netlist.json").read_text())
     counts = _count(cells)
     modules = {_instance(module, NAME): _count(found) for module, found in sorted(parts.items())}

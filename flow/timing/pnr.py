@@ -106,7 +106,7 @@ def place_and_route(
     script
         File for the floorplan as a Yosys script; None: none.
     progress
-        Called with the share of the tools' runs that is done.
+        Called with the share that is done: of the Verilog, and of the tools' runs.
 
     Returns
     -------
@@ -124,7 +124,8 @@ def place_and_route(
         If a tool fails.
     """
     name = "splatline"
-    text, _ = TOPS[top](config, name)
+    step = 1.0 / (tries + 1)
+    text, _ = TOPS[top](config, name, part_of(progress, 0.0, 0.2 * step))
     with tempfile.TemporaryDirectory(prefix="splatline-") as scratch:
         folder = Path(scratch)
         (folder / "top.v").write_text(text)
@@ -133,11 +134,10 @@ def place_and_route(
         limits += f'FREQUENCY PORT "clk" {mhz:g} MHZ;\n'
         (folder / "top.lpf").write_text(limits)
         synthesis = synthesis_options(config)
-        step = 1.0 / (tries + 1)
         run_yosys(
             "; ".join(synthesis_script(config, synthesis, name, folder)),
             folder,
-            part_of(progress, 0.0, step),
+            part_of(progress, 0.2 * step, step),
         )
         chosen, sites = _floorplan(config, folder / "top.json", name, device)
         options = [chosen.option, *OPTIONS, *(TIMED if sites else placer(config))]
