@@ -16,7 +16,7 @@ def test_pictures_in_memory_are_golden_s():
 
 @pytest.mark.parametrize("data_bits", [32])
 def test_its_ports_are_those_of_the_axi_top_and_of_the_writer(data_bits):
-    text, described = generate_framebuffer(PAPER, "screen", data_bits)
+    text, described = generate_framebuffer(PAPER, "screen", data_bits=data_bits)
     _, axi = generate_axi(PAPER, "screen")
     ports = {port["name"]: (port["direction"], port["width"]) for port in described["ports"]}
     before = {port["name"]: (port["direction"], port["width"]) for port in axi["ports"]}
