@@ -14,21 +14,43 @@ from .write_words import ONE_PIXEL, corner, put_block, write_fraction
 
 __all__ = ["encode_half_pixel", "fits_block"]
 
-LARGEST_EXTENT = 8.25
-"""Columns and lines, in pixels, that a larger ellipse may take to be drawn in a block of 8 x 8
-pixels. The pixels beyond the block are left out. A larger value saves words and costs accuracy
-(decision 0027)."""
+LARGEST_EXTENT = 9.5
+"""Columns and lines, in pixels, of the largest ellipse that may be drawn in a block of 8 x 8."""
+
+MOST_LOST = 1
+"""Pixels of such an ellipse that may lie beyond the block, and are left out. More would save words
+and cost accuracy (decision 0027)."""
 
 
-@nb.njit(inline="always")
-def fits_block(square: float, form: Any) -> bool:
-    """Return whether an ellipse takes at most :data:`LARGEST_EXTENT` columns and lines.
+@nb.njit(error_model="numpy")
+def fits_block(column: float, line: float, square: float, form: Any) -> bool:
+    """Return whether the block about the nearest corner of half pixels has an ellipse's pixels.
 
-    Its bounding box has sides of 2 sqrt(C square / D) and 2 sqrt(A square / D), where A, B, C is
-    its form and D the determinant.
+    It has all but :data:`MOST_LOST`. The bounding box of the ellipse has sides of
+    2 sqrt(C square / D) and 2 sqrt(A square / D), where A, B, C is its form and D the determinant.
+    Parameters are those of :func:`encode_half_pixel`.
     """
-    most = 0.25 * LARGEST_EXTENT * LARGEST_EXTENT * form[3]
-    return bool(max(form[0], form[2]) * square <= most)
+    a, b, c, determinant = form
+    if max(a, c) * square > 0.25 * LARGEST_EXTENT * LARGEST_EXTENT * determinant:
+        return False
+    twice_x, twice_y = corner(2.0 * column), corner(2.0 * line)
+    half_lines = math.sqrt(a * square / determinant)
+    inverse = 1.0 / a
+    lost = 0
+    for y in range(math.floor(line - half_lines), math.floor(line + half_lines) + 1):
+        dv = y + 0.5 - line
+        rest = a * square - determinant * dv * dv
+        if rest < 0.0:
+            continue
+        half, middle = math.sqrt(rest) * inverse, column - b * dv * inverse - 0.5
+        first, last = math.ceil(middle - half), math.floor(middle + half)
+        lost += last - first + 1
+        lines_down = 2 * y + 1 - twice_y  # in halves, from the middle
+        if abs(lines_down) < BLOCK:
+            # Half a column further right, the lower rows begin a column later.
+            begin = (twice_x >> 1) - ROWS + (twice_x & 1 if lines_down > 0 else 0)
+            lost -= max(0, min(last, begin + BLOCK - 1) - max(first, begin) + 1)
+    return lost <= MOST_LOST
 
 
 @nb.njit(error_model="numpy")

@@ -406,7 +406,11 @@ def _encode_other(
     column, line, diameter, slope_x, slope_y, distance = splat
     z_lsb, largest = to.z_lsb, to.largest
     depth = (distance - fixed.low) * fixed.inverse_span
-    if found and quality == FAST and (diameter <= BLOCK or fits_block(ellipse[2], form)):
+    if (
+        found
+        and quality == FAST
+        and (diameter <= BLOCK or fits_block(ellipse[0], ellipse[1], ellipse[2], form))
+    ):
         common |= quantised_depth(depth, largest) << z_lsb
         return encode_half_pixel(ellipse[0], ellipse[1], ellipse[2], form, common, at, to)
     if found:
