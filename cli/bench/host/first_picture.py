@@ -185,7 +185,7 @@ def _peer(package: str, arguments: list[Any]) -> dict[str, Any]:
     try:
         return {"wall": _fastest(arguments, dict)[0]}
     except ToolFailure as error:
-        return {"wall": None, "why": str(error.message)[-200:]}
+        return {"wall": None, "why": str(error.message)}
 
 
 def _fastest(arguments: Sequence[Any], result: Callable[[], Any]) -> tuple[float, Any]:
@@ -206,8 +206,9 @@ def _fastest(arguments: Sequence[Any], result: Callable[[], Any]) -> tuple[float
         )
         wall = time.perf_counter() - begin
         if run.returncode:
-            said = " ".join(run.stderr.split()) or f"exit code {run.returncode}"
-            raise ToolFailure(said)
+            # The last line of a traceback is the error.
+            said = run.stderr.strip().rpartition("\n")[2]
+            raise ToolFailure(said or f"exit code {run.returncode}")
         if number and wall < best:
             best, found = wall, result()
     return best, found
