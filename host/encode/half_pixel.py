@@ -14,10 +14,10 @@ from .write_words import ONE_PIXEL, corner, put_block, write_fraction
 
 __all__ = ["encode_half_pixel", "fits_block"]
 
-LARGEST_EXTENT = 9.5
+LARGEST_EXTENT = 10.0
 """Columns and lines, in pixels, of the largest ellipse that may be drawn in a block of 8 x 8."""
 
-MOST_LOST = 1
+MOST_LOST = 1.5
 """Pixels of such an ellipse that may lie beyond the block, and are left out. More would save words
 and cost accuracy (decision 0027)."""
 
@@ -26,8 +26,10 @@ and cost accuracy (decision 0027)."""
 def fits_block(column: float, line: float, square: float, form: Any) -> bool:
     """Return whether the block about the nearest corner of half pixels has an ellipse's pixels.
 
-    It has all but :data:`MOST_LOST`. The bounding box of the ellipse has sides of
-    2 sqrt(C square / D) and 2 sqrt(A square / D), where A, B, C is its form and D the determinant.
+    It has all but :data:`MOST_LOST`. Half a column further right, the upper rows have the block's
+    first column, and the lower ones its ninth. A pixel there counts half, so that a mirrored
+    ellipse is drawn alike. The bounding box of the ellipse has sides of 2 sqrt(C square / D) and
+    2 sqrt(A square / D), where A, B, C is its form and D the determinant.
     Parameters are those of :func:`encode_half_pixel`.
     """
     a, b, c, determinant = form
@@ -36,7 +38,9 @@ def fits_block(column: float, line: float, square: float, form: Any) -> bool:
     twice_x, twice_y = corner(2.0 * column), corner(2.0 * line)
     half_lines = math.sqrt(a * square / determinant)
     inverse = 1.0 / a
-    lost = 0
+    begin, right = (twice_x >> 1) - ROWS, twice_x & 1
+    end = begin + BLOCK - 1 + right
+    lost = 0.0
     for y in range(math.floor(line - half_lines), math.floor(line + half_lines) + 1):
         dv = y + 0.5 - line
         rest = a * square - determinant * dv * dv
@@ -45,11 +49,10 @@ def fits_block(column: float, line: float, square: float, form: Any) -> bool:
         half, middle = math.sqrt(rest) * inverse, column - b * dv * inverse - 0.5
         first, last = math.ceil(middle - half), math.floor(middle + half)
         lost += last - first + 1
-        lines_down = 2 * y + 1 - twice_y  # in halves, from the middle
-        if abs(lines_down) < BLOCK:
-            # Half a column further right, the lower rows begin a column later.
-            begin = (twice_x >> 1) - ROWS + (twice_x & 1 if lines_down > 0 else 0)
-            lost -= max(0, min(last, begin + BLOCK - 1) - max(first, begin) + 1)
+        if abs(2 * y + 1 - twice_y) < BLOCK:
+            lost -= max(0, min(last, end) - max(first, begin) + 1)
+            if right:
+                lost += 0.5 * ((first <= begin <= last) + (first <= end <= last))
     return lost <= MOST_LOST
 
 

@@ -187,12 +187,12 @@ def pixels_beyond_a_block(column, line, diameter, slope):
         return None
     x, y = np.floor(2.0 * column + 0.5) / 2.0, np.floor(2.0 * line + 0.5) / 2.0
     v, u = np.mgrid[:80, :80] + 0.5
-    # Half a column further right, the lower lines begin a column later than the upper ones.
-    left = np.floor(x) - 4 + (v > y) * (x % 1.0 > 0.0)
-    return np.count_nonzero(whole & ~((u > left) & (u < left + 8) & (abs(v - y) < 4)))
+    # At a half pixel the upper lines reach a pixel further left, and the lower ones further right.
+    has = (abs(v - y) < 4) * np.clip(4.5 - abs(u - x), 0.0, 1.0)
+    return np.sum(whole * (1.0 - has))
 
 
-def test_a_larger_fast_splat_is_one_word_if_a_block_lacks_a_pixel_of_it_at_most():
+def test_a_larger_fast_splat_is_one_word_if_a_block_lacks_few_pixels_of_it():
     """Of its true ellipse about a half pixel it lacks pixels at the block's border alone."""
     rng = np.random.default_rng(10)
     fit, lacking = 0, 0
@@ -205,10 +205,10 @@ def test_a_larger_fast_splat_is_one_word_if_a_block_lacks_a_pixel_of_it_at_most(
         box = diameter * np.sqrt(np.diag(np.linalg.inv(np.eye(2) + np.outer(slope, slope))))
         lines = true_ellipse(column, line, diameter, slope, 80, 80)[0].any(axis=1).sum()
         beyond = pixels_beyond_a_block(column, line, diameter, slope)
-        if abs(box.max() - 9.5) < 1e-3 or lines <= 4 or beyond is None:
+        if abs(box.max() - 10.0) < 1e-3 or lines <= 4 or beyond is None:
             continue
-        assert one == (box.max() < 9.5 and beyond <= 1), (diameter, slope)
-        lacking += one and beyond == 1
+        assert one == (box.max() < 10.0 and beyond <= 1.5), (diameter, slope)
+        lacking += one and beyond >= 1
         if not one:
             continue
         fit += 1
