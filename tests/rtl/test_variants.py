@@ -158,7 +158,7 @@ def test_blocks_of_32_lines_in_a_narrow_image():
 FAULTS = [
     # A block of eight lines in a window of eight: too early, its last ones are still on their way.
     (Tiler, "_compare", r"low > 2 \* SIDE", "low > 1 * SIDE", "lines not there yet"),
-    (Tiler, "_columns", r"x\[bits:\] \+ column \+ 1", "x[bits:] + column", "a word misplaced"),
+    (Tiler, "_columns", r"Cat\(1, x\[bits:\]\)", "Cat(0, x[bits:])", "a word misplaced"),
 ]
 
 

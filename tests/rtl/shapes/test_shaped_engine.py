@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from splatline.cli.main import main
 from splatline.contract.presets import PAPER
 from splatline.contract.variants import SHAPED
-from splatline.flow import verilog
+from splatline.flow.verilog import generate
 from splatline.host import fit_view, make_frame
 from splatline.host.encode.shape_table import shape_table
 from splatline.host.encode.sort_by_line import advance_word
@@ -17,6 +17,7 @@ from splatline.rtl.engine import engine_latency
 from splatline.sim import golden
 from splatline.sim.cosim import simulator
 from splatline.sim.cosim.player.frames import Job, play
+from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from splatline.sim.cycles.cycles import count_cycles
 from tests.rtl.test_presets import RATES, back_to_back, behind_each_other, over_an_initial_raster
@@ -124,19 +125,13 @@ def test_the_command_line_draws_a_scene_with_the_rom_s_verilog(config, tmp_path)
 
 
 @pytest.mark.planted
-def test_a_rom_that_mirrors_nothing_is_noticed(monkeypatch):
-    whole = verilog.generate
+def test_a_rom_that_mirrors_nothing_is_noticed():
     broken = fault("splatline.shapes", "mirror", "1'h0")
-
-    def edited(config, name="splatline"):
-        text, sidecar = whole(config, name)
-        return broken(text), sidecar
-
-    monkeypatch.setattr(verilog, "generate", edited)
     frame = of_a_host(np.random.default_rng(6), SMALL, (32, 24), 9)
     quickest = "icarus" if simulator.available("icarus") else "verilator"  # to build
     try:
-        outcome = play([Job(frame=frame)], simulator_name=quickest)[0]
+        built = wrap(broken(generate(SMALL)[0]), SMALL, simulator_name=quickest)
+        outcome = play([Job(frame=frame)], built=built)[0]
     except SimulationError:
         return
     assert outcome.raster.mismatches(golden.render(frame)) > 0
