@@ -138,9 +138,7 @@ class EngineCore(LiteXModule):
         if self.data_bits is None:
             text, _ = generate_axi(self.config, self.module)
         else:
-            text, _ = generate_framebuffer(
-                self.config, self.module, data_bits=self.data_bits
-            )
+            text, _ = generate_framebuffer(self.config, self.module, data_bits=self.data_bits)
         # LiteX's builder sets the folder before it finalises the SoC.
         folder = Path(self.platform.output_dir or "build").resolve() / "gateware"
         folder.mkdir(parents=True, exist_ok=True)
