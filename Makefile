@@ -58,11 +58,12 @@ help:
 setup: $(READY)
 
 # Installed from requirements.txt alone: nothing is resolved, so every machine has the same versions.
-# setuptools is in there too, which is why the build needs no isolation.
+# setuptools is in there too, which is why the build needs no isolation. Python compiles a module when it
+# is first imported: of most packages a part is never used.
 $(READY): pyproject.toml requirements.txt | tools
 	@echo 'Setting up $(VENV) (a minute or two) ...'
 	@test -x $(VENV)/bin/pip || $(PYTHON) -m venv $(VENV)
-	@$(VENV)/bin/pip install -qq -r requirements.txt
+	@$(VENV)/bin/pip install -qq --no-compile -r requirements.txt
 	@$(VENV)/bin/pip install -qq --no-deps --no-build-isolation -e .
 	@test -n "$$($(VENV)/bin/python -m find_libpython)" || { \
 	  version=$$($(VENV)/bin/python -c 'import sys; print("%d.%d" % sys.version_info[:2])'); \

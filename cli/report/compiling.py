@@ -15,8 +15,8 @@ LINE = "Compiling, once on this machine (half a minute) ..."
 SOON = 1.0
 """Seconds of compiling before it is told. A kind of file may need a small function more."""
 
-ALL = 240
-"""Functions that a first picture compiles, with those within them."""
+FUNCTIONS = 240
+"""How many a first picture compiles, with those within them."""
 
 _told = False
 
@@ -24,8 +24,8 @@ _told = False
 def tell_compiling() -> None:
     """Have a line printed if numba compiles for more than ``SOON`` seconds, once a process.
 
-    A line for each quarter of ``ALL`` follows. Numba tells when it compiles; what it loads from its
-    cache is no such event.
+    A line for each quarter of ``FUNCTIONS`` follows. Numba tells when it compiles; what it loads
+    from its cache is no such event.
     """
     global _told
     if _told:
@@ -52,7 +52,7 @@ def tell_compiling() -> None:
         def on_end(self, event: Any) -> None:
             self.inside -= 1
             self.compiled += 1
-            quarters, rest = divmod(4 * self.compiled, ALL)
+            quarters, rest = divmod(4 * self.compiled, FUNCTIONS)
             if self.said and rest < 4 and quarters < 4:
                 print(f" {25 * quarters} %  Compiling ...", file=sys.stderr, flush=True)
             if not self.inside:

@@ -16,7 +16,7 @@ import sys
 import numpy as np
 from splatline.cli.report import compiling
 compiling.SOON = float(sys.argv[1])
-compiling.ALL = 4
+compiling.FUNCTIONS = 4
 compiling.tell_compiling()
 compiling.tell_compiling()
 from splatline.host.cloud.curve_order import sort_along_curve
