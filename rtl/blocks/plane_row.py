@@ -80,7 +80,7 @@ class PlaneLaneRow(LaneRow):
         The bit above the depths makes a clear or a load pass, whatever was read.
         """
         config, caught, depth = self.config, stages.caught, stages.depth[column]
-        hidden, forwards = hazards
+        hidden, forwards, reads_odd = hazards
         old, earlier, forwarded = (
             Signal(config.depth_bits, name=f"{name}_{column}", reset_less=True)
             for name in ("old", "earlier", "forwarded")
@@ -89,7 +89,7 @@ class PlaneLaneRow(LaneRow):
         difference = Signal(config.depth_bits + 2, name=f"difference_{column}")
         passes = Signal(name=f"passes_{column}")
         draws, odd = stages.draws[column], stages.odd[column]
-        read = Mux(caught.odd[column], olds["odd"], olds["even"])
+        read = Mux(reads_odd[column], olds["odd"], olds["even"])
         other = Mux(forwards[column], forwarded, old)
         m.d.sync += [
             old.eq(read),
@@ -111,19 +111,28 @@ class PlaneLaneRow(LaneRow):
         """Find read-after-write hazards of the pixels in the test stage.
 
         ``hidden``: a nearer pixel was written one cycle before. ``forwards``: a pixel was written
-        two cycles before.
+        two cycles before. ``reads_odd``: the pixel in the catch stage was read from the odd word.
+        Four-state simulators subtract what is read, so a clear reads a defined word and none is
+        forwarded to it.
         """
         caught, words = stages.caught, written.shape()
         hidden, again = (Signal(words, name=name, reset_less=True) for name in ("hidden", "again"))
         count = self.config.pixels_per_word
         forwards = Signal(count, reset_less=True)
+        reads_odd = Signal(count, reset_less=True)
         behind = Signal(count)
         m.d.comb += behind.eq(
             Cat(new >= last for new, last in zip(stages.new, stages.depth, strict=True))
         )
-        m.d.sync += forwards.eq(
-            Cat(Mux(caught.odd[n], again.odd[n], again.even[n]) for n in range(count))
-        )
+        m.d.sync += [
+            reads_odd.eq(Mux(self.request.clear, -1, self.request.odd)),
+            forwards.eq(
+                Cat(
+                    ~caught.store & Mux(reads_odd[n], again.odd[n], again.even[n])
+                    for n in range(count)
+                )
+            ),
+        ]
         for half in HALVES:
             now, then, last = self._groups(half, stages)
             hides = getattr(caught.again[0], half) & (then == last)
@@ -133,4 +142,4 @@ class PlaneLaneRow(LaneRow):
                 getattr(hidden, half).eq(Mux(hides & ~caught.store, there & behind, 0)),
                 getattr(again, half).eq(Mux(meets, there, 0)),
             ]
-        return hidden, forwards
+        return hidden, forwards, reads_odd

@@ -7,13 +7,14 @@ import pytest
 from splatline.contract.presets import PAPER, PLANE
 from splatline.flow.verilog import generate
 from splatline.host.device.driver import Engine
+from splatline.rtl.blocks.plane_row import PlaneLaneRow
 from splatline.rtl.blocks.window import BlockWindow
 from splatline.rtl.tiles.window import TileWindow
 from splatline.sim.cosim.axi.axi_device import SimulatedDevice, build_axi
 from splatline.sim.cosim.player.player import wrap
 from splatline.sim.cosim.simulator import SimulationError
 from tests.rtl.bus.axi_cases import clean, draw_scene
-from tests.rtl.test_reset import BLOCKS, in_icarus, jobs, wrong_pixels
+from tests.rtl.test_reset import BLOCKS, PLANES, in_icarus, jobs, wrong_pixels
 from tests.support.engines import mismatches
 from tests.support.planted import plant, play_with
 
@@ -25,6 +26,10 @@ FAULTS = {
     (PLANE, TileWindow): [("_draw_depth", r"eq\(~0\)", "eq(given | ~given)")],
     # What is not offered draws nothing, so its undefined depth alone reaches no lane.
     (BLOCKS, BlockWindow): [("_follow", r"known & \(", "self.i.valid & (")],
+    # A clear subtracts what it reads, from whichever word.
+    (PLANES, PlaneLaneRow): [
+        ("_meet", r"Mux\(self\.request\.clear, -1, self\.request\.odd\)", "self.request.odd")
+    ],
 }
 
 
@@ -37,7 +42,7 @@ def planted(config, part):
 
 
 @in_icarus
-@pytest.mark.parametrize("config, part", FAULTS, ids=["tiles", "planes", "blocks"])
+@pytest.mark.parametrize("config, part", FAULTS, ids=["tiles", "plane", "blocks", "planes"])
 def test_undefined_values_that_reach_a_lane_are_noticed(config, part):
     """Without a fault none reaches one. A choice by a known value passes on no other's."""
     built = planted(config, part)
