@@ -80,7 +80,7 @@ def tell_areas(scans, pictures):
         scan = read_cloud(path)
         view = fit_view(scan)
         for number, (name, cloud) in enumerate(measure.samples_of(scan)):
-            radii, thin = measure_discs(cloud)
+            radii, thin, _ = measure_discs(cloud)
             frame = make_frame(cloud, view, radii=radii, thin=thin, config=DEFAULT)
             rasters = [golden.render(each) for each in (frame, close_specks(frame))]
             print(f"| {name} | {' -> '.join(map(areas_of, rasters))} |", flush=True)

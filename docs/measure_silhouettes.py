@@ -2,13 +2,15 @@
 
 Run ``.venv/bin/python docs/measure_silhouettes.py write FOLDER`` first: it writes the points of
 ``splatline bench surface``, their views and their true silhouettes. Then run ``draw FOLDER NAME``
-in the environment of each version: it draws the points with that version and writes the silhouette
-IoU of each run to ``FOLDER/NAME.json``. ``compare FOLDER OLD NEW`` prints how far it rose or fell.
+in the environment of each version: it draws the points as that version does and writes the
+silhouette IoU of each run to ``FOLDER/NAME.json``. ``compare FOLDER OLD NEW`` prints how far it
+rose or fell.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import itertools
 import json
 import sys
@@ -17,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from splatline.contract.presets import PRESETS
+from splatline.host.cloud import spacing
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.cloud.normals import estimate_normals
-from splatline.host.cloud.spacing import splat_radii
-from splatline.host.pipeline import make_frame
+from splatline.host.pipeline import make_frame, make_frames
 from splatline.host.visibility.view import View
 from splatline.sim import golden
 
@@ -52,8 +54,10 @@ def write(folder: Path) -> None:
 
 
 def draw(folder: Path, name: str) -> None:
-    """Draw each run with this version; write its IoU."""
-    config = PRESETS["rgb24"]
+    """Draw each run as this version does; write its IoU."""
+    options = {"config": PRESETS["rgb24"]}
+    if "close_specks" in inspect.signature(make_frames).parameters:
+        options["close_specks"] = True
     fields = {field.name for field in dataclasses.fields(Cloud)}
     found = {}
     for path in sorted(folder.glob("*.npz")):
@@ -69,8 +73,12 @@ def draw(folder: Path, name: str) -> None:
         view |= {key: int(view[key]) for key in ("width", "height")}
         view |= {key: float(view[key]) for key in ("focal", "near")}
         view["shift"] = tuple(view["shift"])
-        frame = make_frame(cloud, View(**view), radii=splat_radii(cloud), config=config)
-        drawn, mask = golden.render(frame).depth != config.background_depth, saved["mask"]
+        if hasattr(spacing, "measure_discs"):
+            discs = spacing.measure_discs(cloud)._asdict()
+        else:
+            discs = {"radii": spacing.splat_radii(cloud)}
+        frame = make_frame(cloud, View(**view), **discs, **options)
+        drawn, mask = golden.render(frame).drawn, saved["mask"]
         found[path.stem] = float(np.sum(drawn & mask) / np.sum(drawn | mask))
         print(f"{path.stem}: {found[path.stem]:.4f}", flush=True)
     (folder / f"{name}.json").write_text(json.dumps(found))

@@ -47,7 +47,7 @@ def closed(holes, seen, depth, raster):
 
 def tell(name, cloud, view, picture):
     """Print the row of a cloud, and write its picture."""
-    radii, thin = measure_discs(cloud)
+    radii, thin, _ = measure_discs(cloud)
     wider = radii + np.maximum((cloud.positions - view.eye) @ view.axes[2], 0.0) / view.focal
     frame = make_frame(cloud, view, radii=radii, thin=thin)
     raster = golden.render(frame)

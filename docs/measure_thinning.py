@@ -49,7 +49,7 @@ def main():
         plan = make_plan([path], None, functools.partial(fit_view, up="z"), 128)
         cloud = read_cloud(path)
         view = dataclasses.replace(plan.view, eye=plan.view.eye + plan.origin - cloud.origin)
-        discs = measure_discs(cloud)._asdict()
+        discs = measure_discs(cloud).drawn(close_specks=False)._asdict()
         shared = {"materials": materials_of(cloud, plan.palette), "depth_range": plan.depth_range}
         origin = plan.origin - np.array(OFFSETS)
         truth = render_surface(terrain_patches(), origin, plan.view, Lighting(), background=GREY)

@@ -57,6 +57,7 @@ def make_frames(
     *,
     radii: npt.NDArray[np.floating[Any]] | None = None,
     thin: npt.NDArray[np.bool_] | None = None,
+    cover: float = 1.0,
     lighting: Lighting | None = None,
     materials: Materials | None = None,
     config: EngineConfig = DEFAULT,
@@ -89,6 +90,8 @@ def make_frames(
         Radius of each point's disc, as of ``measure_discs``: shape (n,). Not given with an index.
     thin
         Which points have no gap about them, as of ``measure_discs``: shape (n,). None: none.
+    cover
+        As of ``Discs.drawn``: small discs are trimmed where specks are closed. 1: none is.
     lighting
         Lights and surface; None: the default ones.
     materials
@@ -145,6 +148,7 @@ def make_frames(
         config=config,
         quality=quality,
         shapes=shapes,
+        cover=cover,
         close=close_specks,
     )
     tell = _frame_counter(progress, samples, index is not cloud)

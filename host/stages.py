@@ -40,6 +40,7 @@ def draw_up(
     depth_range: tuple[float, float] | None,
     shapes: str,
     rounding: float = 0.5,
+    cover: float = 1.0,
     close: bool = False,
 ) -> Frame:
     """Return a frame as :func:`make_frame` does; the frame is empty if nothing is in view.
@@ -50,6 +51,8 @@ def draw_up(
         Reasons to leave points out; all are applied.
     rounding
         Rounding offset of colours; see ``material_tables``.
+    cover
+        How far small discs are trimmed; see ``trim``.
     close
         Whether specks are closed; see ``close_specks``.
     """
@@ -58,7 +61,7 @@ def draw_up(
     tables = material_tables(index.materials, lighting, config, rounding)
     useful = useful_skips(chosen, quality)
     clock.lap("tables")
-    splats = splats_of(index, view, useful, lighting, config, quality, depth_range)
+    splats = splats_of(index, view, useful, lighting, config, quality, depth_range, cover)
     clock.lap("project")
     encoded = encode(
         splats,
@@ -109,6 +112,7 @@ def splats_of(
     config: EngineConfig,
     quality: str,
     depth_range: tuple[float, float] | None,
+    cover: float,
 ) -> Splats:
     """Return the splats of a view, with their depth range.
 
@@ -116,11 +120,12 @@ def splats_of(
     ----------
     useful
         The skips; see :func:`useful_skips`.
-    depth_range
+    depth_range, cover
         See :func:`make_frames`.
     """
     shades = shade_bits(lighting, config, LEVELS if quality == "paper" else SHADE_LEVELS)
-    splats = project(index, view, shades, config.material.lsb - config.diffuse.lsb, useful)
+    shift = config.material.lsb - config.diffuse.lsb
+    splats = project(index, view, shades, shift, useful, cover)
     if depth_range is not None:
         return dataclasses.replace(splats, depth_range=_check_range(depth_range))
     if config.plane:  # each pixel has its own depth, and beyond the range none

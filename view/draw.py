@@ -162,16 +162,19 @@ def draw_view(
     """
     settings = settings or Settings()
     index = live.index(settings.preset, upward)
-    drawing = _draw(index, view, settings, check)
+    cover = live.discs.drawn(close_specks=settings.close_specks).cover
+    drawing = _draw(index, view, settings, cover, check)
     if drawing.counts["elements"] or not drawing.counts["culled"].get("no_pixel"):
         return drawing
     # As ``make_frames``: a picture of one pixel a point is better than an empty one.
     skips = settings.skips - {"no_pixel"}
-    return _draw(index, view, replace(settings, skips=skips), check)
+    return _draw(index, view, replace(settings, skips=skips), cover, check)
 
 
-def _draw(index: Index, view: View, settings: Settings, check: Callable[[], None]) -> Drawing:
-    """Draw a picture with the skips as they are; see :func:`draw_view`."""
+def _draw(
+    index: Index, view: View, settings: Settings, cover: float, check: Callable[[], None]
+) -> Drawing:
+    """Draw a picture with the skips as they are; see :func:`draw_view` and ``trim``."""
     config = settings.preset
     options: dict[str, Any] = {
         "lighting": LIGHTS[settings.lights],
@@ -179,6 +182,7 @@ def _draw(index: Index, view: View, settings: Settings, check: Callable[[], None
         "quality": settings.quality,
         "skips": settings.skips,
         "close_specks": settings.close_specks,
+        "cover": cover,
         "may_be_empty": True,
         "progress": lambda share: check(),
     }

@@ -182,7 +182,8 @@ class Easel:
         """Draw the exact reference, unless it is drawn, and split the picture."""
         assert self.seen is not None
         settings, size = sight.choices.settings, sight.size
-        drawn_of = sight.live, sight.camera, size, settings.lights, settings.background
+        look = settings.lights, settings.background, settings.close_specks
+        drawn_of = sight.live, sight.camera, size, look
         if self._exact is None or self._exact[0] != drawn_of:
 
             def progress(share: float) -> None:

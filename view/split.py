@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from splatline.contract.presets import PAPER
 from splatline.host.shading.light_sets import LIGHTS
+from splatline.host.visibility.trim import trimmed_radii
 from splatline.plots.figure import rgb_levels
 from splatline.sim.golden.multisample import average
 from splatline.sim.reference import reference
@@ -60,11 +61,13 @@ def draw_exact(
     progress: Callable[[float], None],
 ) -> Exact:
     """Draw the exact reference of a picture; ``progress`` is told the share that is done."""
+    radii, _, cover = live.discs.drawn(close_specks=settings.close_specks)
+    view = camera.view(live.cloud, size)
     return Exact(
         reference.render(
             live.index(settings.preset, camera.upward).cloud,
-            camera.view(live.cloud, size),
-            live.discs.radii,
+            view,
+            trimmed_radii(live.cloud.positions, radii, view, cover),
             LIGHTS[settings.lights],
             background=settings.background,
             progress=progress,

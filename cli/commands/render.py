@@ -174,16 +174,18 @@ def _measure(
 ) -> tuple[Reference, dict[str, Any]]:
     """Draw the exact reference and compare the engine's picture with it."""
     from splatline.host.shading.light_sets import LIGHTS
+    from splatline.host.visibility.trim import trimmed_radii
     from splatline.sim import reference
     from splatline.sim.reference import metrics
 
     assert prepared.cloud is not None
-    assert prepared.radii is not None
+    assert prepared.discs is not None
+    radii, _, cover = prepared.discs
     with stages.stage("reference", "Drawing the exact reference") as share:
         exact = reference.render(
             prepared.cloud,
             prepared.view,
-            prepared.radii,
+            trimmed_radii(prepared.cloud.positions, radii, prepared.view, cover),
             LIGHTS[lights],
             background=background,
             progress=share,

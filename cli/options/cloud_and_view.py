@@ -65,7 +65,8 @@ _ENCODING_OPTIONS = (
         type=click.Choice(["close", "keep"]),
         default="close",
         help="close: single pixels that show through a surface take the depth and colour of a"
-        " neighbour; keep: the discs as they are, as with --shapes rom.",
+        " neighbour, and small discs do not overlap; keep: the discs as they are, as with"
+        " --shapes rom.",
     ),
     click.option("--preset", type=PRESET, default=DEFAULT.name, help="The engine to draw for."),
     click.option(

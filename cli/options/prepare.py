@@ -70,7 +70,7 @@ def prepare(request: RenderRequest, stages: Stages, samples: int = 1) -> Prepare
         notes=prepared.notes,
         far_away=prepared.far_away,
         cloud=cloud,
-        radii=prepared.discs.radii,
+        discs=prepared.discs,
     )
 
 
@@ -147,7 +147,7 @@ def _view_of(
     if request.fit != "all":
         with stages.stage("bulk", "Looking for points far from the rest"):
             cloud, far_away = without_far_points(cloud)
-    discs = _measure(cloud, stages, request.splat_size)
+    discs = _measure(cloud, stages, request.splat_size).drawn(close_specks=request.close_specks)
     with stages.stage("view", "Fitting the view"):
         view = see(cloud, camera, request.size, discs.radii)
         cloud = turn_upward(cloud, upward_of(camera["orbit"], camera["up"]))

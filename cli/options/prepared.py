@@ -7,11 +7,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from splatline.contract.frame import Frame
     from splatline.host.cloud.cloud import Cloud
+    from splatline.host.cloud.spacing import Discs
     from splatline.host.large.cluster_tiles import ClusterTiles
     from splatline.host.large.joined_tiles import JoinedTiles
     from splatline.host.picture_tiles.frames import TiledPicture
@@ -46,9 +44,8 @@ class PreparedFrames:
         Points far from the rest that are not drawn.
     facts
         Further statistics.
-    cloud, radii
-        The points, and the radius of each one's disc in the cloud's unit: shape (n,). None for a
-        cloud that is drawn in parts.
+    cloud, discs
+        The points and their discs. None for a cloud that is drawn in parts.
     """
 
     frames: list[Frame]
@@ -60,7 +57,7 @@ class PreparedFrames:
     far_away: int = 0
     facts: dict[str, Any] = field(default_factory=dict)
     cloud: Cloud | None = None
-    radii: npt.NDArray[np.float64] | None = None
+    discs: Discs | None = None
 
 
 @dataclass(frozen=True)

@@ -48,10 +48,18 @@ class Discs(NamedTuple):
     thin
         Which points have no gap about them that a surface would have, as on a curve or alone: shape
         (n,), bool. Such a point is drawn as one pixel where its disc covers no pixel's centre.
+    cover
+        How many times as large the discs are as those that just close the surface on a plane: 1 if
+        their sizes were given.
     """
 
     radii: _Floats
     thin: npt.NDArray[np.bool_]
+    cover: float = 1.0
+
+    def drawn(self, *, close_specks: bool) -> Discs:
+        """Return the discs as they are drawn: none is trimmed if specks stay open; see ``trim``."""
+        return self if close_specks else self._replace(cover=1.0)
 
 
 def splat_radii(
@@ -83,9 +91,9 @@ def measure_discs(
         If ``size`` is not a finite number above 0.
     """
     if size is None:
-        radii, thin = _close(cloud.cells, cloud.normals, cloud.closing, progress)
+        radii, thin, _ = _close(cloud.cells, cloud.normals, cloud.closing, progress)
         radii *= COVER
-        return Discs(radii, thin) if cloud.radii is None else _own(cloud.radii, radii, thin)
+        return Discs(radii, thin, COVER) if cloud.radii is None else _own(cloud.radii, radii, thin)
     if not (math.isfinite(size) and size > 0.0):
         raise InputError(f"the splat size must be above 0, not {size:g}")
     return Discs(np.full(len(cloud), 0.5 * size), np.zeros(len(cloud), np.bool_))

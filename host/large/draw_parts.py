@@ -165,7 +165,7 @@ def _frames(
 ) -> tuple[list[Frame | None], list[dict[str, Any]]]:
     """Return the frames of a part, and counts whose sum is the part's."""
     options: dict[str, Any] = {
-        **discs._asdict(),
+        **discs.drawn(close_specks=drawing.close_specks)._asdict(),
         "materials": materials_of(cloud, plan.palette),
         "lighting": drawing.lighting,
         "config": drawing.config,

@@ -190,6 +190,7 @@ class TiledPicture:
         samples: int,
         lighting: Lighting,
         depth_range: tuple[float, float] | None,
+        cover: float,
         progress: Callable[[float], None],
     ) -> tuple[float, float] | None:
         """Project every sample; return the depth range, or None if nothing is drawn.
@@ -199,7 +200,7 @@ class TiledPicture:
         limits, drawn = depth_range, False
         for shifted, rounding in sample_views(view, samples):
             splats = splats_of(
-                index, shifted, self._useful, lighting, self.config, self._quality, limits
+                index, shifted, self._useful, lighting, self.config, self._quality, limits, cover
             )
             tables = material_tables(index.materials, lighting, self.config, rounding)
             sample = _Sample(shifted, splats, tables, np.zeros(len(splats.data), np.uint8))
@@ -228,6 +229,7 @@ def tile_picture(
     *,
     radii: npt.NDArray[np.floating[Any]] | None = None,
     thin: npt.NDArray[np.bool_] | None = None,
+    cover: float = 1.0,
     lighting: Lighting | None = None,
     materials: Materials | None = None,
     config: EngineConfig = DEFAULT,
@@ -244,8 +246,8 @@ def tile_picture(
 
     Parameters
     ----------
-    cloud, view, samples, radii, thin, lighting, materials, config, quality, skips, depth_range,
-    close_specks
+    cloud, view, samples, radii, thin, cover, lighting, materials, config, quality, skips,
+    depth_range, close_specks
         As for :func:`splatline.host.pipeline.make_frames`. The view is the whole picture's.
     shapes
         ``table``; compact words have no order that tiles keep.
@@ -276,7 +278,7 @@ def tile_picture(
         useful = useful_skips(kept, quality)
         picture = TiledPicture(grid, config, counts, quality, useful, close_specks, [])
         lights = lighting or Lighting()
-        limits = picture.project(index, view, samples, lights, depth_range, progress)
+        limits = picture.project(index, view, samples, lights, depth_range, cover, progress)
         if limits is not None or may_be_empty:
             clock.lap("project")
             counts["depth_range"], counts["seconds"] = list(limits or (0.0, 0.0)), laps

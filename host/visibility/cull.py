@@ -55,6 +55,8 @@ class Camera(NamedTuple):
         Of the image in pixels.
     near
         Nearest distance along the view that is drawn.
+    cover
+        See ``trim``; 1: no disc is trimmed.
     """
 
     eye_x: float
@@ -75,14 +77,15 @@ class Camera(NamedTuple):
     width: int
     height: int
     near: float
+    cover: float
 
     @classmethod
-    def of(cls, view: View) -> Camera:
+    def of(cls, view: View, cover: float = 1.0) -> Camera:
         """Return a view's camera."""
         vectors = (*map(float, view.eye), *map(float, view.axes.ravel()))
         middle = map(float, view.middle)
         image = (float(view.focal), *middle, view.width, view.height, float(view.near))
-        return cls._make((*vectors, *image))
+        return cls._make((*vectors, *image, float(cover)))
 
 
 @nb.njit(inline="always")

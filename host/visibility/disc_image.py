@@ -12,6 +12,7 @@ from splatline.host.shading.normal_levels import quantise
 
 from .cull import faces_away, in_camera, lies_outside, misses_centre
 from .skips import REASONS
+from .trim import trim
 from .view import LARGEST
 
 __all__ = ["Image", "project_disc", "shade_of", "turn_to_eye"]
@@ -72,7 +73,7 @@ def project_disc(
     column = camera.middle_x + camera.focal * a
     line = camera.middle_y + camera.focal * b
     share = radius / z
-    pixels = share * camera.focal
+    pixels = trim(share * camera.focal, camera.cover)
     if at_border and (
         lies_outside(column, a, pixels, share, camera.width)
         or lies_outside(line, b, pixels, share, camera.height)

@@ -28,6 +28,7 @@ def project(
     shades: npt.NDArray[np.uint32],
     material_shift: int,
     skips: frozenset[str] = DEFAULT_SKIPS,
+    cover: float = 1.0,
 ) -> Splats:
     """Project a cloud's discs and leave out those that the view does not show.
 
@@ -50,13 +51,15 @@ def project(
     skips
         Reasons to leave points out; see ``SKIPS``. Points nearer than the view's near distance are
         always left out.
+    cover
+        How far small discs are trimmed; see ``trim``. 1: not.
 
     Returns
     -------
     Splats
         In the index's order.
     """
-    camera = Camera.of(view)
+    camera = Camera.of(view, cover)
     rules = np.array([False, *(name in skips for name in SKIPS)])
     status = np.empty(len(index.bounds), np.uint8)
     cull_blocks(index.bounds, camera, rules, status)

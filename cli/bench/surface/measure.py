@@ -255,12 +255,14 @@ def _draw(cloud: Cloud, view: View, preset: EngineConfig) -> tuple[Raster, dict[
     """Return a cloud's picture, the frame's counts, and the median splat in pixels."""
     import numpy as np
 
-    from splatline.host.cloud.spacing import splat_radii
+    from splatline.host.cloud.spacing import measure_discs
     from splatline.host.pipeline import make_frame
+    from splatline.host.visibility.trim import trimmed_radii
     from splatline.sim import golden
 
-    radii = splat_radii(cloud)
-    frame = make_frame(cloud, view, radii=radii, config=preset, close_specks=True)
+    discs = measure_discs(cloud)
+    frame = make_frame(cloud, view, **discs._asdict(), config=preset, close_specks=True)
+    radii = trimmed_radii(cloud.positions, discs.radii, view, discs.cover)
     depth = (cloud.positions - view.eye) @ view.axes[2]
     return golden.render(frame), frame.counts, float(np.median(2.0 * radii * view.focal / depth))
 

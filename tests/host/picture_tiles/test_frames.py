@@ -102,7 +102,7 @@ def test_tiles_draw_the_picture_of_one_engine(
     radii = radii_of(seed, len(cloud), largest)
     assert_same(
         cloud, view, config, samples=samples, radii=radii, quality=quality, skips=skips,
-        depth_range=depth_range, close_specks=close,
+        depth_range=depth_range, close_specks=close, cover=1.0 + close * 0.32,
     )  # fmt: skip
 
 

@@ -1,0 +1,62 @@
+"""Trims small discs, for pictures whose specks are closed in the image.
+
+Discs that overlap close a surface that bends, and cover more than the surface at its outline. What
+small discs leave open is as small as a pixel, and ``close_specks`` closes it. So they need not
+overlap (decision 0116).
+"""
+
+from __future__ import annotations
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from .view import View
+
+__all__ = ["trim", "trimmed_radii"]
+
+SMALL = 2.5
+"""Radius in pixels up to which a disc is trimmed to its closing radius."""
+
+LARGE = 5.0
+"""Radius in pixels from which on a disc is not trimmed: its gaps are larger than specks."""
+
+
+@nb.njit(inline="always", error_model="numpy")
+def trim(pixels: float, cover: float) -> float:
+    """Return a disc's radius in pixels when it is trimmed; it grows as ``pixels`` does.
+
+    Parameters
+    ----------
+    pixels
+        Its radius.
+    cover
+        See ``Discs``; 1: it is not trimmed.
+    """
+    untrimmed = min(max((pixels - SMALL) / (LARGE - SMALL), 0.0), 1.0)
+    return pixels * (untrimmed + (1.0 - untrimmed) / cover)
+
+
+def trimmed_radii(
+    positions: npt.NDArray[np.float64],
+    radii: npt.NDArray[np.float64],
+    view: View,
+    cover: float,
+) -> npt.NDArray[np.float64]:
+    """Return the radii of discs as a view shows them when they are trimmed, in the cloud's unit.
+
+    Parameters
+    ----------
+    positions, radii
+        Shapes (n, 3) and (n,), float64.
+    view
+        The view.
+    cover
+        See ``Discs``.
+    """
+    if cover == 1.0:
+        return radii
+    depth = np.maximum((positions - view.eye) @ view.axes[2], view.near)
+    pixels = radii * view.focal / depth
+    untrimmed = np.clip((pixels - SMALL) / (LARGE - SMALL), 0.0, 1.0)
+    return radii * (untrimmed + (1.0 - untrimmed) / cover)

@@ -1,0 +1,81 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from splatline.host.cloud.spacing import COVER, measure_discs
+from splatline.host.pipeline import make_frame
+from splatline.host.visibility.block_index import build_index
+from splatline.host.visibility.project import project
+from splatline.host.visibility.trim import LARGE, SMALL, trim, trimmed_radii
+from splatline.host.visibility.view import View, fit_view
+from splatline.sim import golden
+from splatline.sim.reference.wholeness import wholeness
+from tests.support.clouds import cloud_of, sphere
+
+VIEW = View(np.zeros(3), np.eye(3), 150.0, 200, 100, near=0.1)
+
+SHADES = np.zeros((2, 64, 64), np.uint32)
+
+
+def outline_of_the_unit_sphere(view):
+    """Pixels whose rays from the eye meet the unit sphere."""
+    lines, columns = np.mgrid[: view.height, : view.width] + 0.5
+    x, y = (columns - view.middle[0]) / view.focal, (lines - view.middle[1]) / view.focal
+    rays = np.stack([x, y, np.ones_like(x)], axis=-1) @ view.axes
+    along = -(rays @ view.eye) / np.sum(rays**2, axis=-1)
+    return np.linalg.norm(view.eye + rays * along[..., np.newaxis], axis=-1) < 1.0
+
+
+def test_small_discs_are_trimmed_to_their_closing_radius_and_large_ones_are_not():
+    assert trim(SMALL, COVER) == pytest.approx(SMALL / COVER)
+    assert trim(0.01, COVER) == pytest.approx(0.01 / COVER)
+    assert trim(LARGE, COVER) == LARGE
+    assert trim(90.0, COVER) == 90.0
+    assert trim(1.0, 1.0) == 1.0
+
+
+def test_a_larger_disc_stays_larger():
+    radii = np.linspace(0.0, 2 * LARGE, 1000)
+    assert np.all(np.diff([trim(radius, COVER) for radius in radii]) > 0)
+
+
+def test_splats_are_as_large_as_trimmed_radii_say():
+    rng = np.random.default_rng(3)
+    positions = rng.uniform((-1, -0.5, 2), (1, 0.5, 9), (300, 3))
+    cloud, radii = (
+        cloud_of(positions, np.tile([0.0, 0.0, -1.0], (300, 1))),
+        rng.uniform(0, 0.2, 300),
+    )
+    index = build_index(cloud, radii)
+    splats = project(index, VIEW, SHADES, 14, frozenset(), COVER).together()
+    expected = trimmed_radii(cloud.positions, radii, VIEW, COVER)
+    sizes = 2 * expected * VIEW.focal / cloud.positions[:, 2]
+    np.testing.assert_allclose(np.sort(splats["diameter"]), np.sort(sizes), rtol=1e-6)
+    assert np.any(expected < radii) and np.any(expected == radii)
+
+
+def test_discs_of_given_sizes_are_not_trimmed():
+    cloud = sphere(500)
+    assert measure_discs(cloud).cover == COVER
+    assert measure_discs(cloud, 0.1).cover == 1.0
+    own = dataclasses.replace(cloud, radii=np.full(500, 9.0))
+    assert measure_discs(own).cover == 1.0
+
+
+def test_a_sphere_with_trimmed_discs_is_whole_and_has_a_sharper_outline():
+    cloud = sphere(20_000)
+    view = fit_view(cloud, size=(128, 128))
+    discs = measure_discs(cloud)
+    pictures = [
+        golden.render(make_frame(cloud, view, **each._asdict(), close_specks=True))
+        for each in (discs, discs.drawn(close_specks=False))
+    ]
+    true = outline_of_the_unit_sphere(view)
+    trimmed, whole = (np.count_nonzero(picture.drawn & ~true) for picture in pictures)
+    assert trimmed < 0.7 * whole
+    assert np.count_nonzero(true & ~pictures[0].drawn) < 0.001 * np.count_nonzero(true)
+    own, others = map(wholeness, pictures)
+    assert own["pinholes"] == 0.0
+    # The outline itself falls off steeply.
+    assert own["see_through"] <= others["see_through"] + 0.0005
