@@ -32,6 +32,9 @@ EDGE = 1.5
 MOST_CELLS = 4096
 """Most cells of a grid along a side."""
 
+STEP = 1e-6
+"""Difference of a coordinate, of 1, by which a patch's slopes are found."""
+
 CHUNK = 1 << 18
 """Corners or samples at a time."""
 
@@ -46,6 +49,7 @@ def render_surface(
     *,
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
     samples: int = 4,
+    shape_normals: bool = False,
 ) -> Reference:
     """Render a surface, exactly up to the sampling.
 
@@ -59,6 +63,9 @@ def render_surface(
         See :func:`splatline.sim.reference.render`.
     samples
         Samples along a side of a pixel.
+    shape_normals
+        Whether the normals are those of the shape itself, as points without normals show it. Else
+        they are the patches', which may be smoother.
 
     Returns
     -------
@@ -84,6 +91,8 @@ def render_surface(
         for start in range(0, len(lines), CHUNK):
             part = lines[start : start + CHUNK], columns[start : start + CHUNK]
             positions, normals, colours = patch.at(*at[part].T)
+            if shape_normals:
+                normals = _shape_normals(patch, *at[part].T, positions, normals)
             centres = (positions - origin - view.eye) @ view.axes.T
             rgb[part] = shade(colours, normals @ view.axes.T, centres, lighting)
     hit = owner >= 0
@@ -92,6 +101,20 @@ def render_surface(
     mean = np.divide(total, count, out=np.full(count.shape, np.nan), where=count > 0.0)
     shape = (view.height, samples, view.width, samples, 3)
     return Reference(rgb.reshape(shape).mean(axis=(1, 3)), mean, count / samples**2)
+
+
+def _shape_normals(
+    patch: Patch, first: _Floats, second: _Floats, positions: _Floats, normals: _Floats
+) -> _Floats:
+    """Return the unit normals of a patch's shape, on the side of its own ``normals``."""
+    # Inwards, so that no coordinate leaves 0..1.
+    moved = [np.where(share < 0.5, share + STEP, share - STEP) for share in (first, second)]
+    along = patch.at(moved[0], second)[0] - positions
+    across = patch.at(first, moved[1])[0] - positions
+    found = np.cross(along, across)
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    side = np.sign(np.einsum("ij,ij->i", found, normals))[:, np.newaxis]
+    return np.where(length > 0.0, side * found / np.where(length > 0.0, length, 1.0), normals)
 
 
 def _pixels(values: _Floats, samples: int) -> _Floats:

@@ -68,6 +68,8 @@ class _Subject:
     ----------
     patches, view, truth
         The surface, the view, and the surface as the view sees it.
+    shape
+        The same, shaded by the shape's own normals: the truth of points without normals.
     middle
         What the view's coordinates are relative to.
     points
@@ -78,6 +80,7 @@ class _Subject:
     patches: list[Patch]
     view: View
     truth: Reference
+    shape: Reference
     middle: Any
     points: float
 
@@ -94,7 +97,8 @@ def measure_scenes(
         for spread, noise, has_normals, density in cases:
             advance(f"{name}, {density:g} a pixel")
             cloud = _sample(subject, density, spread, noise, has_normals)
-            found = _measure(cloud, subject, sweep.preset)
+            truth = subject.truth if has_normals else subject.shape
+            found = _measure(cloud, subject.view, truth, sweep.preset)
             case = {"spread": spread, "noise": noise, "normals": has_normals, "density": density}
             runs.append({"scene": name, **case, "points": len(cloud), **found})
     return truths, runs
@@ -206,10 +210,13 @@ def _subject(name: str, size: tuple[int, int]) -> _Subject:
     patches = {"knot": knot_patches, "terrain": terrain_patches}[name]()
     middle = scene.cloud.origin
     truth = render_surface(patches, middle, view, Lighting())
+    shape = render_surface(patches, middle, view, Lighting(), shape_normals=True)
     trial = sample(patches, TRIAL, name, SEED)
     away = np.einsum("ij,ij->i", trial.normals, trial.positions + trial.origin - middle - view.eye)
     seen = np.count_nonzero(truth.coverage > 0.5)
-    return _Subject(name, patches, view, truth, middle, TRIAL * seen / np.count_nonzero(away < 0.0))
+    return _Subject(
+        name, patches, view, truth, shape, middle, TRIAL * seen / np.count_nonzero(away < 0.0)
+    )
 
 
 def _sample(
@@ -267,19 +274,19 @@ def _draw(cloud: Cloud, view: View, preset: EngineConfig) -> tuple[Raster, dict[
     return golden.render(frame), frame.counts, float(np.median(2.0 * radii * view.focal / depth))
 
 
-def _measure(cloud: Cloud, subject: _Subject, preset: EngineConfig) -> dict[str, Any]:
+def _measure(cloud: Cloud, view: View, truth: Reference, preset: EngineConfig) -> dict[str, Any]:
     """Draw a cloud and compare it with the truth."""
     from splatline.sim.reference import metrics
     from splatline.sim.reference.wholeness import behind_truth, wholeness
 
-    raster, counts, splat = _draw(cloud, subject.view, preset)
+    raster, counts, splat = _draw(cloud, view, preset)
     limits = counts["depth_range"]
-    found = metrics.compare(raster, subject.truth, depth_range=limits)
+    found = metrics.compare(raster, truth, depth_range=limits)
     return {
         "splat_pixels": splat,
         **{key: found[key] for key in ("psnr_db", "hole_fraction", "silhouette_iou")},
         **wholeness(raster),
-        "behind_truth": behind_truth(raster, subject.truth, limits),
+        "behind_truth": behind_truth(raster, truth, limits),
         "elements": counts["elements"],
         "codewords": counts["codewords"],
     }

@@ -32,8 +32,8 @@ Specks are closed, as in every picture of `splatline render`
 ([0104](../decisions/0104-specks-are-closed-in-the-image.md)): what is counted is left after that.
 
 Shares are of the pixels drawn, in percent; PSNR is in dB. Pixels are drawn with one sample, the
-truth with 16. The true terrain is shaded by smoothed normals; what is estimated from very many of
-its points has the grid's own facets, which lowers the PSNR.
+truth with 16. The terrain's given normals are smoother than its shape. So the truth is shaded by
+them where normals are given, and by the shape's own where they are estimated.
 """
 
 

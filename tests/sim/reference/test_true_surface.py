@@ -54,6 +54,29 @@ def test_a_nearer_patch_hides_another():
     assert truth.coverage.sum() == pytest.approx((2 * 100 / 3.5) ** 2, rel=5e-3)
 
 
+def test_the_normals_of_a_shape_are_its_own():
+    """A ball's patch has the shape's normals; with others the picture is the same."""
+    lights, view = Lighting(), facing(3.0)
+
+    def smoothed(a, b):
+        positions, normals, colours = _ball(a, b)
+        return positions, normals + 0.3 * np.array([0.0, 0.0, 1.0]), colours
+
+    true = render_surface([Patch(1.0, _ball)], np.zeros(3), view, lights)
+    shape = [
+        render_surface([Patch(1.0, at)], np.zeros(3), view, lights, shape_normals=True)
+        for at in (_ball, smoothed)
+    ]
+    for each in shape:
+        np.testing.assert_allclose(each.rgb, true.rgb, atol=2e-3)
+    assert (
+        np.abs(
+            shape[1].rgb - render_surface([Patch(1.0, smoothed)], np.zeros(3), view, lights).rgb
+        ).max()
+        > 0.02
+    )
+
+
 def test_what_reaches_the_eye_is_refused():
     with pytest.raises(ValueError, match="near plane"):
         render_surface([Patch(1.0, _ball)], np.zeros(3), facing(0.2), Lighting())
