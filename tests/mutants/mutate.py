@@ -28,9 +28,9 @@ TAKE = (
 )
 """How Yosys takes the engine from an AXI top."""
 
-FIXED = ("CLK", "RD_CLK", "WR_CLK", "RD_EN")
+FIXED = ("CLK", "RD_CLK", "WR_CLK", "RD_EN", "RD_ARST", "RD_SRST")
 """Ports that are not mutated. An inverted clock is a fault of a netlist, not of its design. The
-reads of the memories' cells have no enable."""
+reads of the memories' cells have no enable and no reset."""
 
 SPARE = 1.1
 """More mutants are drawn, so that enough are left without those at these ports."""
