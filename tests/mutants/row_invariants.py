@@ -54,33 +54,31 @@ def row_invariants(aig: Aig, renaming: Renaming, design: Design) -> tuple[list[i
         return bits_of(aig, f"gold.row.{name}"), bits_of(aig, f"gate.row.{name}")
 
     caught, tested, free = (2, sweep + 2), (3, sweep + 3), sweep + WRITES
-    always(*caught, "caught_clear", 1)
-    always(sweep + 2, free + 1, "caught_clear", 0)
-    always(2, free + 1, "mask", 0)
+    for flag in ("caught_store", "caught_clear"):
+        always(*caught, flag, 1)
+        always(sweep + 2, free + 1, flag, 0)
+    always(sweep + 2, free + 1, "mask", 0)
     always(free, free + 2, "draws", 0)
-    for name, value in {"draws": 1, "before_": 0, "depth": 1, "colour": 0}.items():
+    for name, value in {"draws": 1, "behind": 0, "depth": 1, "colour": 0}.items():
         always(*tested, name, value)
     always(*tested, "not_even", 0)
     always(*tested, "odd", 1)
     for half in HALVES:
-        always(*caught, f"again_{half}", 0)
         always(*tested, f"hidden_{half}", 0)
-        always(*tested, f"twice_{half}", 0)
+        always(*tested, f"twice_{half}", 1)
         always(*caught, f"caught_addresses_{half}", build.less(age, 2))
         always(*tested, f"addresses_{half}", build.less(age, 3))
-        for column in columns:
-            always(*tested, f"old_{half}_{column}", 1)
     for half in HALVES:
         renames = renaming.memories[0].rpartition(".")[2].startswith(half)
         for name, begin in (("caught_addresses", 1), ("addresses", 2)):
             gold, gate = pair(f"{name}_{half}")
             alike([(begin, None)], _renamed(build, renaming, gold) if renames else gold, gate)
-        alike([(2, None)], *pair(f"again_{half}"))
+        alike([(4, None)], *pair(f"again_{half}"))
         for name in ("hidden", "twice"):
             alike([(3, None)], *pair(f"{name}_{half}"))
         alike([(free + 2, None)], *pair(f"leaving_{half}"))
         for column in columns:
-            alike([tested, (free + 2, None)], *pair(f"old_{half}_{column}"))
+            alike([(free + 2, None)], *pair(f"old_{half}_{column}"))
             memory = f"row.{half}_{column}.memory.cleared"
             wrong += [names[f"{side}_{memory}"] ^ 1 for side in ("gold", "gate")]
     alike([(free + 1, None)], *_read(aig))

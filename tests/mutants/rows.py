@@ -90,8 +90,8 @@ def _window_clears(design: Design, row: str) -> bool:
         run.cycle(0)
         found = {name: [run.values[request[n]] for n in bits] for name, bits in fields.items()}
         clear = 1 <= age <= sweep
-        flags = found["draw"] + found["clear"] + found["load"]
-        if 1 <= age < sweep + WRITES and flags != [0, clear, 0]:
+        flags = found["draw"] + found["store"] + found["clear"]
+        if 1 <= age < sweep + WRITES and flags != [0, clear, clear]:
             return False
         place = [(age - 1) >> n & 1 for n in range(len(fields["even"]))]
         if clear and not found["even"] == found["odd"] == place:
@@ -127,7 +127,7 @@ def _whole(il: str, module: str, design: Design) -> str:
     ports = ports_of(il, module)
     sizes = {port.name: port.size for port in ports}
     fields, sweep = _fields(design), 1 << row_address_bits(design.config)
-    bit = {name: fields[name].start for name in ("draw", "clear", "load")}
+    bit = {name: fields[name].start for name in ("draw", "store", "clear")}
     place = [f"asked[{fields[half].start} +: {len(fields[half])}]" for half in HALVES]
     lines = [
         f"reg [{_age_bits(sweep) - 1}:0] age = 0;",
@@ -137,8 +137,8 @@ def _whole(il: str, module: str, design: Design) -> str:
         "always @* begin",
         "asked = request;",
         f"if (age >= 1 & age < {sweep + WRITES}) begin",
-        f"asked[{bit['draw']}] = 0; asked[{bit['load']}] = 0;",
-        f"asked[{bit['clear']}] = age <= {sweep};",
+        f"asked[{bit['draw']}] = 0;",
+        *(f"asked[{bit[flag]}] = age <= {sweep};" for flag in ("store", "clear")),
         f"if (age <= {sweep}) begin {' '.join(f'{one} = age - 1;' for one in place)} end",
         "end",
         "end",

@@ -105,18 +105,10 @@ def test_a_renamed_memory_is_equal_and_a_stuck_address_is_not():
 
 
 def test_what_only_waits_bounds_or_rare_frames_show_is_noticed():
-    """Mutants that the frames of before did not notice."""
-    seeds = (200, 1), (40, 3434), (40, 271126)
-    drawn = [mutant for count, seed in seeds for mutant in draw_mutants(PAPER, count, seed)]
-    kinds = {
-        "const0 window _12_[0]": "load presses",
-        "const0 window _201_[0]": "flush beside load",
-        "const0 window.loader _23_[4]": "rasters wait for lines",
-        "const0 tiler _263_[0]": "far end",
-        "const1 tiler _27_[0]": "half pixels",
-    }
-    mutants = [next(m for m in drawn if str(m).startswith(begin)) for begin in kinds]
-    assert [verdict.kind for verdict in judge.judge(PAPER, mutants)] == [*kinds.values()]
+    """Some of 200 mutants are noticed first by frames that few others need."""
+    verdicts = judge.judge(PAPER, draw_mutants(PAPER, 200, 1))
+    rare = {"flush beside load", "a raster down to the last line", "rounding once more", "film"}
+    assert rare <= {verdict.kind for verdict in verdicts}
 
 
 def test_a_bit_of_a_line_that_counts_far_down_only_is_noticed():
@@ -128,8 +120,9 @@ def test_a_bit_of_a_line_that_counts_far_down_only_is_noticed():
 
 
 def test_survivors_in_the_engine_of_an_axi_top_are_played_alone():
-    drawn = [*draw_mutants(AXI, 200, 1), *draw_mutants(AXI, 40, 3434)]
-    begins = "const1 engine.window _14_[0]", "const0 engine.tiler $le", "cnot0 registers.front _19_"
+    drawn = draw_mutants(AXI, 200, 1)
+    parts = "engine.window.flush_scan written", "engine.tiler turn", "registers.front bus"
+    begins = [f"const{n} {part}" for n, part in zip((1, 0, 1), parts, strict=True)]
     mutants = [next(m for m in drawn if str(m).startswith(begin)) for begin in begins]
     verdicts = judge.judge_engine(AXI, mutants, [Verdict("", "-", 1)] * 3)
     assert [verdict.alone for verdict in verdicts] == [True, True, False]
@@ -137,10 +130,10 @@ def test_survivors_in_the_engine_of_an_axi_top_are_played_alone():
 
 def test_what_the_clearing_overwrites_is_equal_and_no_more():
     """An address bit inverted but in the clearing; the clearing without a bit; a wrong colour."""
-    drawn = draw_mutants(PAPER, 200, 1)
-    inverted = next(m for m in drawn if str(m).startswith("inv window address_3_2[8]"))
+    drawn = [*draw_mutants(PAPER, 200, 1), *draw_mutants(PAPER, 3000, 1)]
+    inverted = next(m for m in drawn if str(m).startswith("inv window address_2_0[8]"))
     assert list(prove_in_context(PAPER, [inverted])) == ["cleared"]
-    sweep = next(m for m in drawn if str(m).startswith("inv window sweep[6]"))
+    sweep = next(m for m in drawn if str(m).startswith("inv window sweep["))
     assert not prove_cleared(PAPER, dataclasses.replace(sweep, mode="const0"))
     colour = next(m for m in drawn if str(m).startswith("inv window.lane loaded[16]"))
     assert not prove_cleared(PAPER, colour)
