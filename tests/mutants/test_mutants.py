@@ -154,15 +154,16 @@ def test_a_row_of_lanes_with_words_in_other_places_is_equal_and_no_other():
 
 def test_a_bit_that_the_module_around_does_not_read_is_equal():
     drawn = draw_mutants(AXI, 200, 1)
-    unread = next(m for m in drawn if str(m).startswith("cnot0 registers.front _19_[1]"))
-    read = dataclasses.replace(unread, portbit=2)
+    bit = next(m for m in drawn if str(m).startswith("const1 registers.front bus__awaddr[6]"))
+    unread, read = (dataclasses.replace(bit, portbit=n) for n in (1, 2))
     assert list(prove_in_context(AXI, [unread, read])) == ["parent", "open"]
 
 
 def test_what_no_engine_gives_its_window_shows_no_difference():
     """A line of the initial raster above the image, in a frame that has no lines yet; and below."""
-    drawn = draw_mutants(PAPER, 40, 271128)
-    above = next(m for m in drawn if str(m).startswith("const0 window.loader _30_[10]"))
+    drawn = draw_mutants(PAPER, 200, 1)
+    line = next(m for m in drawn if str(m).startswith("cnot1 window.loader _30_[0]"))
+    above = dataclasses.replace(line, mode="const0", portbit=10, ctrlbit=None)
     assert prove_with_held_inputs(PAPER, above)
     assert not prove_with_held_inputs(PAPER, dataclasses.replace(above, portbit=2))
 
