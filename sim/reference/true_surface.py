@@ -92,7 +92,8 @@ def render_surface(
             part = lines[start : start + CHUNK], columns[start : start + CHUNK]
             positions, normals, colours = patch.at(*at[part].T)
             if shape_normals:
-                normals = _shape_normals(patch, *at[part].T, positions, normals)
+                first, second = at[part].T
+                normals = _shape_normals(patch, first, second, positions, normals)
             centres = (positions - origin - view.eye) @ view.axes.T
             rgb[part] = shade(colours, normals @ view.axes.T, centres, lighting)
     hit = owner >= 0
