@@ -55,8 +55,8 @@ class Camera(NamedTuple):
         Of the image in pixels.
     near
         Nearest distance along the view that is drawn.
-    cover
-        See ``trim``; 1: no disc is trimmed.
+    excess
+        Share of its radius that a small disc loses; see ``trim``.
     """
 
     eye_x: float
@@ -77,15 +77,15 @@ class Camera(NamedTuple):
     width: int
     height: int
     near: float
-    cover: float
+    excess: float
 
     @classmethod
     def of(cls, view: View, cover: float = 1.0) -> Camera:
-        """Return a view's camera."""
+        """Return a view's camera; ``cover`` is that of the ``Discs``."""
         vectors = (*map(float, view.eye), *map(float, view.axes.ravel()))
         middle = map(float, view.middle)
         image = (float(view.focal), *middle, view.width, view.height, float(view.near))
-        return cls._make((*vectors, *image, float(cover)))
+        return cls._make((*vectors, *image, 1.0 - 1.0 / cover))
 
 
 @nb.njit(inline="always")

@@ -73,7 +73,7 @@ def project_disc(
     column = camera.middle_x + camera.focal * a
     line = camera.middle_y + camera.focal * b
     share = radius / z
-    pixels = trim(share * camera.focal, camera.cover)
+    pixels = trim(share * camera.focal, camera.excess)
     if at_border and (
         lies_outside(column, a, pixels, share, camera.width)
         or lies_outside(line, b, pixels, share, camera.height)

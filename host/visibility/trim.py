@@ -21,20 +21,21 @@ SMALL = 2.5
 LARGE = 5.0
 """Radius in pixels from which on a disc is not trimmed: its gaps are larger than specks."""
 
+PER_PIXEL = 1.0 / (LARGE - SMALL)
 
-@nb.njit(inline="always", error_model="numpy")
-def trim(pixels: float, cover: float) -> float:
+
+@nb.njit(inline="always")
+def trim(pixels: float, excess: float) -> float:
     """Return a disc's radius in pixels when it is trimmed; it grows as ``pixels`` does.
 
     Parameters
     ----------
     pixels
         Its radius.
-    cover
-        See ``Discs``; 1: it is not trimmed.
+    excess
+        Share of it that a small disc loses: 1 - 1 / ``Discs.cover``.
     """
-    untrimmed = min(max((pixels - SMALL) / (LARGE - SMALL), 0.0), 1.0)
-    return pixels * (untrimmed + (1.0 - untrimmed) / cover)
+    return pixels - excess * min(max((LARGE - pixels) * PER_PIXEL, 0.0), 1.0) * pixels
 
 
 def trimmed_radii(
@@ -58,5 +59,5 @@ def trimmed_radii(
         return radii
     depth = np.maximum((positions - view.eye) @ view.axes[2], view.near)
     pixels = radii * view.focal / depth
-    untrimmed = np.clip((pixels - SMALL) / (LARGE - SMALL), 0.0, 1.0)
-    return radii * (untrimmed + (1.0 - untrimmed) / cover)
+    small = np.clip((LARGE - pixels) * PER_PIXEL, 0.0, 1.0)
+    return radii * (1.0 - (1.0 - 1.0 / cover) * small)

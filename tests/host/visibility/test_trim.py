@@ -15,6 +15,8 @@ from tests.support.clouds import cloud_of, sphere
 
 VIEW = View(np.zeros(3), np.eye(3), 150.0, 200, 100, near=0.1)
 
+EXCESS = 1.0 - 1.0 / COVER
+
 SHADES = np.zeros((2, 64, 64), np.uint32)
 
 
@@ -28,16 +30,16 @@ def outline_of_the_unit_sphere(view):
 
 
 def test_small_discs_are_trimmed_to_their_closing_radius_and_large_ones_are_not():
-    assert trim(SMALL, COVER) == pytest.approx(SMALL / COVER)
-    assert trim(0.01, COVER) == pytest.approx(0.01 / COVER)
-    assert trim(LARGE, COVER) == LARGE
-    assert trim(90.0, COVER) == 90.0
-    assert trim(1.0, 1.0) == 1.0
+    assert trim(SMALL, EXCESS) == pytest.approx(SMALL / COVER)
+    assert trim(0.01, EXCESS) == pytest.approx(0.01 / COVER)
+    assert trim(LARGE, EXCESS) == LARGE
+    assert trim(90.0, EXCESS) == 90.0
+    assert trim(1.0, 0.0) == 1.0
 
 
 def test_a_larger_disc_stays_larger():
     radii = np.linspace(0.0, 2 * LARGE, 1000)
-    assert np.all(np.diff([trim(radius, COVER) for radius in radii]) > 0)
+    assert np.all(np.diff([trim(radius, EXCESS) for radius in radii]) > 0)
 
 
 def test_splats_are_as_large_as_trimmed_radii_say():
