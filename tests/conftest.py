@@ -6,6 +6,8 @@ import os
 from amaranth.hdl import _nir
 from hypothesis import settings
 
+import splatline  # noqa: F401 - before numba, for which it chooses how loops run in parallel
+
 # The first call of a compiled function takes seconds, so a deadline would say nothing.
 settings.register_profile("dev", deadline=None)
 # On CI the same examples every time: a change that breaks one must be the change under test.

@@ -19,12 +19,9 @@ from .quality import DEFAULT_QUALITY, QUALITIES
 from .shape_table import shape_table
 from .splat_loop import Fixed, Occluders, Shapes, Slots, encode_splats, measure_room
 from .tile import Target, Tile, whole_image
+from .waves import waves_of
 
 __all__ = ["Encoded", "encode"]
-
-
-WAVES = 4
-"""Parts that are encoded one after the other if each may hide the next."""
 
 TINY = 1.0 / float(np.finfo(np.float64).max)
 """Largest depth range whose inverse overflows."""
@@ -117,9 +114,7 @@ def encode(
     marks = np.empty(0, np.uint8) if marks is None else marks
     if config.plane:
         fixed = _fixed(splats, view, config, "exact", nearest_pixel)
-        return _encoded(
-            *encode_planes(splats, fixed, size, tile, config, skip_hidden, WAVES, marks)
-        )
+        return _encoded(*encode_planes(splats, fixed, size, tile, config, skip_hidden, marks))
     fixed = _fixed(splats, view, config, quality, nearest_pixel)
     shapes = Shapes(shape_table(), level_slopes(), config.largest_shape if compact else 0)
     chunks = len(splats.starts)
@@ -134,9 +129,7 @@ def encode(
     to = Target(words, lines, *size, *tile[:4], *positions)
     pyramid = new_pyramid(*tile.size, config) if skip_hidden else NOTHING
     occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
-    # Chunks that may hide others go first. Later chunks know what they hide.
-    nearest = np.argsort(splats.nearest, kind="stable")
-    for wave in np.array_split(nearest, WAVES) if skip_hidden else [nearest]:
+    for wave in waves_of(splats.nearest, skip_hidden):
         encode_splats(wave, source, fixed, shapes, to, occluders, slots)
         if skip_hidden:
             cover(pyramid, words, lines, starts[wave], slots.stops[wave], config)

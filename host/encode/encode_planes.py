@@ -12,6 +12,7 @@ from .plane_loop import encode_plane_splats
 from .plane_words import layout_of
 from .splat_loop import Fixed, Occluders, Slots, measure_room
 from .tile import Target, Tile
+from .waves import waves_of
 
 __all__ = ["encode_planes"]
 
@@ -23,7 +24,6 @@ def encode_planes(
     tile: Tile,
     config: EngineConfig,
     skip_hidden: bool,
-    waves: int,
     marks: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, Slots]:
     """Return the plane words of splats: words, lines and slots.
@@ -39,8 +39,6 @@ def encode_planes(
         What all splats share, with the quality ``exact``.
     size
         Width and height of the whole image.
-    waves
-        Parts that are encoded one after the other if each may hide the next.
     marks
         See :class:`splatline.host.encode.splat_loop.Slots`.
 
@@ -65,9 +63,8 @@ def encode_planes(
     to = Target(words.view(np.int64), lines, *size, *tile[:4], *positions)
     pyramid = new_pyramid(*(tile.size if skip_hidden else (1, 1)), config)
     occluders = Occluders(skip_hidden, pyramid.bound, pyramid.coarse)
-    nearest = np.argsort(splats.nearest, kind="stable")
     layout = layout_of(config)
-    for wave in np.array_split(nearest, waves) if skip_hidden else [nearest]:
+    for wave in waves_of(splats.nearest, skip_hidden):
         encode_plane_splats(wave, source, fixed, layout, to, occluders, slots)
         if skip_hidden:
             cover_planes(pyramid, words, lines, starts[wave], slots.stops[wave], config)

@@ -166,21 +166,24 @@ class TiledPicture:
 
     def _count_points(self) -> None:
         """Count each point once, when all tiles are made."""
-        culled, elements = self.culled(), 0
-        for sample in self._samples:
-            drawn = int(np.count_nonzero(sample.marks & DRAWN))
-            hidden = int(np.count_nonzero(sample.marks == HIDDEN))
-            elements += drawn
-            culled["hidden"] += hidden
-            culled["no_pixel"] += len(sample.splats) - drawn - hidden
+        culled = self.culled()
         self.counts["culled"] = {name: culled[name] for name in self._samples[0].splats.culled}
-        self.counts["elements"] = elements
+        self.counts["elements"] = sum(
+            int(np.count_nonzero(sample.marks & DRAWN)) for sample in self._samples
+        )
 
     def culled(self) -> Counter[str]:
-        """Return the points that the projection left out, summed over the samples."""
+        """Return the points that were left out, summed over the samples.
+
+        A splat without a mark gave no word in any tile.
+        """
         total: Counter[str] = Counter()
         for sample in self._samples:
             total.update(sample.splats.culled)
+            hidden = int(np.count_nonzero(sample.marks == HIDDEN))
+            drawn = int(np.count_nonzero(sample.marks & DRAWN))
+            total["hidden"] += hidden
+            total["no_pixel"] += len(sample.splats) - drawn - hidden
         return total
 
     def project(

@@ -20,6 +20,7 @@ from splatline.host.compiled_cache import cached_njit
 from splatline.host.shading.materials import Materials, find_materials
 
 from .groups import GROUP_POINTS, bound_group
+from .point_records import MATERIAL, NORMAL, POINT, RADIUS, THIN, TWO_SIDED, views
 
 __all__ = ["BLOCK_BITS", "BLOCK_POINTS", "Index", "build_index"]
 
@@ -47,7 +48,7 @@ BOUND = np.dtype(
 class Index:
     """A cloud's points along a space-filling curve, in blocks of ``BLOCK_POINTS``.
 
-    It takes 70 bytes a point, those of blocks included, beyond the cloud itself.
+    It takes 83 bytes a point, those of blocks included, beyond the cloud itself.
 
     Parameters
     ----------
@@ -55,19 +56,15 @@ class Index:
         The cloud that is indexed.
     point
         Index into the cloud: shape (n,), int32.
-    positions
-        The cloud's own, in this order: shape (n, 3), float64.
-    radii
-        Of the discs, in the cloud's unit: shape (n,), float64.
+    points
+        In this order: shape (n,), structured, see ``POINT``.
     discs
         Of the quick test, rounded, by group: shape (ceil(n / GROUP_POINTS), 7, GROUP_POINTS),
         float32. Of each point its position relative to the middle of the block's bounding sphere,
         in its radii; the disc's radius over the block's largest; the normal. The radius of a thin
         point is infinite, and that of a two-sided one has a minus.
-    two_sided, thin
-        Of the cloud and its ``Discs``, in this order: shape (n,), bool.
     materials
-        The palette, and each point's colour of it in this order.
+        The palette, and each point's colour of it in this order: a view of ``points``.
     bounds
         Of each block: shape (ceil(n / BLOCK_POINTS),), structured, see ``BOUND``.
     groups
@@ -77,11 +74,8 @@ class Index:
 
     cloud: Cloud
     point: npt.NDArray[np.int32]
-    positions: npt.NDArray[np.float64]
-    radii: npt.NDArray[np.float64]
+    points: npt.NDArray[Any]
     discs: npt.NDArray[np.float32]
-    two_sided: npt.NDArray[np.bool_]
-    thin: npt.NDArray[np.bool_]
     materials: Materials
     bounds: npt.NDArray[Any]
     groups: npt.NDArray[np.float32]
@@ -93,8 +87,8 @@ class Index:
     @property
     def nbytes(self) -> int:
         """Bytes that the index takes beyond the cloud."""
-        parts = "point", "positions", "radii", "discs", "two_sided", "thin", "bounds", "groups"
-        return self.materials.index.nbytes + sum(getattr(self, part).nbytes for part in parts)
+        parts = self.point, self.points, self.discs, self.bounds, self.groups
+        return sum(part.nbytes for part in parts)
 
 
 def build_index(
@@ -129,15 +123,13 @@ def build_index(
     order = cloud.curve.order
     count = len(order)
     blocks = -(-count // BLOCK_POINTS)
+    points = np.empty(count, POINT)
     index = Index(
         cloud=cloud,
         point=order,
-        positions=np.empty((count, 3)),
-        radii=np.empty(count),
+        points=points,
         discs=np.empty((-(-count // GROUP_POINTS), 7, GROUP_POINTS), np.float32),
-        two_sided=np.empty(count, np.bool_),
-        thin=np.zeros(count, np.bool_) if thin is None else thin[order],
-        materials=Materials(materials.palette, np.empty(count, np.uint8)),
+        materials=Materials(materials.palette, points["material"]),
         bounds=np.empty(blocks, BOUND),
         groups=np.empty((blocks, 4, BLOCK_POINTS // GROUP_POINTS), np.float32),
     )
@@ -149,12 +141,9 @@ def build_index(
         cloud.two_sided,
         radii,
         materials.index,
-        index.positions,
-        index.radii,
+        np.zeros(count, np.bool_) if thin is None else thin,
+        views(points),
         index.discs,
-        index.two_sided,
-        index.thin,
-        index.materials.index,
         index.bounds,
         index.groups,
     )
@@ -177,18 +166,15 @@ def _gather(
     from_two_sided: Any,
     from_radii: Any,
     from_material: Any,
-    positions: Any,
-    radii: Any,
+    from_thin: Any,
+    points: Any,
     discs: Any,
-    two_sided: Any,
-    thin: Any,
-    material: Any,
     bounds: Any,
     groups: Any,
 ) -> None:
     """Copy the points in the index's order, and bound each block and its groups."""
+    numbers, floats, bits = points
     for block in nb.prange(len(bounds)):
-        normals = np.empty((BLOCK_POINTS, 3), np.float32)
         start = block * BLOCK_POINTS
         stop = min(start + BLOCK_POINTS, len(order))
         for i in range(start, stop):
@@ -199,26 +185,26 @@ def _gather(
             prefetch(from_radii, 8 * ahead)
             prefetch(from_two_sided, ahead)
             prefetch(from_material, ahead)
+            prefetch(from_thin, ahead)
             for axis in range(3):
-                positions[i, axis] = from_positions[j, axis]
-                normals[i - start, axis] = from_normals[j, axis]
-            two_sided[i] = from_two_sided[j]
-            radii[i] = from_radii[j]
-            material[i] = from_material[j]
-        count = stop - start
-        _bound_sphere(bounds[block], positions[start:stop], radii[start:stop])
-        _bound_cone(bounds[block], normals[:count], two_sided[start:stop])
-        bounds[block].thin = thin[start:stop].any()
+                numbers[i, axis] = from_positions[j, axis]
+                floats[i, NORMAL + axis] = from_normals[j, axis]
+            numbers[i, RADIUS] = from_radii[j]
+            bits[i, MATERIAL], bits[i, TWO_SIDED] = from_material[j], from_two_sided[j]
+            bits[i, THIN] = from_thin[j]
+        _bound_sphere(bounds[block], numbers[start:stop])
+        _bound_cone(bounds[block], floats[start:stop, NORMAL:], bits[start:stop, TWO_SIDED])
+        bounds[block].thin = bits[start:stop, THIN].any()
         reach, largest = bounds[block].reach, bounds[block].largest
         for i in range(start, stop):
             group, at = i // GROUP_POINTS, i % GROUP_POINTS
             for axis in range(3):
-                offset = positions[i, axis] - bounds[block].centre[axis]
+                offset = numbers[i, axis] - bounds[block].centre[axis]
                 discs[group, axis, at] = offset / reach if reach > 0.0 else 0.0
-                discs[group, 4 + axis, at] = normals[i - start, axis]
-            share = radii[i] / largest if largest > 0.0 else 0.0
-            share = np.inf if thin[i] else share
-            discs[group, 3, at] = -share if two_sided[i] else share
+                discs[group, 4 + axis, at] = floats[i, NORMAL + axis]
+            share = numbers[i, RADIUS] / largest if largest > 0.0 else 0.0
+            share = np.inf if bits[i, THIN] else share
+            discs[group, 3, at] = -share if bits[i, TWO_SIDED] else share
         for first in range(start, stop, GROUP_POINTS):
             last = min(first + GROUP_POINTS, stop)
             group = groups[block, :, (first - start) // GROUP_POINTS]
@@ -226,25 +212,25 @@ def _gather(
 
 
 @cached_njit(error_model="numpy")
-def _bound_sphere(bound: Any, positions: Any, radii: Any) -> None:
+def _bound_sphere(bound: Any, points: Any) -> None:
     """Set the sphere about a block's points, and the sizes of its discs."""
     for axis in range(3):
-        low = high = positions[0, axis]
-        for i in range(1, len(positions)):
-            low, high = min(low, positions[i, axis]), max(high, positions[i, axis])
+        low = high = points[0, axis]
+        for i in range(1, len(points)):
+            low, high = min(low, points[i, axis]), max(high, points[i, axis])
         bound.centre[axis] = low + 0.5 * (high - low)
     reach, largest, total = 0.0, 0.0, 0.0
-    for i in range(len(positions)):
-        dx = positions[i, 0] - bound.centre[0]
-        dy = positions[i, 1] - bound.centre[1]
-        dz = positions[i, 2] - bound.centre[2]
+    for i in range(len(points)):
+        dx = points[i, 0] - bound.centre[0]
+        dy = points[i, 1] - bound.centre[1]
+        dz = points[i, 2] - bound.centre[2]
         # Not a sum of squares: those of a tiny cloud underflow.
         reach = max(reach, np.hypot(np.hypot(dx, dy), dz))
-        largest = max(largest, radii[i])
-        total += radii[i]
+        largest = max(largest, points[i, RADIUS])
+        total += points[i, RADIUS]
     bound.reach = reach * (1.0 + 1e-9)
     bound.largest = largest
-    bound.mean = total / len(positions)
+    bound.mean = total / len(points)
 
 
 @cached_njit(error_model="numpy")

@@ -33,14 +33,10 @@ NO_PIXEL, FACING_AWAY = REASONS["no_pixel"], REASONS["facing_away"]
 
 
 class Points(NamedTuple):
-    """The points of an index; see ``Index``."""
+    """The points of an index, as the quick test reads them; see ``Index``."""
 
+    total: int
     discs: npt.NDArray[np.float32]
-    two_sided: npt.NDArray[np.bool_]
-    thin: npt.NDArray[np.bool_]
-    material: npt.NDArray[np.uint8]
-    positions: npt.NDArray[np.float64]
-    radii: npt.NDArray[np.float64]
     groups: npt.NDArray[np.float32]
 
 
@@ -55,6 +51,8 @@ class Blocks(NamedTuple):
         Numbers of the blocks that were not culled.
     cuts
         Where each chunk begins in ``visible``, and the end: shape (CHUNKS + 1,).
+    turns
+        The chunks in the order in which they are done; see ``deal``.
     kept
         The points that the quick test does not leave out. Those of a chunk begin at
         ``BLOCK_POINTS * cuts[chunk]``; their number is that of the reason 0.
@@ -63,6 +61,7 @@ class Blocks(NamedTuple):
     bounds: npt.NDArray[Any]
     visible: npt.NDArray[np.int64]
     cuts: npt.NDArray[np.int64]
+    turns: npt.NDArray[np.int64]
     kept: npt.NDArray[np.int32]
 
 
@@ -81,9 +80,10 @@ def look_over(points: Any, blocks: Any, camera: Any, rules: Any, reasons: Any) -
     reasons
         Set: points of each chunk by reason, those that are kept of reason 0.
     """
-    discs, groups, count = points[0], points[6], len(points[1])
-    bounds, visible, cuts, kept = blocks
-    for chunk in nb.prange(len(cuts) - 1):
+    count, discs, groups = points
+    bounds, visible, cuts, turns, kept = blocks
+    for turn in nb.prange(len(turns)):
+        chunk = turns[turn]
         begin, stop = cuts[chunk], cuts[chunk + 1]
         seen = np.empty(GROUPS, np.uint8)
         some, found = np.empty((7, BLOCK_POINTS), np.float32), np.empty(BLOCK_POINTS, np.uint8)

@@ -8,9 +8,12 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from splatline.host.deal import deal
+
 from .block_index import BLOCK_POINTS, Index
 from .cull import Camera, cull_blocks
 from .look_over import Blocks, Points, look_over
+from .point_records import views
 from .project_loop import WINDOW, Look, Slots, project_blocks
 from .skips import DEFAULT_SKIPS, REASONS, SKIPS
 from .splats import SPLAT, Splats
@@ -69,19 +72,11 @@ def project(
 
     visible = np.flatnonzero(status == 0)
     cuts = np.linspace(0, len(visible), CHUNKS + 1).astype(np.int64)
-    points = Points(
-        index.discs,
-        index.two_sided,
-        index.thin,
-        index.materials.index,
-        index.positions,
-        index.radii,
-        index.groups,
-    )
+    turns = deal(np.arange(CHUNKS))
     kept = np.empty(BLOCK_POINTS * len(visible), np.int32)
-    blocks = Blocks(index.bounds, visible, cuts, kept)
+    blocks = Blocks(index.bounds, visible, cuts, turns, kept)
     reasons = np.zeros((CHUNKS, 1 + len(SKIPS)), np.int64)
-    look_over(points, blocks, camera, rules, reasons)
+    look_over(Points(len(index), index.discs, index.groups), blocks, camera, rules, reasons)
 
     starts = np.concatenate([[0], np.cumsum(reasons[:, 0])])
     stops = np.empty(CHUNKS, np.int64)
@@ -89,7 +84,7 @@ def project(
     splats = Splats(np.empty(starts[-1], SPLAT), starts[:-1], stops, limits[:, 0], (0.0, 0.0), {})
     nearest = np.full((nb.get_num_threads(), WINDOW * WINDOW), -1, np.int32)
     project_blocks(
-        points,
+        views(index.points),
         blocks,
         camera,
         Look(rules, shades, material_shift),

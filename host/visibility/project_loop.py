@@ -12,15 +12,15 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from splatline.host.cloud.prefetch import AHEAD, prefetch
+from splatline.host.cloud.prefetch import AHEAD
 from splatline.host.compiled_cache import cached_njit
 
 from .block_index import BLOCK_BITS, BLOCK_POINTS
 from .cull import from_eye, lies_inside
 from .disc_image import project_disc, shade_of, turn_to_eye
 from .footprint import SMALLEST, conic, covers_own_pixel, is_tiny
-from .groups import GROUP_BITS, GROUP_BYTES, GROUP_POINTS
 from .look_over import middle_of
+from .point_records import MATERIAL, NORMAL, RADIUS, THIN, TWO_SIDED, prefetch_point
 from .skips import REASONS
 from .splats import COLUMN, DEPTH, DIAMETER, LINE, LOOK, SLOPE_X, SLOPE_Y
 
@@ -87,12 +87,13 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
     Tuples of arrays are unpacked before the loops: inside, numba would count references for every
     point.
     """
-    bounds, _, cuts, kept = blocks
-    discs, two_sided, thin, material, positions, radii, _ = points
+    bounds, _, cuts, turns, kept = blocks
+    numbers, normals, bytes_of = points
     rules, shades, material_shift = look
     floats, bits, doubles, starts, stops, limits, reasons, nearest = slots
     inverse_focal = 1.0 / camera.focal
-    for chunk in nb.prange(len(cuts) - 1):
+    for turn in nb.prange(len(turns)):
+        chunk = turns[turn]
         first = starts[chunk]
         at = first
         rivals = nearest[nb.get_thread_id()]
@@ -105,22 +106,17 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
             i = kept[k]
             ahead = kept[min(k + AHEAD, end - 1)]
             if ahead - i > AHEAD:  # else the processor itself reads on
-                prefetch(positions, 24 * ahead)
-                prefetch(radii, 8 * ahead)
-                prefetch(material, ahead)
-                prefetch(two_sided, ahead)
-                prefetch(thin, ahead)
-                prefetch(discs, GROUP_BYTES * (ahead >> GROUP_BITS) + 128)
-                prefetch(discs, GROUP_BYTES * (ahead >> GROUP_BITS) + 192)
+                prefetch_point(numbers, ahead)
+            thin, two_sided = bytes_of[i, THIN] != 0, bytes_of[i, TWO_SIDED] != 0
             if i >> BLOCK_BITS != block:
                 block = i >> BLOCK_BITS
                 bound = bounds[block]
                 at_border = rules[OUTSIDE] and not lies_inside(
                     bound, middle_of(bound, camera), camera
                 )
-            x, y, z = from_eye(camera, positions[i, 0], positions[i, 1], positions[i, 2])
-            may_miss = rules[NO_PIXEL] and not thin[i]
-            reason, image = project_disc(x, y, z, radii[i], camera, may_miss, at_border)
+            x, y, z = from_eye(camera, numbers[i, 0], numbers[i, 1], numbers[i, 2])
+            may_miss = rules[NO_PIXEL] and not thin
+            reason, image = project_disc(x, y, z, numbers[i, RADIUS], camera, may_miss, at_border)
             if reason != 0:
                 tally[reason] += 1
                 continue
@@ -135,20 +131,19 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
                 if rival != NO_RIVAL and doubles[rival, DEPTH] <= image.z:
                     tally[OVERDRAWN] += 1
                     continue
-            group, own = i >> GROUP_BITS, i & GROUP_POINTS - 1
-            normal = discs[group, 4, own], discs[group, 5, own], discs[group, 6, own]
+            normal = normals[i, NORMAL], normals[i, NORMAL + 1], normals[i, NORMAL + 2]
             reason, facing, nx, ny, nz = turn_to_eye(
-                normal, two_sided[i], thin[i], image, camera, rules[FACING_AWAY]
+                normal, two_sided, thin, image, camera, rules[FACING_AWAY]
             )
             slope_x, slope_y = np.float32(nx / facing), np.float32(ny / facing)
             column, line, radius = image.column, image.line, image.radius
             if (
                 reason == 0
                 and tiny
-                and (alone or thin[i])
+                and (alone or thin)
                 and not _covers(image, a, b, slope_x, slope_y)
             ):
-                if thin[i]:
+                if thin:
                     # The pixel that it lies in.
                     column, line = math.floor(column) + 0.5, math.floor(line) + 0.5
                     radius = max(radius, SMALLEST)
@@ -169,7 +164,7 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
             floats[slot, COLUMN], floats[slot, LINE] = column, line
             floats[slot, DIAMETER] = 2.0 * radius
             floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slope_x, slope_y
-            bits[slot, LOOK] = shade | np.uint32(material[i]) << np.uint32(material_shift)
+            bits[slot, LOOK] = shade | np.uint32(bytes_of[i, MATERIAL]) << np.uint32(material_shift)
             doubles[slot, DEPTH] = z
         stops[chunk] = at
         limits[chunk, 0], limits[chunk, 1] = low, high

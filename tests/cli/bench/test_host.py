@@ -59,7 +59,7 @@ def test_every_run_has_its_rates_and_what_was_left_out(outcome):
         assert set(run["seconds"]) == set(bench_frames.STAGES)
         assert run["elements"] + sum(run["culled"].values()) == run["points"]
         assert run["points_per_second"] == pytest.approx(run["points"] / run["host_seconds"])
-        assert run["index_bytes_per_point"] <= 72
+        assert run["index_bytes_per_point"] <= 84
 
 
 def test_a_corner_leaves_out_points(outcome):

@@ -1,6 +1,7 @@
 """A picture in tiles is bit for bit that of one engine of its size."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -53,11 +54,20 @@ def drawn_in_tiles(picture):
 
 
 def assert_same(cloud, view, config, wide=None, samples=1, frame_size=(64, 40), **options):
-    """Compare tiles with the frames of one engine, whose X may be wider; return the counts."""
+    """Compare tiles with the frames of one engine, whose X may be wider; return the counts.
+
+    A view that shows nothing is refused alike.
+    """
     materials = find_materials(cloud, 8)
     common = {"materials": materials, **options}
-    whole = make_frames(cloud, view, samples, config=wide or config, **common)
-    picture = tile_picture(cloud, view, samples, config=config, frame_size=frame_size, **common)
+    in_tiles = {"config": config, "frame_size": frame_size, **common}
+    try:
+        whole = make_frames(cloud, view, samples, config=wide or config, **common)
+    except InputError as error:
+        with pytest.raises(InputError, match=re.escape(str(error))):
+            drawn_in_tiles(tile_picture(cloud, view, samples, **in_tiles))
+        return {}, 0
+    picture = tile_picture(cloud, view, samples, **in_tiles)
     rasters, frames = drawn_in_tiles(picture)
     for raster, frame in zip(rasters, whole, strict=True):
         wanted = golden.render(frame)

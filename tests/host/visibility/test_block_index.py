@@ -32,18 +32,18 @@ def test_it_holds_every_point_once_with_all_that_is_its_own():
     radii = np.arange(1000.0)
     index = build_index(cloud, radii)
     assert sorted(index.point) == list(range(1000))
-    assert np.array_equal(index.positions, cloud.positions[index.point])
-    assert np.array_equal(index.radii, radii[index.point])
-    assert np.allclose(positions_of(index), index.positions, rtol=0, atol=1e-6)
+    assert np.array_equal(index.points["position"], cloud.positions[index.point])
+    assert np.array_equal(index.points["radius"], radii[index.point])
+    assert np.allclose(positions_of(index), index.points["position"], rtol=0, atol=1e-6)
     assert np.array_equal(discs_of(index)[4:].T, cloud.normals[index.point])
-    assert np.allclose(radii_of(index), index.radii, rtol=1e-6)
+    assert np.allclose(radii_of(index), index.points["radius"], rtol=1e-6)
     colours = index.materials.palette[index.materials.index]
     assert np.array_equal(colours, cloud.colours[index.point])
 
 
-def test_it_takes_no_more_than_72_bytes_a_point():
+def test_it_takes_no_more_than_84_bytes_a_point():
     cloud = sphere(5000)
-    assert build_index(cloud, np.ones(5000)).nbytes <= 72 * 5000
+    assert build_index(cloud, np.ones(5000)).nbytes <= 84 * 5000
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(-9, 9), st.integers(1, 600))
@@ -91,7 +91,7 @@ def test_a_disc_tells_whether_its_point_is_thin_or_two_sided():
     index = build_index(cloud, np.ones(3), None, np.array([True, False, False]))
     shares = discs_of(index)[3]
     assert (shares < 0.0).all()
-    assert np.array_equal(np.isinf(shares), index.thin)
+    assert np.array_equal(np.isinf(shares), index.points["thin"])
 
 
 def test_blocks_are_small_and_their_cones_narrow():

@@ -107,7 +107,7 @@ def test_the_quick_test_leaves_out_no_point_that_would_be_drawn(
 
 def no_point(points, blocks, camera, rules, reasons):
     """Leave every point to the exact tests."""
-    count = len(points.positions)
+    count = points.total
     for chunk, (begin, end) in enumerate(itertools.pairwise(blocks.cuts)):
         every = np.arange(BLOCK_POINTS) + BLOCK_POINTS * blocks.visible[begin:end, np.newaxis]
         every = every[every < count]
