@@ -8,7 +8,8 @@ from typing import Any
 import numba as nb
 import numpy as np
 
-from .closing import APART, closing_radius, pull_neighbours, strongest
+from .closing import APART, closing_radius
+from .pulls import pull_neighbours, weaken_other_side
 
 __all__ = ["close_in_cell"]
 
@@ -22,12 +23,11 @@ def close_in_cell(
     depth: int,
     few: bool,
     away: Any,
+    facing: Any,
     count: int,
-    cosines: Any,
-    sines: Any,
+    signed: bool,
     pull: Any,
-    most: Any,
-    sides: Any,
+    waiting: Any,
     radii: Any,
     thin: Any,
 ) -> None:
@@ -41,12 +41,12 @@ def close_in_cell(
         The cell's first point and the one behind its last, and its level.
     few
         Whether each point is shown apart.
-    away, count
-        Positions of the neighbourhood's points, see ``take_around``: shape (3, most), float32; and
-        how many there are.
-    cosines, sines
-        See ``strongest``.
-    pull, most, sides
+    away, facing, count
+        Positions of the neighbourhood's points, see ``take_around``, and their normals if they are
+        signed: shape (3, most), float32; and how many there are.
+    signed
+        Whether the normals tell a surface's outer side.
+    pull, waiting
         Overwritten: see ``closing_radius``.
     radii, thin
         Set: shape (m,), float64 in units of the bulk's extent, and bool.
@@ -59,8 +59,9 @@ def close_in_cell(
         z = np.float32((positions[i, 2] - positions[start, 2]) * scale)
         normal = normals[i, 0], normals[i, 1], normals[i, 2]
         pull_neighbours(away, count, (x, y, z), normal, pull)
-        strongest(pull[0], pull[1], count, cosines, sines, most)
-        radius, closes = closing_radius(pull, most, sides)
+        if signed:
+            weaken_other_side(facing, count, normal, pull)
+        radius, closes = closing_radius(pull, count, waiting)
         if few or radius == np.inf:  # then its neighbours are straight above and below it
             radius, closes = APART * _nearest(away, count, x, y, z), False
         thin[i] = not closes

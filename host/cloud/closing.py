@@ -1,9 +1,9 @@
 """The closing radius of a point: how far its disc must reach to close the gaps about it.
 
 In the tangent plane, with the point at the origin, a neighbour q takes what lies beyond the line
-x . u = 1 with u = 2 q / |q|^2: its *pull*. The point's Voronoi region is where no pull exceeds 1.
-So in the direction w the region ends at 1 over the largest u . w, and the corner of two neighbours
-lies at |u - u'| / (u x u') from the point.
+x . u = 1 with its pull u = 2 q / |q|^2 (``host/cloud/pulls.py``). The point's Voronoi region is
+where no pull exceeds 1. So in the direction w the region ends at 1 over the largest u . w, and the
+corner of two neighbours lies at |u - u'| / (u x u') from the point.
 
 A corner is the middle of a gap only if the triangle of the three points has no obtuse angle. Else
 the gap goes on beyond the triangle, and either has its middle further on, which other points reach,
@@ -21,44 +21,36 @@ import numpy.typing as npt
 from llvmlite import ir
 from numba.extending import intrinsic
 
+from .pulls import NEAREST
+
 __all__ = [
     "APART",
-    "COSINES",
-    "DIRECTIONS",
-    "SINES",
+    "MOST_SIDES",
     "Closing",
     "closing_radius",
-    "pull_neighbours",
-    "strongest",
 ]
 
-DIRECTIONS = 16
-"""Directions in which the nearest side of the Voronoi region is found."""
+AROUND = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]], np.float32)
+"""Directions, after that to the right, in which the first sides of a Voronoi region are found."""
 
-_ANGLES = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-COSINES = np.cos(_ANGLES).astype(np.float32)
-SINES = np.sin(_ANGLES).astype(np.float32)
+MOST_SIDES = 32
+"""Most sides of a Voronoi region beside those."""
 
-STEEP = 2.0
-"""Square of a neighbour's distance within the plane, over that of its height, below which it lies
-off the surface: noise, or another layer."""
+EDGE = 1e-4
+"""Share of an edge's size by which a pull must reach beyond it."""
 
-OFF = 1.7
-"""Such a neighbour counts as this many times as far away. It cannot be relied on to close a gap
-when it is seen aslant; left out altogether, noise would make discs as large as itself."""
+NONE = -1
+"""Number of no neighbour: its pull is 0."""
 
-OBTUSE = 0.3
+OBTUSE = 0.15
 """Minus the cosine of the largest angle of a triangle that is not obtuse. Above 0, as a square
-grid has right angles."""
+grid has right angles, and as each point sees the others in its own plane."""
 
 LEAST = math.sqrt(0.5)
 """Least closing radius for a nearest neighbour at the distance 1: that of a square grid."""
 
 APART = 0.3
 """The same where each point is shown apart from the others."""
-
-NEAREST = 1e-12
-"""Square of a distance, in cells, up to which a neighbour is the point itself."""
 
 INDEX_BITS = 11
 """Low bits of a float32 that hold a neighbour's number."""
@@ -82,43 +74,6 @@ class Closing(NamedTuple):
     def empty(cls, count: int) -> Closing:
         """Return room for the radii of some points."""
         return cls(np.empty(count), np.empty(count, np.bool_))
-
-
-@nb.njit(error_model="numpy")
-def pull_neighbours(away: Any, count: int, position: Any, normal: Any, pull: Any) -> None:
-    """Set the pull of each neighbour in a point's tangent plane.
-
-    Parameters
-    ----------
-    away
-        Positions of the neighbours, the point among them: shape (3, most), float32.
-    count
-        How many there are.
-    position, normal
-        The point's: three float32 each.
-    pull
-        Set: shape (2, most), float32.
-    """
-    x, y, z = position
-    nx, ny, nz = normal
-    # Axes of the plane: Duff et al., "Building an orthonormal basis, revisited", JCGT 6 (2017).
-    one, two = np.float32(1.0), np.float32(2.0)
-    off, steep, nearest = np.float32(2.0 / OFF), np.float32(STEEP), np.float32(NEAREST)
-    sign = one if nz >= 0.0 else -one
-    a = -one / (sign + nz)
-    b = nx * ny * a
-    ux, uy, uz = one + sign * nx * nx * a, sign * b, -sign * nx
-    vx, vy, vz = b, sign + ny * ny * a, -ny
-    for c in range(count):
-        dx, dy, dz = away[0, c] - x, away[1, c] - y, away[2, c] - z
-        right = ux * dx + uy * dy + uz * dz
-        up = vx * dx + vy * dy + vz * dz
-        height = nx * dx + ny * dy + nz * dz
-        square = right * right + up * up
-        strength = (two if square > steep * height * height else off) / square
-        strength = strength if square > nearest else np.float32(0.0)
-        pull[0, c] = right * strength
-        pull[1, c] = up * strength
 
 
 @intrinsic
@@ -164,71 +119,79 @@ def _number(_: Any, value: Any) -> Any:
 
 
 @nb.njit(error_model="numpy")
-def strongest(right: Any, up: Any, count: int, cosines: Any, sines: Any, most: Any) -> None:
-    """Set the strongest pull in each direction, with its neighbour's number in the low bits.
-
-    Parameters
-    ----------
-    right, up
-        The pulls.
-    count
-        How many there are.
-    cosines, sines
-        ``COSINES`` and ``SINES``.
-    most
-        Set: shape (``DIRECTIONS``,), float32; tiny where no neighbour pulls that way.
-    """
-    for j in range(DIRECTIONS):
-        cosine, sine = cosines[j], sines[j]
-        best = np.int32(0)
-        for c in range(count):
-            best = _larger(best, right[c] * cosine + up[c] * sine, c)
-        most[j] = _as_float(best)
+def _furthest(right: Any, up: Any, count: int, x: float, y: float) -> int:
+    """Return the number of the pull that reaches furthest in a direction, or -1 if none does."""
+    best = np.int32(0)
+    for c in range(count):
+        best = _larger(best, right[c] * x + up[c] * y, c)
+    furthest = _as_float(best)
+    return _number(furthest) if furthest > NEAREST else NONE
 
 
 @nb.njit(error_model="numpy")
-def closing_radius(pull: Any, most: Any, sides: Any) -> tuple[float, bool]:
+def closing_radius(pull: Any, count: int, waiting: Any) -> tuple[float, bool]:
     """Return the distance of the furthest gap, and whether there is any gap.
 
     The distance is infinite if there is no neighbour. Without a gap it tells the nearest neighbour.
+
+    The sides of the Voronoi region are the corners of the convex hull of the pulls and the origin.
+    They are found as by Quickhull (Barber et al., ACM TOMS 22, 1996): between two corners of the
+    hull lies another if a pull reaches beyond the edge from one to the other.
 
     With u = 2 q / |q|^2, the triangle of the point and two neighbours has the same angles as that
     of the origin, u and u', but those at u and u' are exchanged.
 
     Parameters
     ----------
-    pull
-        Of each neighbour: shape (2, most).
-    most
-        See :func:`strongest`.
-    sides
-        Overwritten: shape (2, ``DIRECTIONS`` + 1), float32.
+    pull, count
+        Of each neighbour, and how many there are: shape (2, most), float32.
+    waiting
+        Overwritten: shape (``MOST_SIDES`` + 1,), int64.
     """
-    zero = np.float32(0.0)
-    for j in range(DIRECTIONS):
-        one = _number(most[j])
-        exists = most[j] > NEAREST
-        sides[0, j + 1] = pull[0, one] if exists else zero
-        sides[1, j + 1] = pull[1, one] if exists else zero
-    sides[0, 0], sides[1, 0] = sides[0, DIRECTIONS], sides[1, DIRECTIONS]
-    nearest, furthest = zero, zero
-    obtuse = np.float32(OBTUSE * OBTUSE)
-    for j in range(DIRECTIONS):  # choices instead of branches, so that LLVM makes vectors of it
-        ax, ay, bx, by = sides[0, j], sides[1, j], sides[0, j + 1], sides[1, j + 1]
-        cross = ax * by - ay * bx
-        aa, bb, ab = ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
-        across = aa + bb - ab - ab
-        nearest = max(nearest, aa)
-        is_middle = (
-            ((ax != bx) | (ay != by))
-            & (cross > zero)
-            & ((ab >= zero) | (ab * ab <= obtuse * aa * bb))
-            & ((bb >= ab) | ((bb - ab) * (bb - ab) <= obtuse * bb * across))
-            & ((aa >= ab) | ((aa - ab) * (aa - ab) <= obtuse * aa * across))
-        )
-        gap = across / (cross * cross) if is_middle else zero
-        furthest = max(furthest, gap)
+    right, up = pull[0], pull[1]
+    zero, edge = np.float32(0.0), np.float32(EDGE)
+    first = last = _furthest(right, up, count, np.float32(1.0), zero)
+    nearest, furthest, found = zero, zero, 0
+    for turn in range(4):
+        waiting[0] = first
+        if turn < 3:
+            waiting[0] = _furthest(right, up, count, AROUND[turn, 0], AROUND[turn, 1])
+        left = 1
+        while left:
+            following = waiting[left - 1]
+            ax, ay = (right[last], up[last]) if last >= 0 else (zero, zero)
+            bx, by = (right[following], up[following]) if following >= 0 else (zero, zero)
+            x, y = by - ay, ax - bx  # across the edge, to its outer side
+            if following != last and found < MOST_SIDES:
+                between = _furthest(right, up, count, x, y)
+                cx, cy = (right[between], up[between]) if between >= 0 else (zero, zero)
+                beyond = (cx - ax) * x + (cy - ay) * y
+                size = (abs(ax) + abs(cx)) * abs(x) + (abs(ay) + abs(cy)) * abs(y)
+                if beyond > edge * size:
+                    waiting[left] = between
+                    left, found = left + 1, found + 1
+                    continue
+            nearest = max(nearest, ax * ax + ay * ay)
+            furthest = max(furthest, _gap(ax, ay, bx, by))
+            last = following
+            left -= 1
     if not nearest > zero:
         return np.inf, False
     least = (2.0 * LEAST) ** 2 / float(nearest)
     return math.sqrt(max(float(furthest), least)), bool(furthest > zero)
+
+
+@nb.njit(inline="always")
+def _gap(ax: float, ay: float, bx: float, by: float) -> Any:
+    """Return the square of the distance of two sides' corner, or 0 if it is no middle of a gap."""
+    zero, obtuse = np.float32(0.0), np.float32(OBTUSE * OBTUSE)
+    cross = ax * by - ay * bx
+    aa, bb, ab = ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
+    across = aa + bb - ab - ab
+    is_middle = (
+        (cross > zero)
+        & ((ab >= zero) | (ab * ab <= obtuse * aa * bb))
+        & ((bb >= ab) | ((bb - ab) * (bb - ab) <= obtuse * bb * across))
+        & ((aa >= ab) | ((aa - ab) * (aa - ab) <= obtuse * aa * across))
+    )
+    return across / (cross * cross) if is_middle else zero

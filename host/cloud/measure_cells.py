@@ -15,7 +15,7 @@ from splatline.host.compiled_cache import cached_njit
 from .cell_normals import GROWTHS, estimate_in_cell, new_workspace, take_around
 from .cell_radii import close_in_cell
 from .cells import Cells, parts_of, search_of
-from .closing import COSINES, DIRECTIONS, SINES, Closing
+from .closing import MOST_SIDES, Closing
 from .neighbourhood import CANDIDATES, CUBE_POINTS, gather_candidates
 from .smooth_normals import is_noisy, smooth_in_cell, trust_in
 
@@ -37,6 +37,7 @@ def measure_cells(
     needed: npt.NDArray[np.bool_],
     closing: Closing | None = None,
     *,
+    signed: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> None:
     """Set normals that are needed, and then closing radii, of a cloud's distinct points.
@@ -55,11 +56,13 @@ def measure_cells(
         Shape (m,), bool.
     closing
         Set; None: no closing radii are measured.
+    signed
+        Whether all normals are given and tell the outer side of a surface.
     progress
         Called now and then with the share of the work that is done.
     """
     if not (needed.any() and _has_noise(cells)):
-        _pass(cells, normals, needed, closing=closing, progress=progress)
+        _pass(cells, normals, needed, closing=closing, signed=signed, progress=progress)
         return
     rough, shares = np.zeros_like(normals), np.zeros(len(needed), np.float32)
     # Those that are not needed count in the means of others.
@@ -91,6 +94,7 @@ def _pass(
     rough: npt.NDArray[np.float32] | None = None,
     closing: Closing | None = None,
     *,
+    signed: bool = False,
     growths: int = GROWTHS,
     progress: Callable[[float], None] | None = None,
 ) -> None:
@@ -101,6 +105,8 @@ def _pass(
     shares
         Shape (m,), float32. An estimate sets them to shares of thickness; for smoothing they tell
         how much each rough normal counts. None: they are not kept.
+    signed
+        See :func:`measure_cells`.
     """
     few = len(cells.first) < FEWEST
     radii, thin = closing or Closing(np.empty(0), np.empty(0, np.bool_))
@@ -108,9 +114,10 @@ def _pass(
         shares = np.empty(len(needed), np.float32)
     smooths = rough is not None
     before = np.empty((0, 3), np.float32) if rough is None else rough
-    arrays = cells.positions, needed, normals, before, shares, COSINES, SINES, radii, thin
+    arrays = cells.positions, needed, normals, before, shares, radii, thin
     for cuts in parts_of(cells, progress):
-        _measure(search_of(cells), cuts, few, closing is not None, smooths, growths, *arrays)
+        ways = few, closing is not None, signed, smooths
+        _measure(search_of(cells), cuts, *ways, growths, *arrays)
 
 
 @cached_njit(parallel=True, error_model="numpy")
@@ -119,6 +126,7 @@ def _measure(
     cuts: Any,
     few: bool,
     closes: bool,
+    signed: bool,
     smooths: bool,
     growths: int,
     positions: Any,
@@ -126,8 +134,6 @@ def _measure(
     normals: Any,
     rough: Any,
     shares: Any,
-    cosines: Any,
-    sines: Any,
     radii: Any,
     thin: Any,
 ) -> None:
@@ -138,8 +144,9 @@ def _measure(
         found = space.found
         near, weights = np.empty(CANDIDATES, np.int64), np.empty(CANDIDATES, np.float32)
         away = np.empty((3, CANDIDATES), np.float32)
+        facing = np.empty((3, CANDIDATES), np.float32)
         pull = np.empty((2, CANDIDATES), np.float32)
-        most, sides = np.empty(DIRECTIONS, np.float32), np.empty((2, DIRECTIONS + 1), np.float32)
+        waiting = np.empty(MOST_SIDES + 1, np.int64)
         for cell in range(cuts[chunk], cuts[chunk + 1]):
             start, stop, depth = starts[cell], starts[cell + 1], depths[cell]
             estimates = False
@@ -163,8 +170,12 @@ def _measure(
                     search, positions, start, stop, depth, needed, count, growths, space, normals,
                     shares,
                 )  # fmt: skip
+            if signed:
+                for c in range(count):
+                    for axis in range(3):
+                        facing[axis, c] = normals[found[c], axis]
             if closes:
                 close_in_cell(
-                    positions, normals, start, stop, depth, few, away, count, cosines, sines,
-                    pull, most, sides, radii, thin,
+                    positions, normals, start, stop, depth, few, away, facing, count, signed,
+                    pull, waiting, radii, thin,
                 )  # fmt: skip

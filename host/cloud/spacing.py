@@ -21,7 +21,7 @@ from .prefetch import AHEAD, prefetch
 
 __all__ = ["Discs", "closing_radii", "measure_discs", "splat_radii"]
 
-COVER = 1.32
+COVER = 1.28
 """Radius of a disc for a closing radius of 1. Neighbours lie off the disc's plane, so that discs of
 the closing radius itself leave gaps where a surface bends or is noisy. Smaller ones leave more
 holes, larger ones blur small relief (decision 0064)."""
@@ -91,7 +91,8 @@ def measure_discs(
         If ``size`` is not a finite number above 0.
     """
     if size is None:
-        radii, thin, _ = _close(cloud.cells, cloud.normals, cloud.closing, progress)
+        signed = not cloud.two_sided.any()
+        radii, thin, _ = _close(cloud.cells, cloud.normals, cloud.closing, signed, progress)
         radii *= COVER
         return Discs(radii, thin, COVER) if cloud.radii is None else _own(cloud.radii, radii, thin)
     if not (math.isfinite(size) and size > 0.0):
@@ -136,13 +137,14 @@ def closing_radii(
     ndarray
         Shape (n,), float64, above 0: ``SINGLE`` if all points are at one position.
     """
-    return _close(build_cells(positions), normals, None, progress).radii
+    return _close(build_cells(positions), normals, None, False, progress).radii
 
 
 def _close(
     cells: Cells,
     normals: npt.NDArray[np.float32],
     closing: Closing | None,
+    signed: bool,
     progress: Callable[[float], None] | None,
 ) -> Discs:
     """Return the discs that just close a surface; see :func:`closing_radii`."""
@@ -153,7 +155,8 @@ def _close(
         closing = Closing.empty(len(cells.first))
         own = np.empty((len(cells.first), 3), np.float32)
         _take_normals(np.ascontiguousarray(normals), cells.first, own)
-        measure_cells(cells, own, np.zeros(len(own), np.bool_), closing, progress=progress)
+        none = np.zeros(len(own), np.bool_)
+        measure_cells(cells, own, none, closing, signed=signed, progress=progress)
     raw, thin = closing
     even, alone = np.empty_like(raw), np.empty_like(thin)
     for cuts in parts_of(cells):

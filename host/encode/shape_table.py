@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from splatline.contract.config import BLOCK, ROWS
 from splatline.host.compiled_cache import cached_njit
-from splatline.host.shading.normal_levels import LEVELS, level_slopes, quantise
+from splatline.host.shading.normal_levels import LEVELS, level_slopes
 
-__all__ = ["EMPTY_SCANS", "LEVELS", "SIZES", "level_slopes", "quantise", "row_span", "shape_table"]
+__all__ = ["EMPTY_SCANS", "LEVELS", "SIZES", "level_slopes", "row_span", "shape_table"]
 
 SIZES = 17
 """Diameters of the table: 0..16 pixels."""

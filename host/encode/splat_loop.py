@@ -10,7 +10,7 @@ import numpy as np
 
 from splatline.contract.config import BLOCK, ROWS
 from splatline.host.compiled_cache import cached_njit
-from splatline.host.shading.normal_levels import LEVELS, quantise
+from splatline.host.shading.normal_levels import LEVELS, quantise_slopes
 from splatline.host.visibility.footprint import (
     FLAT,
     SMALLEST,
@@ -318,7 +318,7 @@ def encode_splats(
             elif not true_shapes:
                 z = quantised_depth((distance - low) * inverse_span, largest)
                 common = np.int64(bits[i, LOOK]) << look_lsb | z << z_lsb
-                shape = quantise(-slope_x, -1.0, LEVELS), quantise(-slope_y, -1.0, LEVELS)
+                shape = quantise_slopes(slope_x, slope_y, LEVELS)
                 if largest_compact > 0:
                     at = encode_compact(
                         column, line, diameter, shape, largest_compact, table, levels, common, at,

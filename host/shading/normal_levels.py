@@ -6,7 +6,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["LEVELS", "level_slopes", "quantise"]
+__all__ = ["LEVELS", "level_slopes", "quantise", "quantise_slopes"]
 
 LEVELS = 64
 """Levels of n'x and of n'y in the shape table."""
@@ -22,6 +22,18 @@ def quantise(part: float, facing: float, levels: int) -> int:
     """
     level = int((0.5 - 0.5 * part / (abs(part) - facing)) * levels)
     return min(max(level, 0), levels - 1)
+
+
+@nb.njit(inline="always")
+def quantise_slopes(slope_x: float, slope_y: float, levels: int) -> tuple[int, int]:
+    """Return the levels of a disc's slopes n'x and n'y.
+
+    The last level stands for the slope ``levels`` - 1. A disc that is seen more nearly edge on has
+    both slopes made smaller by one factor: so its ellipse keeps its direction.
+    """
+    steep = max(abs(slope_x), abs(slope_y))
+    share = (levels - 1) / steep if steep > levels - 1 else 1.0
+    return quantise(-share * slope_x, -1.0, levels), quantise(-share * slope_y, -1.0, levels)
 
 
 def level_slopes(levels: int = LEVELS) -> npt.NDArray[np.float64]:

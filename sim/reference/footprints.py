@@ -14,7 +14,7 @@ import numpy as np
 
 from splatline.contract.config import BLOCK
 from splatline.host.compiled_cache import cached_njit
-from splatline.host.encode.shape_table import LEVELS, quantise
+from splatline.host.shading.normal_levels import LEVELS, quantise_slopes
 
 from .reference_kernel import bound_disc, bound_part
 
@@ -108,8 +108,8 @@ def _place(i: int, discs: Any, camera: Any, rounding: Any, slopes: Any, splat: A
         return
     if len(slopes):
         splat.kind = ELLIPSE
-        splat.slope_x = slopes[quantise(-splat.slope_x, -1.0, LEVELS)]
-        splat.slope_y = slopes[quantise(-splat.slope_y, -1.0, LEVELS)]
+        level_x, level_y = quantise_slopes(splat.slope_x, splat.slope_y, LEVELS)
+        splat.slope_x, splat.slope_y = slopes[level_x], slopes[level_y]
         half = math.sqrt(splat.square)
         low_x, high_x = splat.column - half, splat.column + half
         low_y, high_y = splat.line - half, splat.line + half

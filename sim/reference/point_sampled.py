@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from splatline.host.cloud.cloud import Cloud
 from splatline.host.compiled_cache import cached_njit
-from splatline.host.encode.shape_table import level_slopes, quantise
 from splatline.host.shading.lighting import Lighting
 from splatline.host.shading.materials import find_materials
+from splatline.host.shading.normal_levels import level_slopes, quantise
 from splatline.host.shading.shade import SHADE_LEVELS, shade_tables
 from splatline.host.visibility.view import View
 

@@ -59,7 +59,7 @@ def test_a_whole_surface_has_no_holes_and_gets_better_with_its_points(outcome):
         psnr = [run["psnr_db"] for run in even]
         assert psnr == sorted(psnr)
         assert all(run["behind_truth"] < 0.005 for run in even[1:])
-        assert even[-1]["hole_fraction"] < 0.005
+        assert even[-1]["hole_fraction"] < 0.01  # of 350 pixels
 
 
 def test_a_cloud_that_is_missing_says_so(tmp_path):

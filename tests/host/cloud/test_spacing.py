@@ -5,9 +5,11 @@ import time
 import numba
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from splatline.contract.errors import InputError
-from splatline.host.cloud.spacing import COVER, closing_radii, splat_radii
+from splatline.host.cloud.closing import OBTUSE
+from splatline.host.cloud.spacing import COVER, closing_radii, measure_discs, splat_radii
 from splatline.host.files.assemble import Columns, assemble_cloud
 
 
@@ -88,6 +90,42 @@ def test_noise_across_the_surface_makes_discs_no_smaller():
     for noise in (0.5, 2.0):
         points[:, 2] = rng.normal(scale=noise / np.sqrt(5000), size=5000)
         assert still < np.median(flat(points)) < 1.7 * still
+
+
+def furthest_gaps(points):
+    """Of each point the furthest Voronoi corner whose triangle is not obtuse, by scipy; 0: none."""
+    found = np.zeros(len(points))
+    for corners in Delaunay(points).simplices:
+        sides = [np.linalg.norm(points[corners[k - 1]] - points[corners[k - 2]]) for k in range(3)]
+        a, b, c = sorted(sides)
+        if (a * a + b * b - c * c) / (2.0 * a * b) < -OBTUSE:
+            continue
+        area = 0.25 * np.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c))
+        found[corners] = np.maximum(found[corners], a * b * c / (4.0 * area))
+    return found
+
+
+def test_the_radii_are_those_of_scipys_voronoi_regions():
+    """But where a gap is so large that a point beyond it is in no cell about the point."""
+    points = np.random.default_rng(8).random((3000, 2))
+    radii = flat(np.column_stack([points, np.zeros(3000)]))
+    inside = (np.abs(points - 0.5) < 0.4).all(axis=1)
+    nearest = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, 1]
+    shares = radii / np.maximum(furthest_gaps(points), np.sqrt(0.5) * nearest)
+    assert np.mean(np.abs(shares[inside] - 1.0) < 1e-3) > 0.99
+    assert shares[inside].max() < 1.1
+
+
+def test_a_layer_that_faces_the_other_way_does_not_close_gaps():
+    layer = grid(20)
+    other = layer + np.array([0.4, 0.5, -0.2])
+    normals = np.concatenate([up(layer), -up(other)])
+    points = np.concatenate([layer, other])
+    both = measure_discs(assemble_cloud(Columns(points, normals), "test")).radii
+    alone = measure_discs(assemble_cloud(Columns(layer, up(layer)), "test")).radii
+    assert (inner(both[:400], 20) > 0.9 * inner(alone, 20)).all()
+    unsigned = inner(closing_radii(points, up(points))[:400], 20) * COVER
+    assert (unsigned < 0.75 * inner(alone, 20)).all()
 
 
 @pytest.mark.parametrize("gap", [0.5, 1.0, 3.0])
