@@ -15,13 +15,25 @@ from splatline.sim.golden.multisample import Drawn
 
 from .reference import Reference
 
-__all__ = ["ENCLOSED", "STEP", "behind_truth", "pinholes", "see_through", "wholeness"]
+__all__ = [
+    "ENCLOSED",
+    "LARGEST_GAP",
+    "STEP",
+    "behind_truth",
+    "largest_gap",
+    "pinholes",
+    "see_through",
+    "wholeness",
+]
 
 ENCLOSED = 7
 """Drawn neighbours, of eight, of a background pixel that is a pinhole."""
 
 STEP = 25.0 / 511.0
 """Share of the depth range by which a pixel that is seen through lies behind its neighbours."""
+
+LARGEST_GAP = 40
+"""Most pixels of a gap; a larger area of background is taken for a true one."""
 
 _Mask = npt.NDArray[np.bool_]
 _Floats = npt.NDArray[np.float64]
@@ -59,6 +71,25 @@ def pinholes(drawn: _Mask) -> _Mask:
     """
     around = np.sum(_neighbourhood(drawn, False), axis=0, dtype=np.int64)
     return ~drawn & (around >= ENCLOSED)
+
+
+def largest_gap(drawn: _Mask) -> int:
+    """Return the pixels of the largest gap: a small area of background within a surface.
+
+    It has at most ``LARGEST_GAP`` pixels, and no other background lies within three pixels of it,
+    as it does where an outline is frayed.
+
+    Parameters
+    ----------
+    drawn
+        Where a surface is seen: shape (height, width).
+    """
+    from scipy.ndimage import binary_dilation, label
+
+    touching = np.ones((3, 3), np.bool_)
+    numbers, count = label(binary_dilation(~drawn, touching), touching)
+    sizes = np.bincount(numbers[~drawn], minlength=count + 1)
+    return int(max(sizes[sizes <= LARGEST_GAP], default=0))
 
 
 def see_through(depth: npt.NDArray[np.floating], drawn: _Mask) -> _Mask:

@@ -110,7 +110,7 @@ def measure_clouds(
     preset: EngineConfig,
     advance: Callable[[str], None],
 ) -> list[dict[str, Any]]:
-    """Return pinholes and see-through pixels of clouds and of samples, in the default view.
+    """Return what is open in pictures of clouds and of samples, in the default view.
 
     Parameters
     ----------
@@ -141,9 +141,9 @@ def measure_clouds(
 def _open_shares(
     samples: Iterator[tuple[str, Cloud]], scan: Cloud, preset: EngineConfig
 ) -> Iterator[dict[str, Any]]:
-    """Yield pinholes and see-through pixels of each sample, in the view that fits its scan."""
+    """Yield the measures of each sample's picture, in the view that fits its scan."""
     from splatline.host.visibility.view import fit_view
-    from splatline.sim.reference.wholeness import wholeness
+    from splatline.sim.reference.wholeness import largest_gap, wholeness
 
     view = fit_view(scan)
     for name, cloud in samples:
@@ -153,6 +153,7 @@ def _open_shares(
             "points": len(cloud),
             "splat_pixels": splat,
             **wholeness(raster),
+            "largest_gap": largest_gap(raster.drawn),
             "elements": counts["elements"],
             "codewords": counts["codewords"],
         }

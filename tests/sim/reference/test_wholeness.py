@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from splatline.sim.reference.reference import Reference
-from splatline.sim.reference.wholeness import STEP, behind_truth, pinholes, see_through, wholeness
+from splatline.sim.reference.wholeness import (
+    LARGEST_GAP,
+    STEP,
+    behind_truth,
+    largest_gap,
+    pinholes,
+    see_through,
+    wholeness,
+)
 
 
 def picture(drawn, depth):
@@ -79,3 +87,24 @@ def test_the_truth_says_what_lies_behind():
     assert behind_truth(picture(drawn, depth), truth, (5.0, 9.0)) == 0.0
     depth[2, 0] = 1.0
     assert behind_truth(picture(drawn, depth), truth, (5.0, 9.0)) == pytest.approx(1 / 36)
+
+
+def test_a_gap_is_a_small_area_of_background_within_a_surface():
+    drawn = np.ones((40, 40), np.bool_)
+    assert largest_gap(drawn) == 0
+    drawn[5:8, 5:9] = False
+    drawn[20, 20] = drawn[21, 21] = False  # they touch at a corner
+    assert largest_gap(drawn) == 12
+    drawn[5:8, 12] = False  # three columns of pixels lie between
+    assert largest_gap(drawn) == 12
+    drawn[5:8, 11] = False  # two columns
+    assert largest_gap(drawn) == 18
+    drawn[30:37, 3:9] = False
+    assert largest_gap(drawn) == 18 < LARGEST_GAP < 42
+
+
+def test_an_outline_with_frayed_pixels_has_no_gap():
+    drawn = np.zeros((20, 20), np.bool_)
+    drawn[5:15, 5:15] = True
+    drawn[7:9, 7] = False  # two drawn columns before the background
+    assert largest_gap(drawn) == 0
