@@ -46,6 +46,15 @@ OBTUSE = 0.15
 """Minus the cosine of the largest angle of a triangle that is not obtuse. Above 0, as a square
 grid has right angles, and as each point sees the others in its own plane."""
 
+BEYOND = 1.7
+"""Distance from a gap's middle, in the gap's radii, up to which a point lies about the gap."""
+
+MUCH = 3.0
+"""Square of how many times as far a corner lies as those of triangles without an obtuse angle."""
+
+ACROSS = 0.3
+"""Radii by which such a point lies beyond the middle, seen from the triangle."""
+
 LEAST = math.sqrt(0.5)
 """Least closing radius for a nearest neighbour at the distance 1: that of a square grid."""
 
@@ -151,7 +160,8 @@ def closing_radius(pull: Any, count: int, waiting: Any) -> tuple[float, bool]:
     right, up = pull[0], pull[1]
     zero, edge = np.float32(0.0), np.float32(EDGE)
     first = last = _furthest(right, up, count, np.float32(1.0), zero)
-    nearest, furthest, found = zero, zero, 0
+    nearest, furthest, widest, found = zero, zero, zero, 0
+    one, other = first, first
     for turn in range(4):
         waiting[0] = first
         if turn < 3:
@@ -172,26 +182,73 @@ def closing_radius(pull: Any, count: int, waiting: Any) -> tuple[float, bool]:
                     left, found = left + 1, found + 1
                     continue
             nearest = max(nearest, ax * ax + ay * ay)
-            furthest = max(furthest, _gap(ax, ay, bx, by))
+            cross = ax * by - ay * bx
+            gap = (x * x + y * y) / (cross * cross) if cross > zero else zero
+            # Choices instead of branches, which could not be foretold.
+            is_acute = _is_acute(ax, ay, bx, by)
+            furthest = max(furthest, gap if is_acute else zero)
+            is_open = (gap > widest) & (not is_acute)
+            widest = gap if is_open else widest
+            one, other = last if is_open else one, following if is_open else other
             last = following
             left -= 1
     if not nearest > zero:
         return np.inf, False
+    if widest > np.float32(MUCH) * furthest and _is_surrounded(right, up, count, one, other):
+        furthest = widest
     least = (2.0 * LEAST) ** 2 / float(nearest)
     return math.sqrt(max(float(furthest), least)), bool(furthest > zero)
 
 
 @nb.njit(inline="always")
-def _gap(ax: float, ay: float, bx: float, by: float) -> Any:
-    """Return the square of the distance of two sides' corner, or 0 if it is no middle of a gap."""
+def _is_acute(ax: float, ay: float, bx: float, by: float) -> bool:
+    """Return whether the triangle of a point and two neighbours has no obtuse angle."""
     zero, obtuse = np.float32(0.0), np.float32(OBTUSE * OBTUSE)
-    cross = ax * by - ay * bx
     aa, bb, ab = ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
     across = aa + bb - ab - ab
-    is_middle = (
-        (cross > zero)
-        & ((ab >= zero) | (ab * ab <= obtuse * aa * bb))
+    return bool(
+        ((ab >= zero) | (ab * ab <= obtuse * aa * bb))
         & ((bb >= ab) | ((bb - ab) * (bb - ab) <= obtuse * bb * across))
         & ((aa >= ab) | ((aa - ab) * (aa - ab) <= obtuse * aa * across))
     )
-    return across / (cross * cross) if is_middle else zero
+
+
+@nb.njit(error_model="numpy")
+def _is_surrounded(right: Any, up: Any, count: int, one: int, other: int) -> bool:
+    """Return whether a neighbour lies beyond the corner of two sides, hardly further away.
+
+    Parameters
+    ----------
+    right, up, count
+        The pulls.
+    one, other
+        The sides' numbers.
+    """
+    ax, ay, bx, by = right[one], up[one], right[other], up[other]
+    cross = ax * by - ay * bx
+    cx, cy = (by - ay) / cross, (ax - bx) / cross
+    two, four = np.float32(2.0), np.float32(4.0)
+    aa, bb = ax * ax + ay * ay, bx * bx + by * by
+    # The middle of the longest side of the triangle, seen from the corner.
+    px, py, qx, qy = two * ax / aa, two * ay / aa, two * bx / bb, two * by / bb
+    pp, qq, pq = px * px + py * py, qx * qx + qy * qy, (px - qx) ** 2 + (py - qy) ** 2
+    if pq >= pp and pq >= qq:
+        hx, hy = px + qx, py + qy
+    elif pp >= qq:
+        hx, hy = px, py
+    else:
+        hx, hy = qx, qy
+    half = np.float32(0.5)
+    hx, hy = half * hx - cx, half * hy - cy
+    square = cx * cx + cy * cy
+    near = np.float32(BEYOND * BEYOND - 1.0) * square
+    least = np.float32(ACROSS) * np.float32(math.sqrt(square * (hx * hx + hy * hy)))
+    middle = cx * hx + cy * hy - least
+    zero, found = np.float32(0.0), np.int32(0)
+    for c in range(count):
+        x, y = right[c], up[c]
+        uu = x * x + y * y
+        is_near = near * uu + four * (x * cx + y * cy) - four
+        is_across = middle * uu - two * (x * hx + y * hy)
+        found |= np.int32((is_near >= zero) & (is_across >= zero))
+    return found > 0

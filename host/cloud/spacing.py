@@ -21,7 +21,7 @@ from .prefetch import AHEAD, prefetch
 
 __all__ = ["Discs", "closing_radii", "measure_discs", "splat_radii"]
 
-COVER = 1.28
+COVER = 1.25
 """Radius of a disc for a closing radius of 1. Neighbours lie off the disc's plane, so that discs of
 the closing radius itself leave gaps where a surface bends or is noisy. Smaller ones leave more
 holes, larger ones blur small relief (decision 0064)."""

@@ -92,13 +92,16 @@ def test_noise_across_the_surface_makes_discs_no_smaller():
         assert still < np.median(flat(points)) < 1.7 * still
 
 
-def furthest_gaps(points):
-    """Of each point the furthest Voronoi corner whose triangle is not obtuse, by scipy; 0: none."""
+def furthest_corners(points, obtuse):
+    """Of each point the furthest Voronoi corner, by scipy; 0: none.
+
+    The cosine of its triangle's largest angle is at least ``-obtuse``.
+    """
     found = np.zeros(len(points))
     for corners in Delaunay(points).simplices:
         sides = [np.linalg.norm(points[corners[k - 1]] - points[corners[k - 2]]) for k in range(3)]
         a, b, c = sorted(sides)
-        if (a * a + b * b - c * c) / (2.0 * a * b) < -OBTUSE:
+        if (a * a + b * b - c * c) / (2.0 * a * b) < -obtuse:
             continue
         area = 0.25 * np.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c))
         found[corners] = np.maximum(found[corners], a * b * c / (4.0 * area))
@@ -111,9 +114,12 @@ def test_the_radii_are_those_of_scipys_voronoi_regions():
     radii = flat(np.column_stack([points, np.zeros(3000)]))
     inside = (np.abs(points - 0.5) < 0.4).all(axis=1)
     nearest = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, 1]
-    shares = radii / np.maximum(furthest_gaps(points), np.sqrt(0.5) * nearest)
-    assert np.mean(np.abs(shares[inside] - 1.0) < 1e-3) > 0.99
-    assert shares[inside].max() < 1.1
+    least = np.maximum(furthest_corners(points, OBTUSE), np.sqrt(0.5) * nearest)
+    most = np.maximum(furthest_corners(points, 1.0), least)
+    least, most = radii / least, radii / most
+    assert np.mean(np.abs(least[inside] - 1.0) < 1e-3) > 0.9
+    assert np.mean(least[inside] > 1.0 - 1e-3) > 0.99
+    assert np.mean(most[inside] < 1.0 + 1e-3) > 0.99
 
 
 def test_a_layer_that_faces_the_other_way_does_not_close_gaps():
