@@ -251,4 +251,4 @@ def _is_surrounded(right: Any, up: Any, count: int, one: int, other: int) -> boo
         is_near = near * uu + four * (x * cx + y * cy) - four
         is_across = middle * uu - two * (x * hx + y * hy)
         found |= np.int32((is_near >= zero) & (is_across >= zero))
-    return found > 0
+    return bool(found > 0)

@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from splatline.host.cloud.resample import resample
 from splatline.host.cloud.spacing import COVER, measure_discs
 from splatline.host.pipeline import make_frame
 from splatline.host.visibility.block_index import build_index
@@ -10,7 +11,7 @@ from splatline.host.visibility.project import project
 from splatline.host.visibility.trim import LARGE, SMALL, trim, trimmed_radii
 from splatline.host.visibility.view import View, fit_view
 from splatline.sim import golden
-from splatline.sim.reference.wholeness import see_through, wholeness
+from splatline.sim.reference.wholeness import largest_gap, see_through, wholeness
 from tests.support.clouds import cloud_of, sphere
 
 VIEW = View(np.zeros(3), np.eye(3), 150.0, 200, 100, near=0.1)
@@ -85,3 +86,15 @@ def test_a_sphere_with_trimmed_discs_is_whole_and_has_a_sharper_outline():
     assert own["pinholes"] == 0.0
     # The true outline falls off steeply.
     assert own["see_through"] < 0.1 * np.mean(see_through(depths, true)[true])
+
+
+@pytest.mark.parametrize(("count", "seed"), [(3000, 4), (8000, 2)])
+def test_a_dense_sample_of_scattered_points_has_no_gap(count, seed):
+    """As those of scans: its points lie in the discs of points that lie at random."""
+    normals = np.random.default_rng(seed).normal(size=(count, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    cloud = cloud_of(normals, normals.astype(np.float32))
+    dense, _ = resample(cloud, measure_discs(cloud).radii, 4 * count)
+    view = fit_view(cloud, size=(256, 256))
+    frame = make_frame(dense, view, **measure_discs(dense)._asdict(), close_specks=True)
+    assert largest_gap(golden.render(frame).drawn) == 0
