@@ -18,10 +18,8 @@ from typing import Any, NamedTuple
 import numba as nb
 import numpy as np
 import numpy.typing as npt
-from llvmlite import ir
-from numba.extending import intrinsic
 
-from .pulls import NEAREST
+from .furthest_pull import furthest_pull
 
 __all__ = [
     "APART",
@@ -38,9 +36,6 @@ MOST_SIDES = 32
 
 EDGE = 1e-4
 """Share of an edge's size by which a pull must reach beyond it."""
-
-NONE = -1
-"""Number of no neighbour: its pull is 0."""
 
 OBTUSE = 0.15
 """Minus the cosine of the largest angle of a triangle that is not obtuse. Above 0, as a square
@@ -61,9 +56,6 @@ LEAST = math.sqrt(0.5)
 APART = 0.3
 """The same where each point is shown apart from the others."""
 
-INDEX_BITS = 11
-"""Low bits of a float32 that hold a neighbour's number."""
-
 
 class Closing(NamedTuple):
     """Sizes of the gaps about a cloud's distinct points; see ``measure_cells``.
@@ -83,58 +75,6 @@ class Closing(NamedTuple):
     def empty(cls, count: int) -> Closing:
         """Return room for the radii of some points."""
         return cls(np.empty(count), np.empty(count, np.bool_))
-
-
-@intrinsic
-def _larger(_: Any, best: Any, value: Any, number: Any) -> Any:
-    """Return the larger of ``best`` and a float32's bits with a number in the low ones.
-
-    Positive floats are ordered as their bits are, so LLVM makes a vector maximum of this. It makes
-    none of a float and an index that are chosen together.
-    """
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        whole = ir.IntType(32)
-        bits = builder.bitcast(arguments[1], whole)
-        mask = ir.Constant(whole, -(1 << INDEX_BITS))
-        tagged = builder.or_(builder.and_(bits, mask), builder.trunc(arguments[2], whole))
-        is_larger = builder.icmp_signed(">", tagged, arguments[0])
-        return builder.select(is_larger, tagged, arguments[0])
-
-    return nb.int32(nb.int32, nb.float32, nb.int64), code
-
-
-@intrinsic
-def _as_float(_: Any, bits: Any) -> Any:
-    """Return the float32 that has these bits."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], ir.FloatType())
-
-    return nb.float32(nb.int32), code
-
-
-@intrinsic
-def _number(_: Any, value: Any) -> Any:
-    """Return the number in a float32's low bits."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        whole = ir.IntType(32)
-        bits = builder.bitcast(arguments[0], whole)
-        low = builder.and_(bits, ir.Constant(whole, (1 << INDEX_BITS) - 1))
-        return builder.zext(low, ir.IntType(64))
-
-    return nb.int64(nb.float32), code
-
-
-@nb.njit(error_model="numpy")
-def _furthest(right: Any, up: Any, count: int, x: float, y: float) -> int:
-    """Return the number of the pull that reaches furthest in a direction, or -1 if none does."""
-    best = np.int32(0)
-    for c in range(count):
-        best = _larger(best, right[c] * x + up[c] * y, c)
-    furthest = _as_float(best)
-    return _number(furthest) if furthest > NEAREST else NONE
 
 
 @nb.njit(error_model="numpy")
@@ -159,13 +99,13 @@ def closing_radius(pull: Any, count: int, waiting: Any) -> tuple[float, bool]:
     """
     right, up = pull[0], pull[1]
     zero, edge = np.float32(0.0), np.float32(EDGE)
-    first = last = _furthest(right, up, count, np.float32(1.0), zero)
+    first = last = furthest_pull(right, up, count, np.float32(1.0), zero)
     nearest, furthest, widest, found = zero, zero, zero, 0
     one, other = first, first
     for turn in range(4):
         waiting[0] = first
         if turn < 3:
-            waiting[0] = _furthest(right, up, count, AROUND[turn, 0], AROUND[turn, 1])
+            waiting[0] = furthest_pull(right, up, count, AROUND[turn, 0], AROUND[turn, 1])
         left = 1
         while left:
             following = waiting[left - 1]
@@ -173,7 +113,7 @@ def closing_radius(pull: Any, count: int, waiting: Any) -> tuple[float, bool]:
             bx, by = (right[following], up[following]) if following >= 0 else (zero, zero)
             x, y = by - ay, ax - bx  # across the edge, to its outer side
             if following != last and found < MOST_SIDES:
-                between = _furthest(right, up, count, x, y)
+                between = furthest_pull(right, up, count, x, y)
                 cx, cy = (right[between], up[between]) if between >= 0 else (zero, zero)
                 beyond = (cx - ax) * x + (cy - ay) * y
                 size = (abs(ax) + abs(cx)) * abs(x) + (abs(ay) + abs(cy)) * abs(y)
@@ -216,6 +156,10 @@ def _is_acute(ax: float, ay: float, bx: float, by: float) -> bool:
 @nb.njit(error_model="numpy")
 def _is_surrounded(right: Any, up: Any, count: int, one: int, other: int) -> bool:
     """Return whether a neighbour lies beyond the corner of two sides, hardly further away.
+
+    With the corner at c, and h from c to the middle of the longest side of the triangle, that is a
+    neighbour at q with |q - c| <= ``BEYOND`` |c| and (c - q) . h >= ``ACROSS`` |c| |h|. Both are
+    computed times |u|^2, as q = 2 u / |u|^2.
 
     Parameters
     ----------
