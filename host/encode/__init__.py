@@ -1,5 +1,5 @@
 """From projected splats to code words sorted by line.
 
-It imports ``contract``, ``host.visibility``, ``host.shading`` and ``host.compiled_cache``. Start
-with ``encode``.
+It imports ``contract``, ``host.visibility``, ``host.shading``, ``host.compiled_cache`` and
+``host.deal``. Start with ``encode``.
 """

@@ -1,5 +1,5 @@
 """From points to visible splats: projection, culling, occlusion, an index of blocks of points.
 
-It imports ``contract``, ``host.cloud``, ``host.shading`` and ``host.compiled_cache``. Start with
-``view``.
+It imports ``contract``, ``host.cloud``, ``host.shading``, ``host.compiled_cache`` and
+``host.deal``. Start with ``view``.
 """
