@@ -159,7 +159,7 @@ def _draw_front(
         )
     panel.set_xscale("log")
     _ticks(panel, costs)
-    panel.margins(0.24 if named else 0.12, 0.12)
+    panel.margins(0.4 if named else 0.12, 0.12)
     if named:
         names = [f"{points[i]['way']} {points[i]['preset']}" for i in members]
         _name_front(panel, [costs[i] for i in members], [values[i] for i in members], names)

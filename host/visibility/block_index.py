@@ -173,7 +173,7 @@ def _gather(
     groups: Any,
 ) -> None:
     """Copy the points in the index's order, and bound each block and its groups."""
-    numbers, floats, bits = points
+    own_doubles, own_floats, own_bytes = points
     for block in nb.prange(len(bounds)):
         start = block * BLOCK_POINTS
         stop = min(start + BLOCK_POINTS, len(order))
@@ -187,24 +187,26 @@ def _gather(
             prefetch(from_material, ahead)
             prefetch(from_thin, ahead)
             for axis in range(3):
-                numbers[i, axis] = from_positions[j, axis]
-                floats[i, NORMAL + axis] = from_normals[j, axis]
-            numbers[i, RADIUS] = from_radii[j]
-            bits[i, MATERIAL], bits[i, TWO_SIDED] = from_material[j], from_two_sided[j]
-            bits[i, THIN] = from_thin[j]
-        _bound_sphere(bounds[block], numbers[start:stop])
-        _bound_cone(bounds[block], floats[start:stop, NORMAL:], bits[start:stop, TWO_SIDED])
-        bounds[block].thin = bits[start:stop, THIN].any()
+                own_doubles[i, axis] = from_positions[j, axis]
+                own_floats[i, NORMAL + axis] = from_normals[j, axis]
+            own_doubles[i, RADIUS] = from_radii[j]
+            own_bytes[i, MATERIAL], own_bytes[i, TWO_SIDED] = from_material[j], from_two_sided[j]
+            own_bytes[i, THIN] = from_thin[j]
+        _bound_sphere(bounds[block], own_doubles[start:stop])
+        _bound_cone(
+            bounds[block], own_floats[start:stop, NORMAL:], own_bytes[start:stop, TWO_SIDED]
+        )
+        bounds[block].thin = own_bytes[start:stop, THIN].any()
         reach, largest = bounds[block].reach, bounds[block].largest
         for i in range(start, stop):
             group, at = i // GROUP_POINTS, i % GROUP_POINTS
             for axis in range(3):
-                offset = numbers[i, axis] - bounds[block].centre[axis]
+                offset = own_doubles[i, axis] - bounds[block].centre[axis]
                 discs[group, axis, at] = offset / reach if reach > 0.0 else 0.0
-                discs[group, 4 + axis, at] = floats[i, NORMAL + axis]
-            share = numbers[i, RADIUS] / largest if largest > 0.0 else 0.0
-            share = np.inf if bits[i, THIN] else share
-            discs[group, 3, at] = -share if bits[i, TWO_SIDED] else share
+                discs[group, 4 + axis, at] = own_floats[i, NORMAL + axis]
+            share = own_doubles[i, RADIUS] / largest if largest > 0.0 else 0.0
+            share = np.inf if own_bytes[i, THIN] else share
+            discs[group, 3, at] = -share if own_bytes[i, TWO_SIDED] else share
         for first in range(start, stop, GROUP_POINTS):
             last = min(first + GROUP_POINTS, stop)
             group = groups[block, :, (first - start) // GROUP_POINTS]

@@ -66,7 +66,7 @@ def views(
 
 
 @nb.njit(inline="always")
-def prefetch_point(numbers: Any, point: int) -> None:
-    """Ask for the memory of a point; ``numbers`` are the points as float64."""
-    prefetch(numbers, POINT_BYTES * point)
-    prefetch(numbers, POINT_BYTES * point + POINT_BYTES - 1)
+def prefetch_point(doubles: Any, point: int) -> None:
+    """Ask for the memory of a point; ``doubles`` are the points as float64."""
+    prefetch(doubles, POINT_BYTES * point)
+    prefetch(doubles, POINT_BYTES * point + POINT_BYTES - 1)

@@ -88,7 +88,7 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
     point.
     """
     bounds, _, cuts, turns, kept = blocks
-    numbers, normals, bytes_of = points
+    own_doubles, own_floats, own_bytes = points
     rules, shades, material_shift = look
     floats, bits, doubles, starts, stops, limits, reasons, nearest = slots
     inverse_focal = 1.0 / camera.focal
@@ -106,17 +106,19 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
             i = kept[k]
             ahead = kept[min(k + AHEAD, end - 1)]
             if ahead - i > AHEAD:  # else the processor itself reads on
-                prefetch_point(numbers, ahead)
-            thin, two_sided = bytes_of[i, THIN] != 0, bytes_of[i, TWO_SIDED] != 0
+                prefetch_point(own_doubles, ahead)
+            thin, two_sided = own_bytes[i, THIN] != 0, own_bytes[i, TWO_SIDED] != 0
             if i >> BLOCK_BITS != block:
                 block = i >> BLOCK_BITS
                 bound = bounds[block]
                 at_border = rules[OUTSIDE] and not lies_inside(
                     bound, middle_of(bound, camera), camera
                 )
-            x, y, z = from_eye(camera, numbers[i, 0], numbers[i, 1], numbers[i, 2])
+            x, y, z = from_eye(camera, own_doubles[i, 0], own_doubles[i, 1], own_doubles[i, 2])
             may_miss = rules[NO_PIXEL] and not thin
-            reason, image = project_disc(x, y, z, numbers[i, RADIUS], camera, may_miss, at_border)
+            reason, image = project_disc(
+                x, y, z, own_doubles[i, RADIUS], camera, may_miss, at_border
+            )
             if reason != 0:
                 tally[reason] += 1
                 continue
@@ -131,7 +133,7 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
                 if rival != NO_RIVAL and doubles[rival, DEPTH] <= image.z:
                     tally[OVERDRAWN] += 1
                     continue
-            normal = normals[i, NORMAL], normals[i, NORMAL + 1], normals[i, NORMAL + 2]
+            normal = own_floats[i, NORMAL], own_floats[i, NORMAL + 1], own_floats[i, NORMAL + 2]
             reason, facing, nx, ny, nz = turn_to_eye(
                 normal, two_sided, thin, image, camera, rules[FACING_AWAY]
             )
@@ -164,7 +166,9 @@ def project_blocks(points: Any, blocks: Any, camera: Any, look: Any, slots: Any)
             floats[slot, COLUMN], floats[slot, LINE] = column, line
             floats[slot, DIAMETER] = 2.0 * radius
             floats[slot, SLOPE_X], floats[slot, SLOPE_Y] = slope_x, slope_y
-            bits[slot, LOOK] = shade | np.uint32(bytes_of[i, MATERIAL]) << np.uint32(material_shift)
+            bits[slot, LOOK] = shade | np.uint32(own_bytes[i, MATERIAL]) << np.uint32(
+                material_shift
+            )
             doubles[slot, DEPTH] = z
         stops[chunk] = at
         limits[chunk, 0], limits[chunk, 1] = low, high

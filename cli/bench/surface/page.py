@@ -46,7 +46,7 @@ the median radius (standard deviation), and their normals are estimated. Of the 
 are two samples more, with their discs' normals.
 
 A *gap* is an area of background of at most 40 pixels with no other background within three pixels.
-The table has the pixels of the largest. lion_342k has true ones, between leaves and in its head.
+The table has the pixels of the largest. A scan may have true ones, as between leaves.
 
 Of {total} clouds {reached} have at most {goal} % of both. No true surface of a scan is known: where
 a near part ends before a far one, both are drawn in neighbouring pixels and count as see-through.
