@@ -5,9 +5,10 @@ x . u = 1 with its pull u = 2 q / |q|^2 (``host/cloud/pulls.py``). The point's V
 where no pull exceeds 1. So in the direction w the region ends at 1 over the largest u . w, and the
 corner of two neighbours lies at |u - u'| / (u x u') from the point.
 
-A corner is the middle of a gap only if the triangle of the three points has no obtuse angle. Else
-the gap goes on beyond the triangle, and either has its middle further on, which other points reach,
-or is the open side of a border, which stays open.
+A corner is the middle of a gap if the triangle of the three points has no obtuse angle. Else it
+lies beyond the triangle's longest side, within a gap of other points or off the border of a surface,
+which stays open. A neighbour beyond it tells which. Within a gap, the two points at the ends of the
+longest side reach it from both of its sides, so the third, at the obtuse angle, need not.
 """
 
 from __future__ import annotations
@@ -41,11 +42,8 @@ OBTUSE = 0.15
 """Minus the cosine of the largest angle of a triangle that is not obtuse. Above 0, as a square
 grid has right angles, and as each point sees the others in its own plane."""
 
-BEYOND = 1.7
+BEYOND = 3.0
 """Distance from a gap's middle, in the gap's radii, up to which a point lies about the gap."""
-
-MUCH = 3.0
-"""Square of how many times as far a corner lies as those of triangles without an obtuse angle."""
 
 ACROSS = 0.3
 """Radii by which such a point lies beyond the middle, seen from the triangle."""
@@ -127,14 +125,15 @@ def closing_radius(pull: Any, count: int, waiting: Any) -> tuple[float, bool]:
             # Choices instead of branches, which could not be foretold.
             is_acute = _is_acute(ax, ay, bx, by)
             furthest = max(furthest, gap if is_acute else zero)
-            is_open = (gap > widest) & (not is_acute)
+            # No obtuse angle at the point itself.
+            is_open = (gap > widest) & (not is_acute) & (ax * bx + ay * by >= zero)
             widest = gap if is_open else widest
             one, other = last if is_open else one, following if is_open else other
             last = following
             left -= 1
     if not nearest > zero:
         return np.inf, False
-    if widest > np.float32(MUCH) * furthest and _is_surrounded(right, up, count, one, other):
+    if widest > furthest and _is_surrounded(right, up, count, one, other):
         furthest = widest
     least = (2.0 * LEAST) ** 2 / float(nearest)
     return math.sqrt(max(float(furthest), least)), bool(furthest > zero)

@@ -2,7 +2,7 @@
 
 Where discs leave a gap of several pixels, what is around it is one surface: its depths lie on a
 plane. About a true gap they do not, as one part ends before another, or a surface turns away. And
-a gap between discs is hardly wider than the discs are.
+a gap between discs is at most twice as wide as the discs are.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from splatline.host.compiled_cache import cached_njit
 
 __all__ = ["REACH", "find_areas"]
 
-MOST_PIXELS = 16
+MOST_PIXELS = 32
 """Most pixels of an area."""
 
-MOST_SIDE = 5
+MOST_SIDE = 7
 """Most lines and columns of an area."""
 
 RING = 2
@@ -31,6 +31,9 @@ background shows between a few points that lie outside, and truly so."""
 
 ALWAYS = 3
 """Lines and columns of an area that is closed whatever the size of the words about it."""
+
+WIDER = 2
+"""How many times as long as the largest word about it a larger area may be."""
 
 STEP = 10, 511
 """Share of the depth range, as a fraction, by which the depths about an area may lie off a
@@ -120,7 +123,7 @@ def _find(
                 for column in range(SIDE):
                     if side > widest and window[line, column] == RIM:
                         i = owner[top + line, left + column]
-                        widest = max(widest, _extent(low[i], high[i] if is_plane else 0, is_plane))
+                        widest = max(widest, 2 * _extent(low[i], high[i] if is_plane else 0, is_plane))
             if side > widest:
                 continue
             for k in range(count):

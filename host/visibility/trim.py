@@ -15,11 +15,11 @@ from .view import View
 
 __all__ = ["trim", "trimmed_radii"]
 
-SMALL = 2.5
+SMALL = 8.0
 """Radius in pixels up to which a disc is trimmed to its closing radius."""
 
-LARGE = 5.0
-"""Radius in pixels from which on a disc is not trimmed: its gaps are larger than specks."""
+LARGE = 16.0
+"""Radius in pixels from which on a disc is not trimmed: its gaps are far larger than specks."""
 
 PER_PIXEL = 1.0 / (LARGE - SMALL)
 

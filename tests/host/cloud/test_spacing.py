@@ -92,19 +92,21 @@ def test_noise_across_the_surface_makes_discs_no_smaller():
         assert still < np.median(flat(points)) < 1.7 * still
 
 
-def furthest_corners(points, obtuse):
-    """Of each point the furthest Voronoi corner, by scipy; 0: none.
+def corners_of(points):
+    """Of each triangle, by scipy: its points, the cosines of their angles, and its circumradius."""
+    simplices = Delaunay(points).simplices
+    one, two, three = (points[simplices[:, k]] for k in range(3))
+    a, b, c = (np.linalg.norm(side, axis=1) for side in (two - three, three - one, one - two))
+    cosines = [(y * y + z * z - x * x) / (2 * y * z) for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
+    area = 0.25 * np.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c))
+    return simplices, np.column_stack(cosines), a * b * c / (4.0 * area)
 
-    The cosine of its triangle's largest angle is at least ``-obtuse``.
-    """
-    found = np.zeros(len(points))
-    for corners in Delaunay(points).simplices:
-        sides = [np.linalg.norm(points[corners[k - 1]] - points[corners[k - 2]]) for k in range(3)]
-        a, b, c = sorted(sides)
-        if (a * a + b * b - c * c) / (2.0 * a * b) < -obtuse:
-            continue
-        area = 0.25 * np.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c))
-        found[corners] = np.maximum(found[corners], a * b * c / (4.0 * area))
+
+def furthest(count, corners, counts):
+    """Of each point the furthest of its corners that count; 0: none."""
+    simplices, _, radii = corners
+    found = np.zeros(count)
+    np.maximum.at(found, simplices[counts], np.broadcast_to(radii[:, None], counts.shape)[counts])
     return found
 
 
@@ -114,12 +116,23 @@ def test_the_radii_are_those_of_scipys_voronoi_regions():
     radii = flat(np.column_stack([points, np.zeros(3000)]))
     inside = (np.abs(points - 0.5) < 0.4).all(axis=1)
     nearest = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, 1]
-    least = np.maximum(furthest_corners(points, OBTUSE), np.sqrt(0.5) * nearest)
-    most = np.maximum(furthest_corners(points, 1.0), least)
-    least, most = radii / least, radii / most
-    assert np.mean(np.abs(least[inside] - 1.0) < 1e-3) > 0.9
-    assert np.mean(least[inside] > 1.0 - 1e-3) > 0.99
-    assert np.mean(most[inside] < 1.0 + 1e-3) > 0.99
+    corners = corners_of(points)
+    cosines = corners[1]
+    acute = np.broadcast_to((cosines >= -OBTUSE).all(axis=1)[:, None], cosines.shape)
+    least = np.maximum(furthest(3000, corners, acute), np.sqrt(0.5) * nearest)
+    own = np.maximum(furthest(3000, corners, cosines >= -OBTUSE), least)
+    assert np.mean(np.abs(radii / own - 1.0)[inside] < 1e-3) > 0.98
+    assert np.mean((radii / least)[inside] > 1.0 - 1e-3) > 0.99
+    assert np.mean((radii / own)[inside] < 1.0 + 1e-3) > 0.99
+
+
+def test_nearly_every_gap_is_reached_by_a_disc():
+    points = np.random.default_rng(9).random((20_000, 2))
+    radii = flat(np.column_stack([points, np.zeros(20_000)]))
+    simplices, _, needed = corners_of(points)
+    inside = (np.abs(points - 0.5) < 0.45).all(axis=1)[simplices].all(axis=1)
+    is_open = radii[simplices].max(axis=1) < 0.9 * needed
+    assert not is_open[inside].any()
 
 
 def test_a_layer_that_faces_the_other_way_does_not_close_gaps():

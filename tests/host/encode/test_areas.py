@@ -14,6 +14,11 @@ FULL = sum(7 << RGB24.last(row).lsb for row in range(4)) | 1
 DOT = 1 | 1 << RGB24.first(1).lsb | 1 << RGB24.first(2).lsb | 1 << RGB24.first(3).lsb
 """A word of one pixel: rows whose first column is behind their last are empty."""
 
+PAIR = 1 | sum(1 << RGB24.last(row).lsb for row in (0, 1)) | sum(
+    1 << RGB24.first(row).lsb for row in (2, 3)
+)
+"""A word of two rows of two pixels."""
+
 HOLES = {
     "one": [(0, 0)],
     "square": [(0, 0), (0, 1), (1, 0), (1, 1)],
@@ -90,15 +95,16 @@ def test_depths_may_lie_a_little_off_a_plane():
 
 
 @pytest.mark.parametrize(("side", "word", "closed"), [
-    (3, DOT, True), (4, DOT, False), (4, FULL, True), (5, FULL, False),
+    (3, DOT, True), (4, DOT, False), (4, PAIR, True), (5, PAIR, False), (5, FULL, True),
+    (6, FULL, False),
 ])  # fmt: skip
-def test_a_hole_wider_than_the_words_about_it_stays(side, word, closed):
-    """Of five lines and columns it has 25 pixels, which are too many."""
+def test_a_hole_more_than_twice_as_wide_as_the_words_about_it_stays(side, word, closed):
+    """Of six lines and columns it has 36 pixels, which are too many."""
     square = [(y, x) for y in range(side) for x in range(side)]
     assert is_found(with_hole(surface(), square), word) == closed
 
 
-@pytest.mark.parametrize(("length", "closed"), [(5, True), (6, False)])
+@pytest.mark.parametrize(("length", "closed"), [(7, True), (8, False)])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_long_hole_stays(length, closed, turned):
     line = [(0, k) if turned else (k, 0) for k in range(length)]
@@ -132,14 +138,14 @@ def test_the_outside_is_no_area():
 @pytest.mark.parametrize("way", [(1, 0), (-1, 0), (0, 1), (0, -1)])
 def test_no_pixel_beyond_the_reach_matters(way):
     """A tile has to draw as much beside its own pixels, and no more."""
-    cross = [(k, 2) for k in range(5)] + [(2, k) for k in range(5)]
+    cross = [(k, 3) for k in range(7)] + [(3, k) for k in range(7)]
     depth = with_hole(surface(size=(40, 40)), cross, (18, 18))
     pixels, _ = found(depth)
-    assert len(pixels) == 9
+    assert len(pixels) == 13
     lines, columns = np.mgrid[:40, :40]
     along = way[0] * lines + way[1] * columns
     last = min(pixels @ way)
-    for reach, still in ((REACH, 9), (REACH - 1, 0)):
+    for reach, still in ((REACH, 13), (REACH - 1, 0)):
         assert len(found(np.where(along > last + reach, BACKGROUND, depth))[0]) == still
 
 
