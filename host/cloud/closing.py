@@ -6,9 +6,10 @@ where no pull exceeds 1. So in the direction w the region ends at 1 over the lar
 corner of two neighbours lies at |u - u'| / (u x u') from the point.
 
 A corner is the middle of a gap if the triangle of the three points has no obtuse angle. Else it
-lies beyond the triangle's longest side, within a gap of other points or off the border of a surface,
-which stays open. A neighbour beyond it tells which. Within a gap, the two points at the ends of the
-longest side reach it from both of its sides, so the third, at the obtuse angle, need not.
+lies beyond the triangle's longest side: within a gap of other points, or off the border of a
+surface, which stays open. A neighbour beyond it tells which. Within a gap, the two points at the
+ends of the longest side reach it from both of its sides. So the third, at the obtuse angle, need
+not.
 """
 
 from __future__ import annotations

@@ -123,7 +123,8 @@ def _find(
                 for column in range(SIDE):
                     if side > widest and window[line, column] == RIM:
                         i = owner[top + line, left + column]
-                        widest = max(widest, 2 * _extent(low[i], high[i] if is_plane else 0, is_plane))
+                        extent = _extent(low[i], high[i] if is_plane else 0, is_plane)
+                        widest = max(widest, WIDER * extent)
             if side > widest:
                 continue
             for k in range(count):

@@ -97,7 +97,8 @@ def corners_of(points):
     simplices = Delaunay(points).simplices
     one, two, three = (points[simplices[:, k]] for k in range(3))
     a, b, c = (np.linalg.norm(side, axis=1) for side in (two - three, three - one, one - two))
-    cosines = [(y * y + z * z - x * x) / (2 * y * z) for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
+    turns = (a, b, c), (b, c, a), (c, a, b)
+    cosines = [(y * y + z * z - x * x) / (2 * y * z) for x, y, z in turns]
     area = 0.25 * np.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c))
     return simplices, np.column_stack(cosines), a * b * c / (4.0 * area)
 

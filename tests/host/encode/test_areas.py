@@ -14,9 +14,7 @@ FULL = sum(7 << RGB24.last(row).lsb for row in range(4)) | 1
 DOT = 1 | 1 << RGB24.first(1).lsb | 1 << RGB24.first(2).lsb | 1 << RGB24.first(3).lsb
 """A word of one pixel: rows whose first column is behind their last are empty."""
 
-PAIR = 1 | sum(1 << RGB24.last(row).lsb for row in (0, 1)) | sum(
-    1 << RGB24.first(row).lsb for row in (2, 3)
-)
+PAIR = DOT - (1 << RGB24.first(1).lsb) + sum(1 << RGB24.last(row).lsb for row in (0, 1))
 """A word of two rows of two pixels."""
 
 HOLES = {
