@@ -84,7 +84,7 @@ def _find(
 ) -> int:
     """Find the pixel that each pixel of a small area takes its depth and look from.
 
-    Pixels of an area touch at their sides. What decides about an area are the depths before any is
+    Pixels of an area touch at their sides or corners. What decides about an area are the depths before any is
     closed, so their order does not matter.
 
     Parameters
@@ -146,9 +146,8 @@ def _flood(depth: Any, background: int, y: int, x: int, area: Any) -> int:
     area[0, 0], area[0, 1] = y, x
     count, at = 1, 0
     while at < count:
-        for way in range(4):
-            line = area[at, 0] + (way == 0) - (way == 1)
-            column = area[at, 1] + (way == 2) - (way == 3)
+        for way in range(9):
+            line, column = area[at, 0] + way // 3 - 1, area[at, 1] + way % 3 - 1
             if depth[line, column] != background:
                 continue
             known = False

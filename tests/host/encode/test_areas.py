@@ -23,6 +23,7 @@ HOLES = {
     "ring": [(y, x) for y in range(3) for x in range(3) if (y, x) != (1, 1)],
     "stair": [(0, 0), (0, 1), (1, 1), (1, 2), (2, 2)],
     "left of its first": [(0, 2), (1, 2), (1, 1), (1, 0), (2, 0)],
+    "touching at corners": [(0, 2), (1, 1), (1, 3), (2, 0), (3, 1)],
 }
 
 
@@ -109,7 +110,7 @@ def test_a_long_hole_stays(length, closed, turned):
     assert is_found(with_hole(surface(), line)) == closed
 
 
-@pytest.mark.parametrize("beside", [(0, 2), (2, 2), (2, 0), (-1, 1)])
+@pytest.mark.parametrize("beside", [(0, 2), (2, 2), (2, 0), (-2, 1)])
 def test_a_frayed_outline_stays(beside):
     """Other background is within two pixels."""
     assert not is_found(with_hole(surface(), [(0, 0), beside]))
