@@ -84,8 +84,8 @@ def _find(
 ) -> int:
     """Find the pixel that each pixel of a small area takes its depth and look from.
 
-    Pixels of an area touch at their sides or corners. What decides about an area are the depths before any is
-    closed, so their order does not matter.
+    Pixels of an area touch at their sides or corners. What decides about an area are the depths
+    before any is closed, so their order does not matter.
 
     Parameters
     ----------
