@@ -43,7 +43,7 @@ OBTUSE = 0.15
 """Minus the cosine of the largest angle of a triangle that is not obtuse. Above 0, as a square
 grid has right angles, and as each point sees the others in its own plane."""
 
-BEYOND = 3.0
+BEYOND = 2.0
 """Distance from a gap's middle, in the gap's radii, up to which a point lies about the gap."""
 
 ACROSS = 0.3
