@@ -1,8 +1,8 @@
 """Trims small discs, for pictures whose specks are closed in the image.
 
 Discs that overlap close a surface that bends, and cover more than the surface at its outline. What
-small discs leave open is as small as a pixel, and ``close_specks`` closes it. So they need not
-overlap (decision 0116).
+small discs leave open is small as well, and ``close_specks`` closes nearly all of it. So they need
+not overlap (decision 0116).
 """
 
 from __future__ import annotations
